@@ -1,0 +1,1 @@
+"""The built-in suite, one file a case, each citing its truth."""

@@ -1,0 +1,1 @@
+"""The command ``denoc``: verbs parse, call and print."""

@@ -1,0 +1,1 @@
+"""Trajectories, spectra, attribution, error budget."""

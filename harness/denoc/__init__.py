@@ -1,0 +1,1 @@
+"""Native dynamics by the decoupled natural orthogonal complement."""

@@ -1,0 +1,1 @@
+"""Locate, hypothesise, fit, select, explain, propose the next experiment."""

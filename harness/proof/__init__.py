@@ -1,0 +1,1 @@
+"""Conceal effects in recordings made by other engines, score what diagnosis finds."""

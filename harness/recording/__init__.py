@@ -1,0 +1,1 @@
+"""Recordings: read, map, check; sensors as measurement models."""

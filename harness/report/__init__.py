@@ -1,0 +1,1 @@
+"""Tables, HTML, plots, JUnit XML."""

@@ -1,0 +1,254 @@
+"""What a mechanism is: links and joints of a tree on a fixed base, immutable.
+
+Units are SI. Frames and signs, once for the whole project:
+
+- Every link has a *link frame*; it coincides with the frame of the joint that carries the link.
+- ``Joint.xyz`` and ``Joint.rotation`` place the joint frame in the parent's link frame at zero joint position;
+  ``rotation`` maps coordinates in the joint frame to coordinates in the parent frame.
+- A positive joint position turns (or shifts) the child about (along) ``axis``, given in the joint frame, right-handed.
+- ``gravity`` is the acceleration of free fall in base coordinates, (0, 0, -9.81) by default.
+- Inertia tensors are taken about the centre of mass, in axes parallel to the link frame.
+- A joint on a flexible link rides on the beam's cross-section at the station nearest to the joint's origin
+  (station = origin · direction, within 0 and length); what is left of the origin is a rigid offset from that section.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+
+
+def constant(value: object) -> Array:
+    """A float array that cannot be written to."""
+    array = np.array(value, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+class JointType(StrEnum):
+    """Kinds of joint that the native dynamics models."""
+
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint that carries ``child`` on ``parent``.
+
+    xyz: origin of the joint frame in the parent's link frame [m], shape (3,).
+    rotation: joint frame to parent frame, shape (3, 3).
+    axis: unit axis in the joint frame, shape (3,).
+    armature: inertia added about (mass along) the axis [kg·m² or kg]; the paper's hub inertia I_h.
+    damping: viscous coefficient [N·m·s/rad or N·s/m]; the paper's ξ.
+    friction: dry friction, truly sticking [N·m or N].
+    stiffness, rest_position: linear spring [N·m/rad or N/m] and where it is slack [rad or m].
+    lower, upper: limits of position [rad or m]; recorded, not enforced by the dynamics.
+    effort, velocity: limits as stated by the model file; recorded, not enforced.
+    """
+
+    name: str
+    type: JointType
+    parent: str
+    child: str
+    xyz: Array = field(default_factory=lambda: constant(np.zeros(3)))
+    rotation: Array = field(default_factory=lambda: constant(np.eye(3)))
+    axis: Array = field(default_factory=lambda: constant([0.0, 0.0, 1.0]))
+    armature: float = 0.0
+    damping: float = 0.0
+    friction: float = 0.0
+    stiffness: float = 0.0
+    rest_position: float = 0.0
+    lower: float = -np.inf
+    upper: float = np.inf
+    effort: float = np.inf
+    velocity: float = np.inf
+
+    @property
+    def movable(self) -> bool:
+        """Whether the joint has a coordinate."""
+        return self.type is not JointType.FIXED
+
+    @property
+    def prismatic(self) -> bool:
+        return self.type is JointType.PRISMATIC
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """The elastic part of a flexible link: a slender Euler-Bernoulli beam from the link's origin to its tip.
+
+    length: l [m].
+    direction: unit vector from joint to tip, undeformed, in the link frame, shape (3,).
+    bending: unit vector of positive deflection, orthogonal to ``direction``, shape (3,).
+    mass: of the beam alone [kg]; mass per length ρ = mass / length, uniform.
+    bending_stiffness: EI for deflection along ``bending`` [N·m²].
+    bending_stiffness2: EI for deflection along direction × bending [N·m²]; used if ``bending2``.
+    bending2: whether the second plane bends too.
+    torsional_stiffness, polar_inertia: GJ [N·m²] and ρ I_p per length [kg·m], used if ``torsion_modes`` > 0.
+    half_depth: distance from the neutral axis to the root surface where a gauge reads strain [m]; nan if unknown.
+    material_damping: Kelvin-Voigt [s]: stress = E (strain + damping · strain rate).
+    modes: number of modes in each bending plane.
+    torsion_modes: number of torsion modes.
+    modal_damping: ratios of the modes of the link as mounted, shape (k,), k ≤ modes; added to the material damping.
+    geometric_stiffening: whether foreshortening (second-order axial displacement) is kept.
+    payload: point mass at the tip [kg]; the paper's m_p.
+    payload_inertia: inertia of the payload about the tip, in link axes [kg·m²], shape (3, 3).
+    shapes: "auto", "clamped_free", "tip_mass", "hub" (pinned with hub inertia) or "samples".
+    shape_samples: user shapes for "samples": first column the station in [0, 1], one further column a mode, shape (p, 1 + modes).
+    """
+
+    length: float
+    direction: Array
+    bending: Array
+    mass: float
+    bending_stiffness: float
+    bending_stiffness2: float = 0.0
+    bending2: bool = False
+    torsional_stiffness: float = 0.0
+    polar_inertia: float = 0.0
+    half_depth: float = float("nan")
+    material_damping: float = 0.0
+    modes: int = 1
+    torsion_modes: int = 0
+    modal_damping: tuple[float, ...] = ()
+    geometric_stiffening: bool = True
+    payload: float = 0.0
+    payload_inertia: Array = field(default_factory=lambda: constant(np.zeros((3, 3))))
+    shapes: str = "auto"
+    shape_samples: Array | None = None
+    # What the table said, kept for `audit` and for writing the file back; nan where the file gave EI and mass outright.
+    width: float = float("nan")
+    thickness: float = float("nan")
+    youngs_modulus: float = float("nan")
+    density: float = float("nan")
+
+    @property
+    def coordinates(self) -> int:
+        """Number of elastic coordinates m of the link."""
+        return self.modes * (2 if self.bending2 else 1) + self.torsion_modes
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A body: rigid, or flexible if it has a ``beam``.
+
+    mass, com, inertia: of the whole link undeformed (beam and payload included if flexible)
+        [kg], [m] shape (3,), [kg·m²] about the centre of mass shape (3, 3).
+    """
+
+    name: str
+    mass: float = 0.0
+    com: Array = field(default_factory=lambda: constant(np.zeros(3)))
+    inertia: Array = field(default_factory=lambda: constant(np.zeros((3, 3))))
+    beam: Beam | None = None
+
+    @property
+    def flexible(self) -> bool:
+        return self.beam is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Attachment:
+    """An effect of the catalogue that the system has, as a model file states it.
+
+    effect: name in the catalogue; site: joint, link, channel or ``base``; parameters: SI values by name;
+    std: standard deviations by parameter name, where known.
+    """
+
+    effect: str
+    site: str
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    std: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """A tree-structured mechanism on a fixed base.
+
+    joints: in topological order (a joint's parent link is ``base`` or the child of an earlier joint).
+    links: in the order of the joints that carry them; the base is not among them.
+    gravity: free-fall acceleration in base coordinates [m/s²], shape (3,).
+    tolerance: relative 1σ of the nominal masses, lengths, inertias and stiffnesses.
+    attachments: effects beyond the nominal physics.
+    source: the file it was read from.
+    notes: what reading the file left out or had to interpret, one line each.
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    links: tuple[Link, ...]
+    base: str = "base"
+    gravity: Array = field(default_factory=lambda: constant(STANDARD_GRAVITY))
+    tolerance: float = 0.01
+    attachments: tuple[Attachment, ...] = ()
+    source: Path | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def movable_joints(self) -> tuple[Joint, ...]:
+        return tuple(joint for joint in self.joints if joint.movable)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Movable joints in the order of the joint coordinates."""
+        return tuple(joint.name for joint in self.movable_joints)
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """All generalized coordinates: each joint, followed by the elastic coordinates ``<link>.mode<k>`` of its link."""
+        names: list[str] = []
+        for joint, link in zip(self.joints, self.links, strict=True):
+            if joint.movable:
+                names.append(joint.name)
+            if link.beam is not None:
+                names += [f"{link.name}.mode{k + 1}" for k in range(link.beam.coordinates)]
+        return tuple(names)
+
+    @property
+    def flexible(self) -> bool:
+        return any(link.flexible for link in self.links)
+
+    def joint(self, name: str) -> Joint:
+        """The joint of that name; KeyError if there is none."""
+        for joint in self.joints:
+            if joint.name == name:
+                return joint
+        raise KeyError(name)
+
+    def link(self, name: str) -> Link:
+        """The link of that name; KeyError if there is none."""
+        for link in self.links:
+            if link.name == name:
+                return link
+        raise KeyError(name)
+
+    def carrier(self, link_name: str) -> Joint:
+        """The joint that carries the link of that name; KeyError if there is none."""
+        for joint in self.joints:
+            if joint.child == link_name:
+                return joint
+        raise KeyError(link_name)
+
+    def replace_joint(self, joint: Joint) -> System:
+        """The same system with the joint of that name replaced."""
+        return replace(self, joints=tuple(joint if j.name == joint.name else j for j in self.joints))
+
+    def replace_link(self, link: Link) -> System:
+        """The same system with the link of that name replaced."""
+        return replace(self, links=tuple(link if k.name == link.name else k for k in self.links))
+
+    def rigid(self) -> System:
+        """The same system with every beam frozen in its undeformed shape."""
+        return replace(self, links=tuple(replace(link, beam=None) for link in self.links))
