@@ -1,4 +1,4 @@
-"""DeNOC multibody dynamics, a harness that checks it against other engines, and diagnosis of what a simulation left out.
+"""DeNOC multibody dynamics, a harness that checks it against other engines, and diagnosis of what a model left out.
 
 The names below are imported when first used, so that ``denoc --help`` starts quickly.
 """

@@ -28,7 +28,7 @@ class EngineModel(Protocol):
     names: tuple[str, ...]
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        """Accelerations qdd; passive joint forces of the model (damping, stiffness) act as well, dry friction does not."""
+        """Accelerations qdd; passive joint forces (damping, stiffness) act as well, dry friction does not."""
         ...
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:

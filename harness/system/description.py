@@ -106,7 +106,8 @@ class Beam:
     payload: point mass at the tip [kg]; the paper's m_p.
     payload_inertia: inertia of the payload about the tip, in link axes [kg·m²], shape (3, 3).
     shapes: "auto", "clamped_free", "tip_mass", "hub" (pinned with hub inertia) or "samples".
-    shape_samples: user shapes for "samples": first column the station in [0, 1], one further column a mode, shape (p, 1 + modes).
+    shape_samples: user shapes for "samples": first column the station in [0, 1], then one column a mode,
+        shape (p, 1 + modes).
     """
 
     length: float
@@ -207,7 +208,7 @@ class System:
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
-        """All generalized coordinates: each joint, followed by the elastic coordinates ``<link>.mode<k>`` of its link."""
+        """Generalized coordinates: each joint, followed by the elastic coordinates ``<link>.mode<k>`` of its link."""
         names: list[str] = []
         for joint, link in zip(self.joints, self.links, strict=True):
             if joint.movable:
