@@ -1,6 +1,19 @@
 """What a mechanism is, and URDF, MJCF and TOML in and out."""
 
 from harness.system.description import Attachment, Beam, Joint, JointType, Link, System
+from harness.system.load import load
+from harness.system.random_systems import random_chain, random_tree
 from harness.system.trajectory import Trajectory
 
-__all__ = ["Attachment", "Beam", "Joint", "JointType", "Link", "System", "Trajectory"]
+__all__ = [
+    "Attachment",
+    "Beam",
+    "Joint",
+    "JointType",
+    "Link",
+    "System",
+    "Trajectory",
+    "load",
+    "random_chain",
+    "random_tree",
+]

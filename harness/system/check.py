@@ -1,0 +1,125 @@
+"""Whether a system has dynamics at all: possible bodies, and inertia against every joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from harness.errors import InputError
+from harness.system.description import Array, Joint, Link, System
+from harness.system.inertia import about_origin, impossible
+from harness.system.rotation import about_axis, skew
+
+# Below this share of the body's inertia, what is left about an axis is rounding.
+_ROUNDING = 1e-13
+# Configurations tried [rad or m]: three massless axes that cross may be singular in one pose and sound in all others.
+_POSES = 3
+
+
+def check_bodies(
+    links: tuple[Link, ...],
+    *,
+    physical: bool = True,
+    source: Path | None = None,
+    lines: Mapping[tuple[str, str], int] | None = None,
+) -> tuple[str, ...]:
+    """Refuse links that no body can be; with ``physical=False`` tell so in notes instead.
+
+    Raises InputError naming the link. A negative mass is refused always.
+    """
+    notes = []
+    for link in links:
+        why = impossible(link.mass, np.asarray(link.inertia))
+        if why is None:
+            continue
+        if physical or link.mass < 0.0:
+            raise InputError(
+                f"link {link.name!r}: {why}",
+                mend="inertia is meant about the centre of mass; to go on with an unphysical model load it with "
+                "physical=False"
+                if link.mass >= 0.0
+                else "give a positive mass",
+                source=source,
+                line=(lines or {}).get(("link", link.name)),
+            )
+        notes.append(f"link {link.name!r}: {why}; taken as it stands")
+    return tuple(notes)
+
+
+def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | None = None) -> None:
+    """Refuse a movable joint that has no positive inertia against it: nothing down the tree resists its motion.
+
+    The articulated-body inertia of every joint (its D of the U D Uᵀ factors, beams frozen) is computed in three poses.
+    Raises InputError naming the joint if it is not positive in any, or negative in one.
+    """
+    rng = np.random.default_rng(20)
+    best = {joint.name: -np.inf for joint in system.movable_joints}
+    for pose in range(_POSES):
+        q = np.zeros(len(best)) if pose == 0 else rng.uniform(-1.0, 1.0, len(best))
+        for name, share in _articulated(system, q).items():
+            best[name] = -np.inf if share < -_ROUNDING else max(best[name], share)
+            if share < -_ROUNDING:
+                raise _no_inertia(system, name, "is negative", lines)
+    for name, share in best.items():
+        if share <= _ROUNDING:
+            raise _no_inertia(system, name, "is zero", lines)
+
+
+def _no_inertia(system: System, name: str, how: str, lines: Mapping[tuple[str, str], int] | None) -> InputError:
+    joint = system.joint(name)
+    along = "along" if joint.prismatic else "about"
+    return InputError(
+        f"joint {name!r}: inertia {along} its axis {how}, so its acceleration is not determined",
+        mend=f"give link {joint.child!r} or what it carries mass and inertia, or the joint an armature",
+        source=system.source,
+        line=(lines or {}).get(("joint", name)),
+    )
+
+
+def _articulated(system: System, q: Array) -> dict[str, float]:
+    """Articulated-body inertia about (along) each movable joint's axis, as a share of its body's inertia."""
+    index = {link.name: k for k, link in enumerate(system.links)}
+    inertia = [_spatial_inertia(link) for link in system.links]
+    shares: dict[str, float] = {}
+    coordinate = len(q)
+    for k in range(len(system.joints) - 1, -1, -1):
+        joint = system.joints[k]
+        position = 0.0
+        body = inertia[k]
+        if joint.movable:
+            coordinate -= 1
+            position = q[coordinate]
+            subspace = np.zeros(6)
+            rows = slice(3, 6) if joint.prismatic else slice(0, 3)
+            subspace[rows] = joint.axis
+            u = body @ subspace
+            d = float(subspace @ u) + joint.armature
+            scale = float(np.trace(body[rows, rows])) + joint.armature
+            share = d / scale if scale > 0.0 else (0.0 if d == 0.0 else -np.inf)
+            shares[joint.name] = share
+            if share > _ROUNDING:
+                body = body - np.outer(u, u) / d
+        if joint.parent in index:
+            x = _to_child(joint, position)
+            inertia[index[joint.parent]] = inertia[index[joint.parent]] + x.T @ body @ x
+    return shares
+
+
+def _spatial_inertia(link: Link) -> Array:
+    """Generalized inertia matrix of a link about its origin, (angular, linear), shape (6, 6)."""
+    first = link.mass * skew(link.com)
+    return np.block([[about_origin(link), first], [first.T, link.mass * np.eye(3)]])
+
+
+def _to_child(joint: Joint, position: float) -> Array:
+    """Twist transform from the parent's link frame to the child's, (angular, linear), shape (6, 6)."""
+    rotation = np.asarray(joint.rotation)
+    origin = np.asarray(joint.xyz)
+    if joint.prismatic:
+        origin = origin + rotation @ (np.asarray(joint.axis) * position)
+    elif joint.movable:
+        rotation = rotation @ about_axis(joint.axis, position)
+    zero = np.zeros((3, 3))
+    return np.block([[rotation.T, zero], [-rotation.T @ skew(origin), rotation.T]])

@@ -1,0 +1,54 @@
+"""A system from a file, whatever of the known formats it is in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from harness.errors import InputError
+from harness.system.check import check_dynamics
+from harness.system.description import System
+from harness.system.read_toml import read_toml
+
+
+def load(path: str | Path, *, tolerance: float | None = None, physical: bool = True) -> System:
+    """Read a mechanism from URDF, MJCF or the project's TOML, told apart by content.
+
+    tolerance: relative 1σ of nominal masses, lengths, inertias, stiffnesses; overrides what the file says.
+    physical: refuse inertia that no body can have; with False it becomes a line in ``System.notes``, and only
+        joints without positive inertia against them are refused.
+    Raises InputError, one line that names file, line where known, what is wrong and the mend, and UnsupportedError
+    for what is well formed but not modelled.
+    """
+    source = Path(path)
+    data = _read(source)
+    if tolerance is not None and not 0.0 <= tolerance < 1.0:
+        raise InputError(f"tolerance {tolerance:g} is not a relative 1σ between 0 and 1", mend="0.01 is one per cent")
+    system = read_toml(_text(data, source), source, tolerance=tolerance, physical=physical)
+    check_dynamics(system)
+    return system
+
+
+def _read(source: Path) -> bytes:
+    try:
+        data = source.read_bytes()
+    except FileNotFoundError:
+        raise InputError("there is no such file", mend="check the path", source=source) from None
+    except IsADirectoryError:
+        raise InputError(
+            "is a folder, not a model file", mend="name a .urdf, .xml or .toml in it", source=source
+        ) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", mend="check its permissions", source=source) from None
+    if not data.strip():
+        raise InputError("is empty", mend="give a URDF, MJCF or TOML model", source=source)
+    return data
+
+
+def _text(data: bytes, source: Path) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(
+            "is not UTF-8 text", mend="give a URDF, MJCF or TOML model saved as UTF-8", source=source, line=line
+        ) from None

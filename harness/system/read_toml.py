@@ -1,0 +1,227 @@
+"""Systems from the project's own TOML files."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.errors import InputError, UnsupportedError
+from harness.system.check import check_bodies
+from harness.system.description import STANDARD_GRAVITY, Attachment, Joint, JointType, Link, System, constant
+from harness.system.flexible_link import read_flexible_link
+from harness.system.rotation import from_rpy
+from harness.system.suggest import did_you_mean
+from harness.system.table import TableReader, locate
+from harness.system.topology import arrange
+
+DEFAULT_TOLERANCE = 0.01
+_RIGID_KEYS = ("mass", "com", "inertia")
+_NOT_MODELLED = ("floating", "planar", "free", "ball", "spherical", "universal")
+
+
+def parse_toml(text: str, source: Path | None = None) -> dict[str, Any]:
+    """The raw tables of a TOML text. Raises InputError with line and column."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message = str(error)
+        line = _number_after(message, "at line ")
+        if "at end of document" in message:
+            line = len(text.splitlines())
+        column = _number_after(message, "column ")
+        what = message.partition(" (at ")[0]
+        raise InputError(
+            f"not valid TOML: {what}", mend="mend the syntax", source=source, line=line, column=column
+        ) from None
+
+
+def _number_after(message: str, word: str) -> int | None:
+    digits = message.partition(word)[2]
+    digits = digits[: len(digits) - len(digits.lstrip("0123456789"))]
+    return int(digits) if digits else None
+
+
+def read_toml(
+    text: str, source: Path | None = None, *, tolerance: float | None = None, physical: bool = True
+) -> System:
+    """A system from TOML text.
+
+    tolerance: overrides the file's. physical: refuse impossible inertia (else it becomes a note).
+    Raises InputError naming file, line, what and the mend.
+    """
+    raw = parse_toml(text, source)
+    places = locate(text)
+    _, keys = places[""][0]
+    top = TableReader(raw, "model", source, None, keys)
+    name = top.text("name", source.stem if source is not None else "system")
+    base = top.text("base", "base")
+    gravity = top.vector("gravity", STANDARD_GRAVITY)
+    stated = top.number("tolerance", DEFAULT_TOLERANCE, non_negative=True)
+    tolerance = stated if tolerance is None else tolerance
+    joint_tables = _tables(top, "joint", places)
+    link_tables = _tables(top, "link", places)
+    effect_tables = _tables(top, "effect", places)
+    top.finish()
+    if not joint_tables:
+        top.refuse("there is no [[joint]]", "a system has at least one joint on its base")
+
+    notes: list[str] = []
+    lines: dict[tuple[str, str], int] = {}
+    joints = []
+    for table in joint_tables:
+        joint = _joint(table)
+        joints.append(joint)
+        _note_line(lines, "joint", joint.name, table.line)
+    links = []
+    for table in link_tables:
+        link = _link(table, tolerance, notes)
+        links.append(link)
+        _note_line(lines, "link", link.name, table.line)
+    described = {link.name for link in links}
+    for joint in joints:
+        if joint.child not in described and joint.child != base:
+            raise InputError(
+                f"joint {joint.name!r}: child {joint.child!r} is not described",
+                mend=did_you_mean(joint.child, described - {j.child for j in joints}) or "add a [[link]] of that name",
+                source=source,
+                line=lines.get(("joint", joint.name)),
+            )
+    ordered_joints, ordered_links = arrange(joints, links, base, source=source, lines=lines)
+    notes += check_bodies(ordered_links, physical=physical, source=source, lines=lines)
+    return System(
+        name=name,
+        joints=ordered_joints,
+        links=ordered_links,
+        base=base,
+        gravity=gravity,
+        tolerance=tolerance,
+        attachments=tuple(_attachment(table) for table in effect_tables),
+        source=source,
+        notes=tuple(notes),
+    )
+
+
+def _note_line(lines: dict[tuple[str, str], int], kind: str, name: str, line: int | None) -> None:
+    if line is not None:
+        lines[(kind, name)] = line
+
+
+def _tables(top: TableReader, kind: str, places: Mapping[str, list[tuple[int, dict[str, int]]]]) -> list[TableReader]:
+    if not top.has(kind):
+        return []
+    value = top.table[kind]
+    if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+        top.refuse(f"{kind!r} must be a list of tables", f"write [[{kind}]] with two brackets", kind)
+    where = places.get(kind, [])
+    readers = []
+    for k, item in enumerate(value):
+        line, keys = where[k] if len(where) == len(value) else (None, {})
+        called = f"{kind} {item['name']!r}" if isinstance(item.get("name"), str) else f"{kind} number {k + 1}"
+        readers.append(TableReader(item, called, top.source, line, keys))
+    return readers
+
+
+def _joint(table: TableReader) -> Joint:
+    name = table.text("name")
+    kind = table.text("type")
+    if kind in _NOT_MODELLED:
+        raise UnsupportedError(
+            f"joint {name!r}: type {kind!r} is not modelled",
+            mend="use revolute, continuous, prismatic or fixed joints on a fixed base",
+            source=table.source,
+            line=table.lines.get("type", table.line),
+        )
+    if kind not in set(JointType):
+        table.refuse(f"unknown joint type {kind!r}", did_you_mean(kind, [str(t) for t in JointType]), "type")
+    joint_type = JointType(kind)
+    xyz, rotation = constant(np.zeros(3)), constant(np.eye(3))
+    origin = table.inner("origin")
+    if origin is not None:
+        xyz = origin.vector("xyz", (0.0, 0.0, 0.0))
+        rotation = constant(from_rpy(origin.vector("rpy", (0.0, 0.0, 0.0))))
+        origin.finish()
+    if joint_type is JointType.FIXED and not table.has("axis"):
+        axis = constant([0.0, 0.0, 1.0])
+    else:
+        axis = table.direction("axis", mend="add axis = [0, 1, 0], in the joint frame")
+    limits = table.inner("limits")
+    lower, upper, effort, velocity = -np.inf, np.inf, np.inf, np.inf
+    if limits is not None:
+        lower = limits.number("lower", lower, infinite=True)
+        upper = limits.number("upper", upper, infinite=True)
+        effort = limits.number("effort", effort, non_negative=True, infinite=True)
+        velocity = limits.number("velocity", velocity, non_negative=True, infinite=True)
+        if lower > upper:
+            limits.refuse(f"lower {lower:g} is above upper {upper:g}", "swap them")
+        limits.finish()
+    joint = Joint(
+        name=name,
+        type=joint_type,
+        parent=table.text("parent"),
+        child=table.text("child"),
+        xyz=xyz,
+        rotation=rotation,
+        axis=axis,
+        armature=table.number("armature", 0.0, non_negative=True),
+        damping=table.number("damping", 0.0, non_negative=True),
+        friction=table.number("friction", 0.0, non_negative=True),
+        stiffness=table.number("stiffness", 0.0),
+        rest_position=table.number("rest_position", 0.0),
+        lower=lower,
+        upper=upper,
+        effort=effort,
+        velocity=velocity,
+    )
+    table.finish()
+    return joint
+
+
+def _link(table: TableReader, tolerance: float, notes: list[str]) -> Link:
+    name = table.text("name")
+    if table.has("length"):
+        for key in ("com", "inertia"):
+            if key in table.table:
+                table.refuse(f"{key!r} follows from length, section and mass", "take it out of a flexible link", key)
+        link = read_flexible_link(table, name, tolerance)
+        table.finish()
+        return link
+    for key in ("direction", "bending", "section", "material", "modes"):
+        if key in table.table:
+            table.refuse(f"{key!r} belongs to a flexible link, but 'length' is missing", "add length = …", key)
+    mass = table.number(
+        "mass",
+        non_negative=True,
+        mend="a rigid link has mass, com and inertia; a flexible one has length; mass = 0.0 is massless",
+    )
+    if mass > 0.0:
+        notes += [
+            f"link {name!r}: no {key} given, taken as {meaning}"
+            for key, meaning in (("com", "the link's origin"), ("inertia", "a point mass"))
+            if not table.has(key)
+        ]
+    link = Link(
+        name=name,
+        mass=mass,
+        com=table.vector("com", (0.0, 0.0, 0.0)),
+        inertia=table.tensor("inertia") if table.has("inertia") else constant(np.zeros((3, 3))),
+    )
+    table.finish()
+    return link
+
+
+def _attachment(table: TableReader) -> Attachment:
+    def values(key: str) -> dict[str, float]:
+        inner = table.inner(key)
+        if inner is None:
+            return {}
+        return {name: inner.number(name) for name in inner.table}
+
+    attachment = Attachment(
+        effect=table.text("name"), site=table.text("site"), parameters=values("parameters"), std=values("std")
+    )
+    table.finish()
+    return attachment
