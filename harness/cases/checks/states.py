@@ -1,0 +1,175 @@
+"""The same quantity at the same random states in every engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.cases.case import NATIVE, Array, Bench, Row, Series
+from harness.engines.protocol import EngineModel
+from harness.errors import UnsupportedError
+from harness.system import System
+
+# A quantity at one state, as a flat array: (model, q, qd, qdd, tau) -> values.
+Quantity = Callable[[EngineModel, Array, Array, Array, Array], Array]
+
+QUANTITIES: dict[str, Quantity] = {
+    "acceleration": lambda m, q, qd, qdd, tau: m.forward_dynamics(q, qd, tau),
+    "inverse_dynamics": lambda m, q, qd, qdd, tau: m.inverse_dynamics(q, qd, qdd),
+    "mass_matrix": lambda m, q, qd, qdd, tau: np.asarray(m.mass_matrix(q)).ravel(),
+    "bias": lambda m, q, qd, qdd, tau: m.bias(q, qd),
+    "gravity": lambda m, q, qd, qdd, tau: m.gravity(q),
+    "energy": lambda m, q, qd, qdd, tau: np.asarray(m.energy(q, qd)),
+}
+
+
+@dataclass(frozen=True)
+class StateAgreement:
+    """Largest relative difference of a quantity between the native dynamics and each other engine.
+
+    quantity: a key of ``QUANTITIES``. allowed: relative. why: the reason for it. states: how many random states.
+    speed: 1σ of joint velocities [rad/s or m/s]; effort: 1σ of accelerations asked of inverse dynamics [rad/s²],
+    torques being of the size that inverse dynamics gives; elastic: 1σ of elastic coordinates.
+    """
+
+    quantity: str
+    allowed: float
+    why: str
+    states: int = 8
+    speed: float = 1.0
+    effort: float = 1.0
+    elastic: float = 1e-3
+
+    def run(self, bench: Bench) -> Iterable[Row | Series]:
+        states = random_states(bench, self.states, self.speed, self.effort, self.elastic)
+        values: dict[str, Array] = {}
+        reasons: dict[str, str] = {}
+        for name, model in bench.models.items():
+            try:
+                values[name] = evaluate(self.quantity, model, states)
+            except UnsupportedError as reason:
+                reasons[name] = str(reason)
+        if NATIVE not in values:
+            yield bench.skipped(self.quantity, (NATIVE,), reasons.get(NATIVE, "the native engine was left out"))
+            return
+        differences = {name: relative(values[NATIVE], value) for name, value in values.items() if name != NATIVE}
+        bad = any(not (d.max() <= self.allowed) for d in differences.values())
+        note = odd_one_out(values, self.allowed) if bad else ""
+        for name, difference in differences.items():
+            worst = int(np.argmax(np.where(np.isfinite(difference), difference, np.inf)))
+            divergence = None
+            if not difference[worst] <= self.allowed:
+                divergence = where(bench.system, self.quantity, worst, values[NATIVE][worst], values[name][worst])
+            yield bench.row(
+                self.quantity,
+                (NATIVE, name),
+                float(difference[worst]),
+                self.allowed,
+                why=self.why,
+                note=note,
+                first_divergence=divergence,
+            )
+        for name, reason in reasons.items():
+            yield bench.skipped(self.quantity, (NATIVE, name), reason)
+
+
+@dataclass(frozen=True)
+class States:
+    """Random states: position, velocity, acceleration and force, each shape (B, n)."""
+
+    q: Array
+    qd: Array
+    qdd: Array
+    tau: Array
+
+
+def random_states(bench: Bench, count: int, speed: float, effort: float, elastic: float) -> States:
+    """States inside the joints' limits (whole turns without limits), the same ones for every engine.
+
+    Torques are those that the native engine (or the first one there is) needs for the random accelerations, so that
+    accelerations stay of a sane size on every mechanism.
+    """
+    system = bench.system
+    rng = bench.rng()
+    lower, upper, bends = [], [], []
+    for name in system.coordinate_names:
+        bends.append(name not in system.joint_names)
+        joint = None if bends[-1] else system.joint(name)
+        default = 1.0 if joint is not None and joint.prismatic else np.pi
+        # The exact limits are left alone: engines that treat them as constraints would push there.
+        low = joint.lower if joint is not None and np.isfinite(joint.lower) else -default
+        high = joint.upper if joint is not None and np.isfinite(joint.upper) else default
+        lower.append(max(low, -default) if low < default else low)
+        upper.append(min(high, default) if high > -default else high)
+    low, high = np.array(lower), np.array(upper)
+    high = np.maximum(high, low)
+    n = len(low)
+    q = low + (high - low) * rng.uniform(0.05, 0.95, (count, n))
+    qd = speed * rng.standard_normal((count, n))
+    qdd = effort * rng.standard_normal((count, n))
+    soft = np.array(bends)
+    q[:, soft] = elastic * rng.standard_normal((count, int(soft.sum())))
+    qd[:, soft] *= elastic
+    first = bench.models.get(NATIVE) or next(iter(bench.models.values()))
+    tau = np.array([first.inverse_dynamics(q[k], qd[k], qdd[k]) for k in range(count)])
+    return States(q, qd, qdd, tau)
+
+
+def evaluate(quantity: str, model: EngineModel, states: States) -> Array:
+    """The quantity at every state, shape (B, k)."""
+    function = QUANTITIES[quantity]
+    count = len(states.q)
+    return np.array(
+        [
+            np.asarray(function(model, states.q[k], states.qd[k], states.qdd[k], states.tau[k]), dtype=np.float64)
+            for k in range(count)
+        ]
+    )
+
+
+def relative(a: Array, b: Array) -> Array:
+    """Largest difference of each state relative to the state's largest entry, shape (B,).
+
+    The scale is floored at one percent of the largest over all states: near an equilibrium there is nothing to
+    be relative to.
+    """
+    size = np.maximum(np.abs(a).max(axis=1), np.abs(b).max(axis=1))
+    scale = np.maximum(size, 0.01 * size.max())
+    difference = np.abs(a - b).max(axis=1)
+    # Two engines that both say exactly nothing (no gravity, say) agree.
+    return np.where(difference == 0.0, 0.0, difference / np.where(scale > 0.0, scale, 1.0))
+
+
+def odd_one_out(values: dict[str, Array], allowed: float) -> str:
+    """Which engine stands alone against the others that agree among themselves; says so if nobody can tell."""
+    names = list(values)
+    if len(names) < 3:
+        return "two engines disagree; a third one would tell which is the odd one out"
+    agree = {
+        (a, b): bool(relative(values[a], values[b]).max() <= allowed)
+        for i, a in enumerate(names)
+        for b in names[i + 1 :]
+    }
+    for name in names:
+        others = [same for pair, same in agree.items() if name not in pair]
+        mine = [same for pair, same in agree.items() if name in pair]
+        if all(others) and not any(mine):
+            return f"odd one out: {name} (the others agree among themselves)"
+    return "no single odd one out: " + ", ".join(f"{a} and {b} differ" for (a, b), same in agree.items() if not same)
+
+
+def where(system: System, quantity: str, state: int, a: Array, b: Array) -> dict[str, object]:
+    """The coordinate at which two values of a quantity differ most."""
+    names = system.coordinate_names
+    flat = np.abs(a - b)
+    worst = int(np.argmax(np.where(np.isfinite(flat), flat, np.inf)))
+    place: dict[str, object] = {"state": state}
+    if quantity == "energy":
+        place["part"] = ("kinetic", "potential")[worst]
+    elif quantity == "mass_matrix":
+        place["entry"] = [names[worst // len(names)], names[worst % len(names)]]
+    else:
+        place["coordinate"] = names[worst]
+    return place

@@ -1,0 +1,129 @@
+"""The same motion in every engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
+from harness.errors import UnsupportedError
+from harness.system import System, Trajectory
+
+
+@dataclass(frozen=True)
+class TrajectoryAgreement:
+    """Largest difference of the joints' positions between the native run and each other engine's.
+
+    position, velocity: initial state by coordinate name [rad or m, rad/s or m/s]; others start at zero.
+    duration [s], rate [Hz] of the samples; step: step [s] of engines with a fixed one. allowed [rad or m].
+    signal: ``position``, or the ending of a channel (``tip_deflection``), then ``relative=True`` counts the RMS
+    difference as a share of the peak.
+    """
+
+    allowed: float
+    why: str
+    position: tuple[tuple[str, float], ...] = ()
+    velocity: tuple[tuple[str, float], ...] = ()
+    duration: float = 10.0
+    rate: float = 100.0
+    step: float | None = None
+    signal: str = "position"
+    relative: bool = False
+    quantity: str = "trajectory"
+    figure: str = "trajectory"
+
+    def run(self, bench: Bench) -> Iterable[Row | Series]:
+        q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
+        time = np.linspace(0.0, self.duration, round(self.duration * self.rate) + 1)
+        signals: dict[str, dict[str, Array]] = {}
+        reasons: dict[str, str] = {}
+        for name, model in bench.models.items():
+            try:
+                signals[name] = pick(model.simulate(q0, qd0, time, step=self.step), bench.system, self.signal)
+            except UnsupportedError as reason:
+                reasons[name] = str(reason)
+        if NATIVE not in signals:
+            yield bench.skipped(self.quantity, (NATIVE,), reasons.get(NATIVE, "the native engine was left out"))
+            return
+        for name, signal in signals.items():
+            if name != NATIVE:
+                yield self._row(bench, name, time, signals[NATIVE], signal)
+            yield from self._lines(bench, name, time, signal)
+        for name, reason in reasons.items():
+            yield bench.skipped(self.quantity, (NATIVE, name), reason)
+
+    def _row(self, bench: Bench, name: str, time: Array, ours: dict[str, Array], theirs: dict[str, Array]) -> Row:
+        common = [key for key in ours if key in theirs]
+        if not common:
+            return bench.skipped(self.quantity, (NATIVE, name), f"{name} does not give {self.signal}")
+        apart = np.array([np.abs(ours[key] - theirs[key]) for key in common])
+        if self.relative:
+            peak = max(float(np.abs(ours[key]).max()) for key in common)
+            difference = float(np.sqrt((apart**2).mean(axis=1)).max() / peak)
+            line = self.allowed * peak
+        else:
+            difference = float(apart.max()) if np.isfinite(apart).all() else float("nan")
+            line = self.allowed
+        left = ~(apart.max(axis=0) <= line)
+        divergence = None
+        if not difference <= self.allowed:
+            first = int(np.argmax(left)) if left.any() else len(time) - 1
+            worst = common[int(np.argmax(np.nan_to_num(apart[:, first], nan=np.inf)))]
+            divergence = {"time": float(time[first]), "signal": worst}
+        unit = "1" if self.relative else unit_of(bench.system, common)
+        return bench.row(
+            self.quantity,
+            (NATIVE, name),
+            difference,
+            self.allowed,
+            unit=unit,
+            why=self.why,
+            first_divergence=divergence,
+            note=f"over {self.duration:g} s",
+        )
+
+    def _lines(self, bench: Bench, name: str, time: Array, signal: dict[str, Array]) -> Iterable[Series]:
+        for key, values in signal.items():
+            if not np.isfinite(values).all():
+                continue
+            label = name if len(signal) == 1 else f"{name}: {key}"
+            unit = "m" if self.signal.endswith("deflection") else unit_of(bench.system, [key])
+            yield Series(
+                bench.case.name,
+                self.figure,
+                label,
+                thin(time),
+                thin(values),
+                "time [s]",
+                f"{self.signal.replace('_', ' ')} [{unit}]",
+                title=bench.case.title,
+                style="line" if name == NATIVE else "dashed",
+            )
+
+
+def initial_state(system: System, position: dict[str, float], velocity: dict[str, float]) -> tuple[Array, Array]:
+    """Vectors of the system's coordinates from values by name; KeyError for a name the system does not have."""
+    names = list(system.coordinate_names)
+    q, qd = np.zeros(len(names)), np.zeros(len(names))
+    for vector, values in ((q, position), (qd, velocity)):
+        for name, value in values.items():
+            if name not in names:
+                raise KeyError(name)
+            vector[names.index(name)] = value
+    return q, qd
+
+
+def pick(trajectory: Trajectory, system: System, signal: str) -> dict[str, Array]:
+    """Joint positions by name, or the channels that end in ``.signal``."""
+    if signal == "position":
+        names = [name for name in trajectory.names if name in system.joint_names]
+        return {name: trajectory.position[:, trajectory.names.index(name)] for name in names}
+    return {key: values for key, values in trajectory.channels.items() if key.endswith("." + signal)}
+
+
+def unit_of(system: System, names: list[str]) -> str:
+    """rad, or m if every named joint slides."""
+    joints = [system.joint(name) for name in names if name in system.joint_names]
+    return "m" if joints and all(joint.prismatic for joint in joints) else "rad"

@@ -1,0 +1,199 @@
+"""Running cases over engines: each case in a process of its own, rows in the order of the suite."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from time import perf_counter
+
+from harness.cases.case import NATIVE, Bench, Case, Row, Series
+from harness.cases.discover import built_in, select
+from harness.cases.results import Results
+from harness.engines import registry
+from harness.engines.protocol import Engine, EngineModel
+from harness.errors import EngineUnavailableError, InputError, UnsupportedError
+from harness.parallel import parallel_map
+from harness.system import System
+from harness.system.suggest import did_you_mean
+
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one case gave: rows, data for plots, wall time [s]."""
+
+    case: str
+    title: str
+    rows: tuple[Row, ...]
+    series: tuple[Series, ...]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Task:
+    """One case for a worker: by name if built in, by path if it is a user's model."""
+
+    case: str
+    engines: tuple[str, ...]
+    model: Path | None = None
+
+
+def validate(
+    models: Sequence[str | Path] | str | Path | None = None,
+    *,
+    cases: Sequence[str] | None = None,
+    engines: Sequence[str] | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
+    progress: Progress | None = None,
+) -> Results:
+    """Compare the native dynamics with the other engines: on the built-in suite, or on models of the user's own.
+
+    models: URDF, MJCF or TOML files; None runs the suite. cases: names of the suite's cases (``chain*`` takes all that
+    start so). engines: by name, default all. workers: processes, default all cores. dask: address of a scheduler.
+    progress: called with (done, total, name of the case that ended).
+    Raises InputError for an unreadable model and an unknown case or engine.
+    """
+    if models is None:
+        return run([Task(case.name, engine_names(engines)) for case in select(cases)], workers, dask, progress)
+    paths = [Path(models)] if isinstance(models, str | Path) else [Path(model) for model in models]
+    if not paths:
+        raise InputError("the list of models is empty", mend="name at least one model, or pass None for the suite")
+    if cases:
+        raise InputError("cases are of the built-in suite and do not go with models", mend="give the one or the other")
+    from harness.cases.users import names_of, read
+
+    for path in paths:
+        read(path)  # what cannot be read is said before anything runs
+    tasks = [Task(name, engine_names(engines), path.resolve()) for name, path in names_of(paths).items()]
+    return run(tasks, workers, dask, progress)
+
+
+def engine_names(chosen: Sequence[str] | None) -> tuple[str, ...]:
+    """Names of the registry, native first; InputError for an unknown one."""
+    known = registry.names()
+    for name in chosen or ():
+        if name not in known:
+            raise InputError(f"no engine is named {name!r}", mend=did_you_mean(name, known))
+    wanted = [name for name in known if chosen is None or len(chosen) == 0 or name in chosen or name == NATIVE]
+    return tuple(sorted(wanted, key=lambda name: name != NATIVE))
+
+
+def run(
+    tasks: Sequence[Task],
+    workers: int | None = None,
+    dask: str | None = None,
+    progress: Progress | None = None,
+) -> Results:
+    """Run tasks in parallel; rows come in the order of the tasks, whatever the number of workers."""
+    start = perf_counter()
+    # The longest first, so that no core ends alone on a long one; the order of the rows stays that of the tasks.
+    order = sorted(range(len(tasks)), key=lambda k: -_cost(tasks[k]))
+    count = 0
+
+    def done(index: int, outcome: Outcome) -> None:
+        nonlocal count
+        count += 1
+        if progress is not None:
+            progress(count, len(tasks), outcome.case)
+
+    ran = parallel_map(run_task, [tasks[k] for k in order], workers=workers, dask=dask, done=done)
+    outcomes = [outcome for _, outcome in sorted(zip(order, ran, strict=True), key=lambda pair: pair[0])]
+    return Results(
+        rows=tuple(row for outcome in outcomes for row in outcome.rows),
+        series=tuple(series for outcome in outcomes for series in outcome.series),
+        versions=versions(),
+        titles={outcome.case: outcome.title for outcome in outcomes},
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        seconds=perf_counter() - start,
+        case_seconds={outcome.case: outcome.seconds for outcome in outcomes},
+    )
+
+
+def _cost(task: Task) -> float:
+    return 1.0 if task.model is not None else built_in()[task.case].cost
+
+
+def run_task(task: Task) -> Outcome:
+    """One task in this process."""
+    if task.model is not None:
+        from harness.cases.users import case_of
+
+        case = case_of(task.case, task.model)
+    else:
+        case = built_in()[task.case]
+    return run_case(case, {name: registry.engine(name) for name in task.engines})
+
+
+def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
+    """One case over the given engines, native first."""
+    start = perf_counter()
+    rows: list[Row] = []
+    series: list[Series] = []
+    try:
+        system = case.system()
+    except UnsupportedError as reason:
+        bench = Bench(case, System(case.name, (), ()), {})
+        rows.append(bench.skipped("all", (NATIVE,), str(reason)))
+        return Outcome(case.name, case.title, tuple(rows), (), perf_counter() - start)
+    models: dict[str, EngineModel] = {}
+    refusals: dict[str, str] = {}
+    for name, engine in engines.items():
+        if case.engines is not None and name not in case.engines:
+            continue
+        bench = Bench(case, system, {})
+        try:
+            engine.version()
+            reason = engine.refuses(system)
+            if reason is None:
+                models[name] = engine.build(system)
+                continue
+        except (EngineUnavailableError, UnsupportedError) as error:
+            reason = str(error)
+        except Exception as error:
+            rows.append(_broken(bench, "all", (name,), error))
+            continue
+        refusals[name] = reason
+        rows.append(bench.skipped("all", (NATIVE, name) if name != NATIVE else (NATIVE,), reason))
+    bench = Bench(case, system, models, refusals)
+    for check in case.checks:
+        try:
+            for item in check.run(bench):
+                if isinstance(item, Row):
+                    rows.append(item)
+                else:
+                    series.append(item)
+        except Exception as error:
+            # One broken engine or check must not take the other rows with it, and must not pass either.
+            rows.append(_broken(bench, check.quantity, tuple(models) or (NATIVE,), error))
+    rows.sort(key=lambda row: row.verdict == "skipped")
+    return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start)
+
+
+def _broken(bench: Bench, quantity: str, engines: tuple[str, ...], error: Exception) -> Row:
+    text = " ".join(str(error).split()) or "no message"
+    row = bench.row(quantity, engines, float("nan"), 0.0, why="must run", note=f"{type(error).__name__}: {text}")
+    return replace(row, allowed=None)
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, this package, and every engine of the registry (or why it is missing)."""
+    found = {"python": platform.python_version(), "platform": f"{platform.system()} {platform.machine()}"}
+    for name in ("denoc-harness", "numpy", "scipy", "numba"):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed as a package"
+    for name in registry.names():
+        if name == NATIVE:
+            continue
+        try:
+            found[name] = registry.engine(name).version()
+        except EngineUnavailableError as error:
+            found[name] = str(error)
+    return found

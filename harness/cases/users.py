@@ -1,0 +1,64 @@
+"""A user's own model as a case: the quantities of the suite at random states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.cases.case import Case, Check
+from harness.cases.checks import StateAgreement
+from harness.cases.tolerances import acceleration_allowed
+from harness.errors import InputError
+from harness.system import System, load
+
+
+def read(path: Path) -> System:
+    """The model; InputError if it cannot be read or has no joint that moves."""
+    system = load(path)
+    if not system.coordinate_names:
+        raise InputError("no joint moves", source=path, mend="give a mechanism with a revolute or prismatic joint")
+    return system
+
+
+def names_of(paths: Sequence[Path]) -> dict[str, Path]:
+    """One name a model: the file's stem, with as many folders before it as make it unique."""
+    names: dict[str, Path] = {}
+    unique = list(dict.fromkeys(path.resolve() for path in paths))
+    for path in unique:
+        depth = 1
+        parts = path.with_suffix("").parts
+        while depth < len(parts) and any(
+            other != path and other.with_suffix("").parts[-depth:] == parts[-depth:] for other in unique
+        ):
+            depth += 1
+        name = "/".join(parts[-depth:])
+        # The same stem with another ending (robot.urdf, robot.xml): the ending tells them apart.
+        names[name if name not in names else name + path.suffix] = path
+    return names
+
+
+def case_of(name: str, path: Path) -> Case:
+    """The case of one model file."""
+    system = read(path)
+    return Case(
+        name=name,
+        title=f"{system.name} ({path.name})",
+        source=str(path),
+        system=lambda: system,
+        checks=state_checks(len(system.coordinate_names)),
+        group="models",
+    )
+
+
+def state_checks(n: int, states: int = 8) -> tuple[Check, ...]:
+    """Acceleration, inverse dynamics, mass matrix, bias, gravity and energy of a mechanism with n coordinates."""
+    allowed, why = acceleration_allowed(n)
+    exact = "one pass over the links without division: rounding of double precision, twenty times over"
+    return (
+        StateAgreement("acceleration", allowed, why, states),
+        StateAgreement("inverse_dynamics", 1e-12 if n <= 50 else 1e-11, exact, states),
+        StateAgreement("mass_matrix", 1e-12 if n <= 50 else 1e-11, exact, states),
+        StateAgreement("bias", 1e-12 if n <= 50 else 1e-11, exact, states),
+        StateAgreement("gravity", 1e-12 if n <= 50 else 1e-11, exact, states),
+        StateAgreement("energy", 1e-12 if n <= 50 else 1e-11, exact, states),
+    )

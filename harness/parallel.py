@@ -1,0 +1,103 @@
+"""One parallel map for all wide work: processes on this machine, or an existing Dask cluster by its address.
+
+Results are in the order of the items and identical either way; what a task does must depend on its item alone.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
+
+from harness.errors import InputError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def default_workers() -> int:
+    """Number of processes used when none is asked for: the cores this process may run on."""
+    if hasattr(os, "sched_getaffinity"):
+        return max(1, len(os.sched_getaffinity(0)))
+    return max(1, os.cpu_count() or 1)
+
+
+def parallel_map(
+    function: Callable[[T], R],
+    items: Sequence[T],
+    *,
+    workers: int | None = None,
+    dask: str | None = None,
+    done: Callable[[int, R], None] | None = None,
+) -> list[R]:
+    """Apply a function to every item, on several processes.
+
+    function: picklable, or of a module that workers can import. workers: processes on this machine, default all
+    cores; 1 runs in this process. dask: address of a scheduler (``tcp://host:8786``), overrides ``workers``.
+    done: called in this process with (index, result) as each result arrives, in order of arrival (progress, saving).
+    Raises what the function raises; InputError if the address cannot be reached. Ctrl-C stops the workers.
+    """
+    results: dict[int, R] = {}
+    for index, result in _stream(function, items, workers, dask):
+        results[index] = result
+        if done is not None:
+            done(index, result)
+    return [results[index] for index in range(len(items))]
+
+
+def _stream(
+    function: Callable[[T], R], items: Sequence[T], workers: int | None, dask: str | None
+) -> Iterator[tuple[int, R]]:
+    if dask is not None:
+        return _on_cluster(function, items, dask)
+    count = default_workers() if workers is None else workers
+    if count < 1:
+        raise InputError(f"{count} workers", mend="give a number of at least 1")
+    if count == 1 or len(items) <= 1:
+        return ((index, function(item)) for index, item in enumerate(items))
+    return _on_processes(function, items, min(count, len(items)))
+
+
+def _indexed(function: Callable[[Any], Any], index: int, item: Any) -> tuple[int, Any]:
+    return index, function(item)
+
+
+def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) -> Iterator[tuple[int, R]]:
+    from joblib import Parallel, delayed, parallel_config
+    from joblib.externals.loky import get_reusable_executor
+
+    try:
+        # One thread a process: nested threads of BLAS or numba would only fight over the same cores.
+        with parallel_config(backend="loky", inner_max_num_threads=1):
+            run = Parallel(n_jobs=count, return_as="generator_unordered", batch_size=1, pre_dispatch="all")
+            yield from run(delayed(_indexed)(function, index, item) for index, item in enumerate(items))
+    except BaseException:
+        # Whatever went wrong (Ctrl-C included), no worker goes on computing for nobody.
+        get_reusable_executor().shutdown(wait=False, kill_workers=True)
+        raise
+
+
+def _on_cluster(function: Callable[[T], R], items: Sequence[T], address: str) -> Iterator[tuple[int, R]]:
+    try:
+        from distributed import Client, as_completed
+    except ImportError as error:
+        raise InputError(
+            "a Dask address was given, but the package distributed is missing",
+            mend="install denoc-harness[cluster]",
+        ) from error
+    try:
+        client = Client(address, timeout="10s", set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            f"no Dask scheduler answers at {address}", mend="start one with `dask scheduler`, or check the address"
+        ) from error
+    with client:
+        # pure=False: two equal items are two tasks, as on local processes.
+        futures = client.map(_indexed, [function] * len(items), range(len(items)), items, pure=False)
+        try:
+            for future in as_completed(futures):
+                yield future.result()
+                future.release()
+        except BaseException:
+            client.cancel(futures)
+            raise
