@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from harness.denoc.shapes import MODE_LIMIT, ModeShapes, mode_shapes, torsion_shapes
 from harness.errors import InputError
 from harness.system import Beam, Joint, JointType, Link, System
+from harness.system.inertia import about_origin
+from harness.system.rotation import skew
 
 Array = NDArray[np.float64]
 
@@ -34,7 +36,8 @@ _AXIS_TILT = 1e-3
 class Station:
     """A section of the beam: shapes and what belongs to them there.
 
-    s (m,); slope s' (m,) [1/m]; curvature s'' (m,) [1/m²]; foreshortening H (m, m) [1/m]. For twist, ``s`` is the angle's shape, ``slope`` its derivative.
+    s (m,); slope s' (m,) [1/m]; curvature s'' (m,) [1/m²]; foreshortening H (m, m) [1/m].
+    For twist, ``s`` is the angle's shape, ``slope`` its derivative.
     """
 
     x: float
@@ -325,7 +328,7 @@ def _root(system: System, link: Link, along: Array) -> Root:
         return Root(free=False)
     # An oblique axis swings the link out of the plane as well; in terms of the rotation in the plane that is inertia of
     # the hub, and the axis's own share enters squared.
-    about = _inertia_about_origin(link)
+    about = about_origin(link)
     across, spin = float(axis @ side) ** 2, float(axis @ forward) ** 2
     outside = across * float(along @ about @ along) + spin * float(beam.direction @ about @ beam.direction)
     inertia = joint.armature + float(axis @ hub[:3, :3] @ axis) + outside
@@ -376,7 +379,7 @@ def _articulated_inertia(system: System, joint: Joint) -> Array:
 
 def _moved(inertia: Array, joint: Joint) -> Array:
     """A spatial inertia given in a joint's frame, in the frame of the joint's parent link."""
-    rotation, shift = joint.rotation, _cross(joint.xyz)
+    rotation, shift = joint.rotation, skew(joint.xyz)
     # Twist (ω, v at the origin) of the parent frame to that of the joint frame.
     transform = np.zeros((6, 6))
     transform[:3, :3] = rotation.T
@@ -388,23 +391,13 @@ def _moved(inertia: Array, joint: Joint) -> Array:
 
 def _spatial_inertia(link: Link) -> Array:
     """Spatial inertia of a link about its frame's origin, beam undeformed; (6, 6), angular first."""
-    centre = _cross(link.com)
+    centre = skew(link.com)
     result = np.zeros((6, 6))
-    result[:3, :3] = _inertia_about_origin(link)
+    result[:3, :3] = about_origin(link)
     result[:3, 3:] = link.mass * centre
     result[3:, :3] = -link.mass * centre
     result[3:, 3:] = link.mass * np.eye(3)
     return result
-
-
-def _inertia_about_origin(link: Link) -> Array:
-    centre = _cross(link.com)
-    about: Array = link.inertia + link.mass * centre @ centre.T
-    return about
-
-
-def _cross(v: Array) -> Array:
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
 def _gauss(breaks: Array, nodes: int) -> tuple[Array, Array]:

@@ -136,7 +136,9 @@ class ExactShapes:
 
 @dataclass(frozen=True, eq=False)
 class SampledShapes:
-    """Shapes given by samples: a quintic spline through them, with s(0) = s'(0) = 0; not normalised.
+    """Shapes given by samples: a spline through them with s(0) = s'(0) = 0, not normalised.
+
+    The spline is quintic, of lower degree where there are less than five samples.
 
     length: l [m].
     spline: of the deflection over x / l, values (m,).
@@ -432,10 +434,10 @@ def _sampled(beam: Beam, count: int) -> SampledShapes:
     if samples is None:
         raise InputError('shapes = "samples" without samples', mend="give shape_samples, or another kind of shapes")
     table = np.asarray(samples, dtype=np.float64)
-    if table.ndim != 2 or table.shape[1] != 1 + count or table.shape[0] < 6:
+    if table.ndim != 2 or table.shape[1] != 1 + count or table.shape[0] < max(3, 1 + count):
         raise InputError(
             f"shape samples of shape {table.shape}",
-            mend=f"give at least 6 rows of the station in [0, 1] and {count} deflection(s)",
+            mend=f"give at least {max(3, 1 + count)} rows of the station in [0, 1] and {count} deflection(s)",
         )
     if not np.all(np.isfinite(table)):
         raise InputError("shape samples that are not finite numbers", mend="give finite numbers")
@@ -449,7 +451,7 @@ def _sampled(beam: Beam, count: int) -> SampledShapes:
         raise InputError(
             "a sampled shape that does not start at zero deflection", mend="measure it from the tangent at the root"
         )
-    degree = 5
+    degree = min(5, len(station))
     # One condition more than samples, the slope at the root; inner knots are averages of the stations, which keeps the
     # interpolation well posed (Schoenberg and Whitney).
     sites = np.concatenate([[0.0], station])
