@@ -18,6 +18,10 @@ from harness.system import System, Trajectory
 Array = NDArray[np.float64]
 
 
+class EngineError(RuntimeError):
+    """An engine gave up, reset itself or answered with NaN; the message names the engine and where in time."""
+
+
 @runtime_checkable
 class EngineModel(Protocol):
     """One system, built in one engine. Shapes: q, qd, qdd, tau (n,); mass matrix (n, n); SI units.

@@ -1,0 +1,303 @@
+"""MuJoCo: composite-body dynamics by sparse factorization, built through ``MjSpec`` (XML nesting ends near n = 500).
+
+Integrated by RK4, the only one of its integrators that converges fast enough to be compared with; contacts, limits and
+equalities are off. Dry friction is MuJoCo's ``frictionloss``: exact while sliding, but a soft constraint that creeps
+(about 0.015 rad/s) where a joint should stick. It acts in ``simulate`` alone, so that accelerations stay comparable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from harness.engines.checked import (
+    finite_result,
+    held_forces,
+    installed_version,
+    positive_step,
+    sample_times,
+    vector,
+)
+from harness.engines.protocol import Array, EngineError
+from harness.engines.small_motion import frequencies, jacobian
+from harness.errors import EngineUnavailableError, UnsupportedError
+from harness.system import System, Trajectory
+
+# At 1 ms a pendulum swung to 120° is within 5e-10 rad of the exact solution over ten seconds.
+DEFAULT_STEP = 1e-3
+# Below this MuJoCo's compiler refuses the mass or inertia of a moving body (its mjMINVAL is 1e-15).
+SMALLEST = 1e-14
+# MuJoCo treats positions and velocities above 1e10 as broken and resets them.
+HUGE = 1e10
+
+
+def _mujoco() -> Any:
+    try:
+        import mujoco
+    except ImportError as error:
+        raise EngineUnavailableError(f"MuJoCo cannot be loaded ({error}): pip install mujoco") from None
+    return mujoco
+
+
+def quaternion(rotation: Array) -> Array:
+    """Unit quaternion (w, x, y, z) of a rotation matrix, shape (4,)."""
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat(canonical=True)
+    return np.array([w, x, y, z])
+
+
+def principal(inertia: Array) -> tuple[Array, Array]:
+    """Principal moments, shape (3,), and the quaternion of their axes; rounding is kept from breaking A + B ≥ C.
+
+    LAPACK does this rather than MuJoCo's ``fullinertia``, whose iteration stops at a relative 1e-12.
+    """
+    if np.count_nonzero(inertia - np.diag(np.diagonal(inertia))) == 0:
+        return np.diagonal(inertia).copy(), np.array([1.0, 0.0, 0.0, 0.0])
+    moments, axes = np.linalg.eigh(inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] = -axes[:, 0]
+    return moments, quaternion(axes)
+
+
+def mujoco_spec(system: System, step: float = DEFAULT_STEP) -> Any:
+    """The rigid system as an ``MjSpec``; inertias too small for MuJoCo's compiler stand in as SMALLEST.
+
+    Conventions, all of them: the link frame is MuJoCo's body frame, and the joint sits at its origin with our axis;
+    body ``pos`` and ``quat`` are our ``xyz`` and ``rotation``; angles are radians; inertias are given about the centre
+    of mass by principal moments and axes. ``springref`` is our rest position and ``ref`` stays zero, so that
+    positions mean the same. Free fall is ``option.gravity``. MuJoCo numbers joints depth first; ``MujocoModel.order``
+    maps by name.
+    """
+    mujoco = _mujoco()
+    spec = mujoco.MjSpec()
+    spec.modelname = system.name
+    spec.compiler.degree = False
+    spec.compiler.boundmass = 0.0
+    spec.compiler.boundinertia = 0.0
+    spec.compiler.balanceinertia = False
+    spec.compiler.fusestatic = False
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.timestep = step
+    spec.option.gravity = np.array(system.gravity)
+    spec.option.disableflags = int(_silent_flags(mujoco))
+    bodies = {system.base: spec.worldbody}
+    for joint, link in zip(system.joints, system.links, strict=True):
+        moments, axes = principal(np.asarray(link.inertia))
+        body = bodies[joint.parent].add_body(
+            name=joint.child,
+            pos=np.array(joint.xyz),
+            quat=quaternion(joint.rotation),
+            mass=max(float(link.mass), SMALLEST),
+            ipos=np.array(link.com),
+            # What compiles does not matter: `mujoco_model` writes the true values afterwards.
+            inertia=np.full(3, max(float(np.max(moments)), SMALLEST)),
+            iquat=axes,
+            explicitinertial=True,
+        )
+        bodies[joint.child] = body
+        if joint.movable:
+            kind = mujoco.mjtJoint.mjJNT_SLIDE if joint.prismatic else mujoco.mjtJoint.mjJNT_HINGE
+            body.add_joint(
+                name=joint.name,
+                type=kind,
+                pos=np.zeros(3),
+                axis=np.array(joint.axis),
+                damping=np.array([joint.damping, 0.0, 0.0]),
+                stiffness=np.array([joint.stiffness, 0.0, 0.0]),
+                springref=joint.rest_position,
+                armature=joint.armature,
+                frictionloss=joint.friction,
+            )
+    return spec
+
+
+def _silent_flags(mujoco: Any) -> Any:
+    """Everything off that is not rigid-body dynamics, and the silent reset of broken states."""
+    off = mujoco.mjtDisableBit
+    return off.mjDSBL_CONSTRAINT | off.mjDSBL_CONTACT | off.mjDSBL_LIMIT | off.mjDSBL_EQUALITY | off.mjDSBL_AUTORESET
+
+
+def mujoco_model(system: System, step: float = DEFAULT_STEP) -> Any:
+    """The rigid system as a compiled ``MjModel`` with exactly our masses and inertias; UnsupportedError if refused."""
+    mujoco = _mujoco()
+    try:
+        model = mujoco_spec(system, step).compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise UnsupportedError(f"MuJoCo refuses the system: {reason}", source=system.source) from None
+    for link in system.links:
+        body = model.body(link.name).id
+        model.body_mass[body] = link.mass
+        model.body_inertia[body] = principal(np.asarray(link.inertia))[0]
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return model
+
+
+@dataclass(frozen=True, eq=False)
+class MujocoModel:
+    """A system in MuJoCo; see ``EngineModel``. ``order`` [k] is our index of MuJoCo's coordinate k."""
+
+    names: tuple[str, ...]
+    system: System
+    model: Any
+    data: Any
+    order: NDArray[np.intp]
+
+    def _set(self, q: Array, qd: Array | None = None) -> Any:
+        n = len(self.names)
+        self.data.qpos[:] = vector("q", q, n)[self.order]
+        self.data.qvel[:] = 0.0 if qd is None else vector("qd", qd, n)[self.order]
+        return _mujoco()
+
+    def _out(self, value: Array) -> Array:
+        result = np.empty(len(self.names))
+        result[self.order] = value
+        return result
+
+    def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
+        mujoco = self._set(q, qd)
+        self.data.qfrc_applied[:] = vector("tau", tau, len(self.names))[self.order]
+        mujoco.mj_forward(self.model, self.data)
+        return finite_result("mujoco", "forward dynamics", self._out(self.data.qacc))
+
+    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
+        mujoco = self._set(q, qd)
+        self.data.qacc[:] = vector("qdd", qdd, len(self.names))[self.order]
+        mujoco.mj_inverse(self.model, self.data)
+        return self._out(self.data.qfrc_inverse)
+
+    def mass_matrix(self, q: Array) -> Array:
+        mujoco = self._set(q)
+        mujoco.mj_fwdPosition(self.model, self.data)
+        theirs = np.zeros((self.model.nv, self.model.nv))
+        try:
+            mujoco.mj_fullM(self.model, self.data, theirs)
+        except TypeError:  # before 4.0 the sparse matrix itself was passed
+            mujoco.mj_fullM(self.model, theirs, self.data.qM)
+        result = np.empty_like(theirs)
+        result[np.ix_(self.order, self.order)] = theirs
+        return result
+
+    def bias(self, q: Array, qd: Array) -> Array:
+        mujoco = self._set(q, qd)
+        mujoco.mj_fwdPosition(self.model, self.data)
+        mujoco.mj_fwdVelocity(self.model, self.data)
+        return self._out(self.data.qfrc_bias)
+
+    def gravity(self, q: Array) -> Array:
+        return self.bias(q, np.zeros(len(self.names)))
+
+    def energy(self, q: Array, qd: Array) -> tuple[float, float]:
+        mujoco = self._set(q, qd)
+        return self._energy(mujoco)
+
+    def _energy(self, mujoco: Any) -> tuple[float, float]:
+        mujoco.mj_fwdPosition(self.model, self.data)
+        mujoco.mj_energyPos(self.model, self.data)
+        mujoco.mj_energyVel(self.model, self.data)
+        return float(self.data.energy[1]), float(self.data.energy[0])
+
+    def simulate(
+        self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
+    ) -> Trajectory:
+        """RK4 with steps of at most ``step`` [s] (1 ms if None); EngineError where the motion breaks down."""
+        n = len(self.names)
+        time = sample_times(time)
+        forces = held_forces(tau, time.size, n)
+        largest = positive_step(step) or DEFAULT_STEP
+        mujoco = _mujoco()
+        mujoco.mj_resetData(self.model, self.data)
+        self._set(q0, qd0)
+        position, velocity = np.empty((time.size, n)), np.empty((time.size, n))
+        energy = np.empty(time.size)
+        with self._friction(mujoco), _unlogged(mujoco):
+            for k, now in enumerate(time):
+                if k:
+                    span = now - time[k - 1]
+                    # A hair of slack, so that a sample spacing equal to the step is one step in spite of rounding.
+                    count = max(1, int(np.ceil(span / largest * (1.0 - 1e-9))))
+                    self.model.opt.timestep = span / count
+                    if forces is not None:
+                        self.data.qfrc_applied[:] = forces[k - 1][self.order]
+                    mujoco.mj_step(self.model, self.data, nstep=count)
+                    self._check(mujoco, now)
+                position[k] = self._out(self.data.qpos)
+                velocity[k] = self._out(self.data.qvel)
+                energy[k] = sum(self._energy(mujoco))
+        self.data.qfrc_applied[:] = 0.0
+        return Trajectory(time=time, names=self.names, position=position, velocity=velocity, energy=energy)
+
+    def _check(self, mujoco: Any, now: float) -> None:
+        broken = {
+            name: int(self.data.warning[int(kind)].number)
+            for name, kind in mujoco.mjtWarning.__members__.items()
+            if name in ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC", "mjWARN_INERTIA")
+        }
+        state = np.concatenate([self.data.qpos, self.data.qvel])
+        if any(broken.values()) or not np.all(np.abs(state) < HUGE):
+            said = ", ".join(name for name, number in broken.items() if number) or "a huge or non-finite state"
+            raise EngineError(f"mujoco broke down before t = {now} s ({said}): use a smaller step")
+
+    @contextmanager
+    def _friction(self, mujoco: Any) -> Iterator[None]:
+        """Constraints on while a system with dry friction is simulated."""
+        kept = int(self.model.opt.disableflags)
+        if np.any(self.model.dof_frictionloss):
+            self.model.opt.disableflags = kept & ~int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+        try:
+            yield
+        finally:
+            self.model.opt.disableflags = kept
+
+    def frequencies(self, q: Array) -> Array:
+        springs = self._out(np.asarray(self.model.jnt_stiffness).reshape(self.model.nv, -1)[:, 0])
+        stiffness = jacobian(self.gravity, vector("q", q, len(self.names)))
+        return frequencies(self.mass_matrix(q), stiffness + np.diag(springs))
+
+
+@contextmanager
+def _unlogged(mujoco: Any) -> Iterator[None]:
+    """Keeps MuJoCo from writing MUJOCO_LOG.TXT into the working directory; its warnings are read from counters."""
+    mujoco.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(None)
+
+
+@dataclass(frozen=True)
+class Mujoco:
+    """MuJoCo as an ``Engine``: rigid trees of any size."""
+
+    name: str = "mujoco"
+
+    def version(self) -> str:
+        return installed_version("mujoco", "MuJoCo")
+
+    def refuses(self, system: System) -> str | None:
+        if system.flexible:
+            return "MuJoCo has no elastic links"
+        if not system.joint_names:
+            return "the system has no movable joint"
+        if system.attachments:
+            return f"MuJoCo cannot express the effect {system.attachments[0].effect}"
+        return None
+
+    def build(self, system: System) -> MujocoModel:
+        """The system in MuJoCo; raises UnsupportedError with the reason if it is refused."""
+        reason = self.refuses(system)
+        if reason:
+            raise UnsupportedError(reason, source=system.source)
+        mujoco = _mujoco()
+        model = mujoco_model(system)
+        names = system.joint_names
+        places = {name: k for k, name in enumerate(names)}
+        order = np.empty(model.nv, dtype=np.intp)
+        for k in range(model.njnt):
+            order[model.jnt_dofadr[k]] = places[model.joint(k).name]
+        return MujocoModel(names=names, system=system, model=model, data=mujoco.MjData(model), order=order)

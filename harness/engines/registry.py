@@ -1,0 +1,61 @@
+"""The engines, by name; an engine that is not installed is listed all the same, with how to get it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+
+from harness.engines.protocol import Engine
+from harness.errors import EngineUnavailableError, InputError
+
+# Name to (module, class): imported when first asked for, so that listing engines loads none of them.
+_HOME = {
+    "denoc": ("harness.engines.denoc_native", "Native"),
+    "pinocchio": ("harness.engines.pinocchio", "Pinocchio"),
+    "mujoco": ("harness.engines.mujoco", "Mujoco"),
+    "analytic": ("harness.engines.analytic", "Analytic"),
+}
+
+
+@dataclass(frozen=True)
+class Availability:
+    """Whether an engine can be used: its version, or why not and how to get it."""
+
+    name: str
+    version: str | None
+    reason: str = ""
+
+
+def names() -> tuple[str, ...]:
+    """Names of all engines, the native one first."""
+    return tuple(_HOME)
+
+
+def engine(name: str) -> Engine:
+    """The engine of that name, installed or not; InputError if there is none."""
+    if name not in _HOME:
+        raise InputError(f"no engine is named {name!r}", mend=f"one of {', '.join(_HOME)}")
+    module, kind = _HOME[name]
+    made: Engine = getattr(import_module(module), kind)()
+    return made
+
+
+def engines() -> tuple[Engine, ...]:
+    """All engines, installed or not, the native one first."""
+    return tuple(engine(name) for name in _HOME)
+
+
+def availability() -> tuple[Availability, ...]:
+    """One line an engine, for tables: installed with its version, or missing with the reason."""
+    lines = []
+    for name in _HOME:
+        try:
+            lines.append(Availability(name, engine(name).version()))
+        except EngineUnavailableError as error:
+            lines.append(Availability(name, None, str(error)))
+    return tuple(lines)
+
+
+def available() -> tuple[Engine, ...]:
+    """The engines that are installed, the native one first."""
+    return tuple(engine(line.name) for line in availability() if line.version is not None)
