@@ -49,11 +49,17 @@ def check_bodies(
 
 
 def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | None = None) -> None:
-    """Refuse a movable joint that has no positive inertia against it: nothing down the tree resists its motion.
+    """Refuse a system without coordinates, or a movable joint with nothing down the tree that resists its motion.
 
     The articulated-body inertia of every joint (its D of the U D Uᵀ factors, beams frozen) is computed in three poses.
     Raises InputError naming the joint if it is not positive in any, or negative in one.
     """
+    if not system.coordinate_names:
+        raise InputError(
+            "nothing can move: there is no movable joint and no flexible link",
+            mend="add a revolute, continuous or prismatic joint",
+            source=system.source,
+        )
     rng = np.random.default_rng(20)
     best = {joint.name: -np.inf for joint in system.movable_joints}
     for pose in range(_POSES):

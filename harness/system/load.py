@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import codecs
 from pathlib import Path
 
 from harness.errors import InputError
-from harness.system.check import check_dynamics
 from harness.system.description import System
 from harness.system.read_toml import read_toml
+from harness.system.read_urdf import read_urdf
+from harness.system.xml_source import parse_xml
 
 
 def load(path: str | Path, *, tolerance: float | None = None, physical: bool = True) -> System:
@@ -23,9 +25,22 @@ def load(path: str | Path, *, tolerance: float | None = None, physical: bool = T
     data = _read(source)
     if tolerance is not None and not 0.0 <= tolerance < 1.0:
         raise InputError(f"tolerance {tolerance:g} is not a relative 1σ between 0 and 1", mend="0.01 is one per cent")
-    system = read_toml(_text(data, source), source, tolerance=tolerance, physical=physical)
-    check_dynamics(system)
-    return system
+    if not _is_xml(data):
+        return read_toml(_text(data, source), source, tolerance=tolerance, physical=physical)
+    root = parse_xml(data, source)
+    if root.tag == "robot":
+        return read_urdf(root, source, tolerance=tolerance, physical=physical)
+    raise InputError(
+        f"the root element is <{root.tag}>",
+        mend="URDF begins with <robot>, MJCF with <mujoco>",
+        source=source,
+        line=root.sourceline,
+    )
+
+
+def _is_xml(data: bytes) -> bool:
+    start = data[:64].removeprefix(codecs.BOM_UTF8).lstrip()
+    return start.startswith((b"<", codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
 
 
 def _read(source: Path) -> bytes:

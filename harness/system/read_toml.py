@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness.errors import InputError, UnsupportedError
-from harness.system.check import check_bodies
+from harness.system.check import check_bodies, check_dynamics
 from harness.system.description import STANDARD_GRAVITY, Attachment, Joint, JointType, Link, System, constant
 from harness.system.flexible_link import read_flexible_link
 from harness.system.rotation import from_rpy
@@ -92,7 +92,7 @@ def read_toml(
             )
     ordered_joints, ordered_links = arrange(joints, links, base, source=source, lines=lines)
     notes += check_bodies(ordered_links, physical=physical, source=source, lines=lines)
-    return System(
+    system = System(
         name=name,
         joints=ordered_joints,
         links=ordered_links,
@@ -103,6 +103,8 @@ def read_toml(
         source=source,
         notes=tuple(notes),
     )
+    check_dynamics(system, lines=lines)
+    return system
 
 
 def _note_line(lines: dict[tuple[str, str], int], kind: str, name: str, line: int | None) -> None:

@@ -1,0 +1,256 @@
+"""Systems from URDF, as ROS means it: http://wiki.ros.org/urdf/XML."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from harness.errors import InputError, UnsupportedError
+from harness.system.check import check_bodies, check_dynamics
+from harness.system.description import Array, Joint, JointType, Link, System, constant
+from harness.system.rotation import from_rpy
+from harness.system.suggest import did_you_mean
+from harness.system.topology import arrange
+
+_NOT_MODELLED = ("floating", "planar")
+
+
+def read_urdf(
+    root: Any, source: Path | None = None, *, tolerance: float | None = None, physical: bool = True
+) -> System:
+    """A system from the root element of a URDF document.
+
+    The root link is the fixed base; its inertia moves nothing. Mimic joints count as independent. Geometry, materials,
+    transmissions and simulator extensions are not read.
+    Raises InputError and UnsupportedError naming file, line, joint or link.
+    """
+    reader = _Reader(source, physical)
+    joints = [reader.joint(element) for element in root.findall("joint")]
+    links = [reader.link(element) for element in root.findall("link")]
+    if not links:
+        raise InputError("there is no <link>", mend="a robot has links and joints", source=source, line=root.sourceline)
+    base = reader.base(joints, links)
+    for link in links:
+        if link.name == base and link.mass > 0.0:
+            reader.notes.append(f"link {base!r} is the fixed base; its inertia is left out")
+    # A second link of the base's name stays in the list, for `arrange` to refuse it.
+    rest = list(links)
+    rest.remove(next(link for link in links if link.name == base))
+    ordered_joints, ordered_links = arrange(joints, rest, base, source=source, lines=reader.lines)
+    notes = [*reader.notes, *check_bodies(ordered_links, physical=physical, source=source, lines=reader.lines)]
+    system = System(
+        name=root.get("name") or (source.stem if source is not None else "robot"),
+        joints=ordered_joints,
+        links=ordered_links,
+        base=base,
+        tolerance=0.01 if tolerance is None else tolerance,
+        source=source,
+        notes=tuple(notes),
+    )
+    check_dynamics(system, lines=reader.lines)
+    return system
+
+
+class _Reader:
+    """Reads elements and collects notes and lines on the way."""
+
+    def __init__(self, source: Path | None, physical: bool) -> None:
+        self.source = source
+        self.physical = physical
+        self.notes: list[str] = []
+        self.lines: dict[tuple[str, str], int] = {}
+
+    def refuse(self, element: Any, what: str, mend: str = "") -> NoReturn:
+        raise InputError(what, mend=mend, source=self.source, line=element.sourceline)
+
+    def name(self, element: Any) -> str:
+        name = element.get("name")
+        if not name:
+            self.refuse(element, f"<{element.tag}> has no name", f'write <{element.tag} name="…">')
+        self.lines[(element.tag, name)] = element.sourceline
+        return str(name)
+
+    def numbers(self, element: Any, key: str, size: int, default: Array | None, owner: str) -> Array:
+        """``size`` finite numbers of an attribute."""
+        text = element.get(key)
+        if text is None:
+            if default is None:
+                self.refuse(element, f"{owner}: <{element.tag}> has no {key}", f'write {key}="…"')
+            return default
+        words = text.split()
+        try:
+            values = [float(word) for word in words]
+        except ValueError:
+            self.refuse(element, f"{owner}: {key}={text!r} is not a number", "write plain decimal numbers in SI")
+        if len(values) != size:
+            self.refuse(element, f"{owner}: {key}={text!r} has {len(values)} value(s)", f"give {size}")
+        if not all(math.isfinite(value) for value in values):
+            self.refuse(element, f"{owner}: {key}={text!r} is not finite", "give a finite number")
+        return constant(values)
+
+    def number(self, element: Any, key: str, default: float | None, owner: str) -> float:
+        return float(self.numbers(element, key, 1, None if default is None else constant([default]), owner)[0])
+
+    def origin(self, element: Any, owner: str) -> tuple[Array, Array]:
+        origin = element.find("origin")
+        if origin is None:
+            return constant(np.zeros(3)), constant(np.eye(3))
+        zero = constant(np.zeros(3))
+        xyz = self.numbers(origin, "xyz", 3, zero, owner)
+        return xyz, constant(from_rpy(self.numbers(origin, "rpy", 3, zero, owner)))
+
+    def link(self, element: Any) -> Link:
+        name = self.name(element)
+        owner = f"link {name!r}"
+        inertial = element.find("inertial")
+        if inertial is None:
+            return Link(name)
+        mass_element = inertial.find("mass")
+        if mass_element is None:
+            self.refuse(inertial, f"{owner}: <inertial> has no <mass>", 'add <mass value="…"/>')
+        mass = self.number(mass_element, "value", None, owner)
+        com, rotation = self.origin(inertial, owner)
+        tensor = np.zeros((3, 3))
+        inertia = inertial.find("inertia")
+        if inertia is not None:
+            xx, xy, xz, yy, yz, zz = (
+                self.number(inertia, key, None if key[1] == key[2] else 0.0, owner)
+                for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+            )
+            tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        elif mass > 0.0:
+            self.notes.append(f"{owner}: no <inertia>, taken as a point mass")
+        rotated = np.asarray(rotation) @ tensor @ np.asarray(rotation).T
+        return Link(name, mass=mass, com=com, inertia=constant((rotated + rotated.T) / 2.0))
+
+    def joint(self, element: Any) -> Joint:
+        name = self.name(element)
+        owner = f"joint {name!r}"
+        kind = element.get("type")
+        if kind is None:
+            self.refuse(element, f"{owner} has no type", 'write type="revolute"')
+        if kind in _NOT_MODELLED:
+            raise UnsupportedError(
+                f"{owner}: type {kind!r} is not modelled",
+                mend="fix it to the base, or build it from prismatic and revolute joints",
+                source=self.source,
+                line=element.sourceline,
+            )
+        if kind not in set(JointType):
+            self.refuse(
+                element, f"{owner}: unknown joint type {kind!r}", did_you_mean(kind, [str(t) for t in JointType])
+            )
+        joint_type = JointType(kind)
+        xyz, rotation = self.origin(element, owner)
+        if element.find("mimic") is not None:
+            followed = element.find("mimic").get("joint")
+            self.notes.append(f"{owner} mimics {followed!r}; it counts as an independent joint here")
+        damping, friction = self._dynamics(element, owner)
+        lower, upper, effort, velocity = self._limits(element, joint_type, owner)
+        return Joint(
+            name=name,
+            type=joint_type,
+            parent=self._end(element, "parent", owner),
+            child=self._end(element, "child", owner),
+            xyz=xyz,
+            rotation=rotation,
+            axis=self._axis(element, joint_type, owner),
+            damping=damping,
+            friction=friction,
+            lower=lower,
+            upper=upper,
+            effort=effort,
+            velocity=velocity,
+        )
+
+    def _end(self, element: Any, role: str, owner: str) -> str:
+        end = element.find(role)
+        if end is None or not end.get("link"):
+            self.refuse(element, f"{owner} has no {role} link", f'add <{role} link="…"/>')
+        return str(end.get("link"))
+
+    def _axis(self, element: Any, kind: JointType, owner: str) -> Array:
+        axis_element = element.find("axis")
+        if kind is JointType.FIXED:
+            return constant([0.0, 0.0, 1.0])
+        if axis_element is None:
+            return constant([1.0, 0.0, 0.0])  # the format's default
+        axis = self.numbers(axis_element, "xyz", 3, None, owner)
+        length = float(np.linalg.norm(axis))
+        if length < 1e-12:
+            self.refuse(axis_element, f"{owner}: axis has zero length", 'give a direction such as xyz="0 1 0"')
+        if abs(length - 1.0) < 1e-15:
+            return axis
+        if abs(length - 1.0) > 1e-4:
+            self.notes.append(f"{owner}: axis of length {length:.6g} was normalised")
+        return constant(np.asarray(axis) / length)
+
+    def _dynamics(self, element: Any, owner: str) -> tuple[float, float]:
+        dynamics = element.find("dynamics")
+        if dynamics is None:
+            return 0.0, 0.0
+        values = []
+        for key in ("damping", "friction"):
+            value = self.number(dynamics, key, 0.0, owner)
+            if value < 0.0:
+                if self.physical:
+                    self.refuse(dynamics, f"{owner}: {key} {value:g} is negative", "it would feed energy in")
+                self.notes.append(f"{owner}: {key} {value:g} is negative; taken as it stands")
+            values.append(value)
+        return values[0], values[1]
+
+    def _limits(self, element: Any, kind: JointType, owner: str) -> tuple[float, float, float, float]:
+        limit = element.find("limit")
+        if limit is None:
+            return -np.inf, np.inf, np.inf, np.inf
+        lower, upper = -np.inf, np.inf
+        if kind in (JointType.REVOLUTE, JointType.PRISMATIC):
+            lower = self._limit(limit, "lower", 0.0, owner)
+            upper = self._limit(limit, "upper", 0.0, owner)
+            if lower > upper:
+                self.notes.append(f"{owner}: lower limit {lower:g} is above upper {upper:g}; both are left out")
+                lower, upper = -np.inf, np.inf
+        return lower, upper, self._limit(limit, "effort", np.inf, owner), self._limit(limit, "velocity", np.inf, owner)
+
+    def _limit(self, element: Any, key: str, default: float, owner: str) -> float:
+        """A limit, which may be infinite."""
+        text = element.get(key)
+        if text is not None and text.strip().lower().lstrip("+-") in ("inf", "infinity"):
+            return float(text)
+        return self.number(element, key, default, owner) if text is not None else default
+
+    def base(self, joints: list[Joint], links: list[Link]) -> str:
+        """The root link: the one that no joint carries."""
+        carried = {joint.child for joint in joints}
+        roots = [link.name for link in links if link.name not in carried]
+        if not roots:
+            line = self.lines.get(("joint", joints[0].name)) if joints else None
+            raise InputError(
+                "every link has a parent: the joints form a loop (cyclic tree)",
+                mend="one link must be the root, carried by no joint",
+                source=self.source,
+                line=line,
+            )
+        if len(roots) > 1:
+            # The root that carries most is the base; the others are then told apart as unreachable by `arrange`.
+            reach = {root: _reach(root, joints) for root in roots}
+            return max(roots, key=lambda root: reach[root])
+        return roots[0]
+
+
+def _reach(root: str, joints: list[Joint]) -> int:
+    """How many links hang on a root."""
+    children: dict[str, list[str]] = {}
+    for joint in joints:
+        children.setdefault(joint.parent, []).append(joint.child)
+    seen = {root}
+    stack = [root]
+    while stack:
+        for child in children.get(stack.pop(), []):
+            if child not in seen:
+                seen.add(child)
+                stack.append(child)
+    return len(seen)
