@@ -1,0 +1,412 @@
+"""How each effect of the catalogue is concealed, written afresh from its physical definition, not from the catalogue's code.
+
+A concealment draws what is not its strength (where a stop sits, which harmonic a motor cogs at), and turns a dimensionless
+strength into parameters; ``plant`` then puts it into a scene. The visibility of the result is measured elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from harness.proof.rigs import Segment
+from harness.proof.scene import FINE_STEP, Scene, Signal
+from harness.proof.truth import DryFriction
+
+Array = NDArray[np.float64]
+Parameters = Mapping[str, float]
+Draws = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Concealment:
+    """One effect as something to hide.
+
+    site: "joint", "link", "channel" or "base".
+    draw: (rng, segment, amplitude) -> what does not scale with the strength.
+    parameters: (strength, draws, segment, amplitude) -> true parameters in SI; strength 1 is plainly visible in a clean recording.
+    plant: (scene, segment index, parameters).
+    needs_drive, needs_armature: the rig must be driven, must have an armature.
+    joints: number of joints of the rigs it is tried on.
+    """
+
+    effect: str
+    site: str
+    draw: Callable[[np.random.Generator, Segment, float], Draws]
+    parameters: Callable[[float, Draws, Segment, float], dict[str, float]]
+    plant: Callable[[Scene, int, Parameters], None]
+    needs_drive: bool = False
+    needs_armature: bool = False
+    joints: tuple[int, ...] = (1, 2)
+
+
+CONCEALMENTS: dict[str, Concealment] = {}
+
+
+def _nothing(rng: np.random.Generator, segment: Segment, amplitude: float) -> Draws:
+    return {}
+
+
+def _add(
+    effect: str, site: str, draw: Callable, parameters: Callable, plant: Callable, **options: object
+) -> None:  # fmt: skip
+    CONCEALMENTS[effect] = Concealment(effect, site, draw, parameters, plant, **options)  # type: ignore[arg-type]
+
+
+def _joint_torque(scene: Scene, k: int, law: Callable[[float, float, float], float]) -> None:
+    """Let a torque law (t, position, velocity) act at joint ``k``."""
+    dof = scene.dof(scene.rig.joints[k])
+
+    def torque(t: float, q: Array, v: Array) -> Array:
+        force = np.zeros(len(v))
+        force[dof] = law(t, q[dof], v[dof])
+        return force
+
+    scene.torques.append(torque)
+
+
+def _rate(s: Segment) -> float:
+    """Angular rate of the small swing of the segment alone [rad/s]."""
+    return float(np.sqrt(s.gravity_moment / s.inertia_about_joint))
+
+
+# --- joint dissipation ---------------------------------------------------------------------------------------------
+
+
+def _viscous(scene: Scene, k: int, p: Parameters) -> None:
+    _joint_torque(scene, k, lambda t, q, v: -p["coefficient"] * v)
+
+
+_add(
+    "viscous_damping", "joint", _nothing,
+    lambda f, d, s, a: {"coefficient": 0.02 * f * s.inertia_about_joint * _rate(s)}, _viscous,
+)  # fmt: skip
+
+
+def _coulomb(scene: Scene, k: int, p: Parameters) -> None:
+    scene.dry.append(DryFriction(scene.dof(scene.rig.joints[k]), lambda v, n, q: p["torque"], lambda n, q: p["torque"]))
+
+
+_add("coulomb_friction", "joint", _nothing, lambda f, d, s, a: {"torque": 0.01 * f * s.gravity_moment}, _coulomb)
+
+
+def _stribeck(scene: Scene, k: int, p: Parameters) -> None:
+    fc, fs, vs = p["coulomb_torque"], p["static_torque"], p["stribeck_velocity"]
+    scene.dry.append(
+        DryFriction(
+            scene.dof(scene.rig.joints[k]),
+            lambda v, n, q: fc + (fs - fc) * float(np.exp(-((v / vs) ** 2))),
+            lambda n, q: fs,
+        )
+    )
+
+
+_add(
+    "stribeck_friction", "joint",
+    lambda rng, s, a: {"ratio": rng.uniform(1.6, 3.0), "velocity": rng.uniform(0.05, 0.3) * a * _rate(s)},
+    lambda f, d, s, a: {
+        "coulomb_torque": 0.01 * f * s.gravity_moment,
+        "static_torque": 0.01 * f * d["ratio"] * s.gravity_moment,
+        "stribeck_velocity": d["velocity"],
+    },
+    _stribeck,
+)  # fmt: skip
+
+
+def _load(scene: Scene, k: int, p: Parameters) -> None:
+    scene.dry.append(
+        DryFriction(scene.dof(scene.rig.joints[k]), lambda v, n, q: p["mu_radius"] * n, lambda n, q: p["mu_radius"] * n)
+    )
+
+
+_add("load_dependent_friction", "joint", _nothing, lambda f, d, s, a: {"mu_radius": 0.01 * f * s.com}, _load)
+
+
+def _drag(scene: Scene, k: int, p: Parameters) -> None:
+    _joint_torque(scene, k, lambda t, q, v: -p["coefficient"] * v * abs(v))
+
+
+_add("quadratic_drag", "joint", _nothing, lambda f, d, s, a: {"coefficient": 0.03 * f * s.inertia_about_joint}, _drag)
+
+
+def _dahl(scene: Scene, k: int, p: Parameters) -> None:
+    dof = scene.dof(scene.rig.joints[k])
+    limit, stiffness = p["torque"], p["stiffness"]
+
+    def rate(t: float, q: Array, v: Array, z: Array) -> Array:
+        return np.array([stiffness * v[dof] * (1.0 - np.sign(v[dof]) * z[0] / limit)])
+
+    def torque(t: float, q: Array, v: Array, z: Array) -> Array:
+        force = np.zeros(len(v))
+        force[dof] = -z[0]
+        return force
+
+    scene.states.append((1, rate, torque))
+
+
+_add(
+    "dahl_friction", "joint", lambda rng, s, a: {"reach": rng.uniform(0.05, 0.3) * a},
+    lambda f, d, s, a: {
+        "torque": 0.01 * f * s.gravity_moment, "stiffness": 0.01 * f * s.gravity_moment / d["reach"],
+    },
+    _dahl,
+)  # fmt: skip
+
+
+# --- joint stiffness and torque ------------------------------------------------------------------------------------
+
+
+def _spring(scene: Scene, k: int, p: Parameters) -> None:
+    _joint_torque(scene, k, lambda t, q, v: -p["stiffness"] * (q - p["rest_angle"]))
+
+
+_add(
+    "joint_stiffness", "joint", lambda rng, s, a: {"rest": rng.choice([0.0, rng.uniform(-0.5, 0.5)])},
+    lambda f, d, s, a: {"stiffness": 0.2 * f * s.gravity_moment, "rest_angle": d["rest"]}, _spring,
+)  # fmt: skip
+
+
+def _cubic(scene: Scene, k: int, p: Parameters) -> None:
+    _joint_torque(scene, k, lambda t, q, v: -p["stiffness"] * q**3)
+
+
+_add("cubic_stiffness", "joint", _nothing, lambda f, d, s, a: {"stiffness": 0.1 * f * s.gravity_moment}, _cubic)
+
+
+def _constant(scene: Scene, k: int, p: Parameters) -> None:
+    _joint_torque(scene, k, lambda t, q, v: p["torque"])
+
+
+_add(
+    "constant_torque", "joint", lambda rng, s, a: {"sign": rng.choice([-1.0, 1.0])},
+    lambda f, d, s, a: {"torque": 0.03 * f * d["sign"] * s.gravity_moment}, _constant,
+)  # fmt: skip
+
+
+def _cogging(scene: Scene, k: int, p: Parameters) -> None:
+    _joint_torque(scene, k, lambda t, q, v: p["amplitude"] * float(np.sin(p["periods"] * q + p["phase"])))
+
+
+_add(
+    "cogging_torque", "joint",
+    lambda rng, s, a: {"periods": float(rng.integers(6, 25)), "phase": rng.uniform(-np.pi, np.pi)},
+    lambda f, d, s, a: {"amplitude": 0.03 * f * s.gravity_moment, "periods": d["periods"], "phase": d["phase"]}, _cogging,
+)  # fmt: skip
+
+
+def _stop(scene: Scene, k: int, p: Parameters) -> None:
+    side = 1.0 if p["angle"] > 0 else -1.0
+
+    def law(t: float, q: float, v: float) -> float:
+        depth = side * (q - p["angle"])
+        if depth <= 0.0:
+            return 0.0
+        return -side * max(p["stiffness"] * depth + p["damping"] * side * v, 0.0)
+
+    _joint_torque(scene, k, law)
+
+
+_add(
+    "end_stop", "joint",
+    lambda rng, s, a: {"angle": rng.choice([-1.0, 1.0]) * rng.uniform(0.4, 0.8) * a, "rigid": rng.uniform(0.3, 2.0)},
+    lambda f, d, s, a: {
+        "angle": d["angle"],
+        "stiffness": 3.0 * f * d["rigid"] * s.gravity_moment,
+        "damping": 0.1 * f * d["rigid"] * s.gravity_moment / _rate(s),
+    },
+    _stop,
+)  # fmt: skip
+
+
+# --- inertia and geometry ------------------------------------------------------------------------------------------
+
+
+def _payload(scene: Scene, k: int, p: Parameters) -> None:
+    s, extra = scene.rig.segments[k], p["mass"]
+    mass = s.mass + extra
+    com = (s.mass * s.com + extra * s.length) / mass
+    inertia = s.inertia + s.mass * (com - s.com) ** 2 + extra * (s.length - com) ** 2
+    scene.edit_segment(k, mass=mass, com=com, inertia=inertia)
+
+
+_add("payload_mass", "link", _nothing, lambda f, d, s, a: {"mass": 0.3 * f * s.mass}, _payload)
+
+
+def _inertia(scene: Scene, k: int, p: Parameters) -> None:
+    scene.edit_segment(k, armature=scene.rig.segments[k].armature + p["inertia"])
+
+
+_add("added_inertia", "joint", _nothing, lambda f, d, s, a: {"inertia": 0.2 * f * s.inertia_about_joint}, _inertia)
+
+
+def _com(scene: Scene, k: int, p: Parameters) -> None:
+    scene.edit_segment(k, com=scene.rig.segments[k].com + p["offset"])
+
+
+_add(
+    "com_offset", "link", lambda rng, s, a: {"sign": rng.choice([-1.0, 1.0])},
+    lambda f, d, s, a: {"offset": 0.15 * f * d["sign"] * s.com}, _com,
+)  # fmt: skip
+
+
+# --- base ----------------------------------------------------------------------------------------------------------
+
+
+def _tilt(scene: Scene, k: int, p: Parameters) -> None:
+    axis = np.array(scene.rig.axis)
+    c, s = np.cos(p["angle"]), np.sin(p["angle"])
+    # A base turned by +angle about the joint axis sees gravity turned by -angle.
+    down = np.array([0.0, 0.0, -scene.rig.gravity])
+    turned = down * c - np.cross(axis, down) * s
+    scene.gravity = lambda t: turned
+
+
+_add(
+    "base_tilt", "base", lambda rng, s, a: {"sign": rng.choice([-1.0, 1.0])},
+    lambda f, d, s, a: {"angle": 0.03 * f * d["sign"]}, _tilt,
+)  # fmt: skip
+
+
+def _horizontal(scene: Scene) -> Array:
+    """Horizontal direction in the plane of motion along which a positive first joint moves the hanging tip."""
+    return np.cross(np.array(scene.rig.axis), np.array([0.0, 0.0, -1.0]))
+
+
+def _shake(scene: Scene, k: int, p: Parameters) -> None:
+    along = _horizontal(scene)
+    down = np.array([0.0, 0.0, -scene.rig.gravity])
+
+    def gravity(t: float) -> Array:
+        return down - along * p["amplitude"] * np.sin(2 * np.pi * p["frequency"] * t + p["phase"])
+
+    scene.gravity = gravity
+
+
+_add(
+    "base_excitation", "base",
+    lambda rng, s, a: {"frequency": rng.uniform(0.4, 3.0) * _rate(s) / (2 * np.pi), "phase": rng.uniform(-np.pi, np.pi)},
+    lambda f, d, s, a: {"amplitude": 0.1 * f, "frequency": d["frequency"], "phase": d["phase"]}, _shake, joints=(1,),
+)  # fmt: skip
+
+
+def _loose_base(scene: Scene, k: int, p: Parameters) -> None:
+    along = " ".join(repr(float(x)) for x in _horizontal(scene))
+    scene.base = (
+        f'<inertial pos="0 0 0" mass="{p["mass"]!r}" diaginertia="1e-3 1e-3 1e-3"/>'
+        f'<joint name="base_slide" type="slide" axis="{along}" stiffness="{p["stiffness"]!r}" damping="{p["damping"]!r}"/>'
+    )
+
+
+_add(
+    "base_compliance", "base",
+    lambda rng, s, a: {"mass": rng.uniform(1.0, 5.0) * s.mass, "ratio": rng.uniform(0.02, 0.1)},
+    lambda f, d, s, a: {
+        "stiffness": s.mass * 9.81 / s.com / (0.1 * f),
+        "mass": d["mass"],
+        "damping": 2 * d["ratio"] * float(np.sqrt(s.mass * 9.81 / s.com / (0.1 * f) * d["mass"])),
+    },
+    _loose_base,
+)  # fmt: skip
+
+
+# --- sensors -------------------------------------------------------------------------------------------------------
+
+
+def _sense(scene: Scene, k: int, stage: Callable[[Signal], Signal]) -> None:
+    scene.signal.setdefault(scene.rig.joints[k], []).append(stage)
+
+
+def _signed(rng: np.random.Generator, s: Segment, a: float) -> Draws:
+    return {"sign": rng.choice([-1.0, 1.0])}
+
+
+_add(
+    "sensor_offset", "channel", _signed, lambda f, d, s, a: {"offset": 0.03 * f * d["sign"]},
+    lambda scene, k, p: _sense(scene, k, lambda g: lambda t: g(t) + p["offset"]),
+)  # fmt: skip
+_add(
+    "sensor_gain", "channel", _signed, lambda f, d, s, a: {"gain": 1.0 + 0.05 * f * d["sign"]},
+    lambda scene, k, p: _sense(scene, k, lambda g: lambda t: p["gain"] * g(t)),
+)  # fmt: skip
+_add(
+    "sensor_delay", "channel", _nothing, lambda f, d, s, a: {"delay": 0.05 * f / _rate(s)},
+    lambda scene, k, p: _sense(scene, k, lambda g: lambda t: g(np.maximum(t - p["delay"], 0.0))),
+)  # fmt: skip
+_add(
+    "sensor_nonlinearity", "channel", lambda rng, s, a: {"mix": rng.uniform(-1, 1), "sign": rng.choice([-1.0, 1.0])},
+    lambda f, d, s, a: {"quadratic": 0.03 * f * d["mix"] / a, "cubic": 0.05 * f * d["sign"] / a**2},
+    lambda scene, k, p: _sense(
+        scene, k, lambda g: lambda t: g(t) + p["quadratic"] * g(t) ** 2 + p["cubic"] * g(t) ** 3
+    ),
+)  # fmt: skip
+_add(
+    "sensor_drift", "channel", _signed, lambda f, d, s, a: {"rate": 0.003 * f * d["sign"]},
+    lambda scene, k, p: _sense(scene, k, lambda g: lambda t: g(t) + p["rate"] * t),
+)  # fmt: skip
+_add(
+    "sensor_saturation", "channel", _nothing, lambda f, d, s, a: {"limit": a * float(np.exp(-0.2 * f))},
+    lambda scene, k, p: _sense(scene, k, lambda g: lambda t: np.clip(g(t), -p["limit"], p["limit"])),
+)  # fmt: skip
+
+
+def _filtered(g: Signal, cutoff: float, high: bool) -> Signal:
+    """First-order filter by the trapezoidal rule on the fine grid.
+
+    A low-pass has settled on the first value when the recording starts; a high-pass on zero, the hanging link.
+    """
+    grid = np.arange(0.0, 200.0, FINE_STEP)
+    grid = grid[grid <= getattr(g, "x", np.array([60.0]))[-1]]
+    x = g(grid)
+    w = np.tan(np.pi * cutoff * FINE_STEP)
+    rest = 0.0 if high else x[0]
+    low = lfilter([w, w], [1.0 + w, w - 1.0], x - rest, zi=[0.0])[0] + rest
+    y = x - low if high else low
+    return lambda t: np.interp(t, grid, y)
+
+
+_add(
+    "sensor_lowpass", "channel", _nothing, lambda f, d, s, a: {"cutoff": _rate(s) / (2 * np.pi) / (0.1 * f)},
+    lambda scene, k, p: _sense(scene, k, lambda g: _filtered(g, p["cutoff"], high=False)),
+)  # fmt: skip
+_add(
+    "sensor_highpass", "channel", _nothing, lambda f, d, s, a: {"cutoff": 0.03 * f * _rate(s) / (2 * np.pi)},
+    lambda scene, k, p: _sense(scene, k, lambda g: _filtered(g, p["cutoff"], high=True)),
+)  # fmt: skip
+
+
+def _skew(scene: Scene, k: int, p: Parameters) -> None:
+    # The clock writes t = factor · true time: what it calls t happened at t / factor, and so was the effort it wrote down.
+    factor = p["factor"]
+    for joint in scene.rig.joints:
+        scene.signal.setdefault(joint, []).append(lambda g: lambda t: g(t / factor))
+    scene.command.append(lambda u: lambda t: u(factor * t))
+
+
+_add("clock_skew", "channel", _signed, lambda f, d, s, a: {"factor": 1.0 + 0.03 * min(f, 6.0) * d["sign"]}, _skew)
+
+
+# --- inputs --------------------------------------------------------------------------------------------------------
+
+
+_add(
+    "actuator_gain", "joint", _signed, lambda f, d, s, a: {"gain": 1.0 + 0.2 * f * d["sign"]},
+    lambda scene, k, p: scene.command.append(lambda u: lambda t: p["gain"] * u(t)), needs_drive=True,
+)  # fmt: skip
+_add(
+    "actuator_delay", "joint", _nothing, lambda f, d, s, a: {"delay": 0.1 * f / _rate(s)},
+    lambda scene, k, p: scene.command.append(lambda u: lambda t: np.where(t >= p["delay"], u(t - p["delay"]), 0.0)),
+    needs_drive=True,
+)  # fmt: skip
+
+
+def _deadzone(scene: Scene, k: int, p: Parameters) -> None:
+    w = p["width"]
+    scene.command.append(lambda u: lambda t: np.sign(u(t)) * np.maximum(np.abs(u(t)) - w, 0.0))
+
+
+_add("actuator_deadzone", "joint", _nothing, lambda f, d, s, a: {"width": 0.03 * f * s.gravity_moment}, _deadzone,
+     needs_drive=True)  # fmt: skip

@@ -1,0 +1,222 @@
+"""Cases drawn at random: what is concealed, on which rig, how strongly, seen by which sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.proof.concealments import CONCEALMENTS, Concealment
+from harness.proof.outside import OUTSIDE
+from harness.proof.rigs import Rig, deviate, draw_rig
+from harness.proof.scene import Planted, Run, Scene, Sensor
+from harness.proof.visibility import distance, nuisance, observe
+
+Array = NDArray[np.float64]
+
+RATES = (100.0, 200.0, 250.0, 500.0)
+STRENGTH_RANGE = (1e-4, 6.0)
+STRENGTH_STEPS = 5
+# Effects that leave one and the same trace on an angle, or cannot both be planted at one place.
+FAMILIES = (
+    {"coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction"},
+    {"sensor_offset", "base_tilt", "constant_torque", "sensor_drift"},
+    {"payload_mass", "added_inertia", "com_offset", "clock_skew", "joint_stiffness", "sensor_gain"},
+    {"sensor_delay", "sensor_lowpass", "sensor_highpass"},
+    {"base_tilt", "base_excitation"},
+    {"sensor_nonlinearity", "cubic_stiffness", "sensor_gain"},
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A drawn case: the answer and all that is needed to let it run.
+
+    kind: "clean", "single", "pair", "triple" or "outside"; visibility: d of each planted effect, in the order of ``planted``.
+    make: the scene on a given true rig, everything planted; scene: on this case's true rig.
+    """
+
+    name: str
+    kind: str
+    nominal: Rig
+    rig: Rig
+    planted: tuple[Planted, ...]
+    visibility: tuple[float, ...]
+    make: Callable[[Rig], Scene]
+
+    @property
+    def scene(self) -> Scene:
+        return self.make(self.rig)
+
+
+def _draw_sensor(rng: np.random.Generator) -> Sensor:
+    rate = float(rng.choice(RATES))
+    std = float(np.exp(rng.uniform(np.log(2e-4), np.log(5e-3))))
+    colour = float(rng.choice([0.0, 0.0, 0.0, rng.uniform(0.3, 0.9)]))
+    step = float(rng.choice([0.0, 0.0, 2 * np.pi / 4096, 2 * np.pi / 16384]))
+    jitter = float(rng.choice([0.0, 0.0, 0.0, 0.08 / rate]))
+    return Sensor(rate, std, colour, min(step, 2 * std), jitter)
+
+
+def _draw_runs(rng: np.random.Generator, rig: Rig, driven: bool) -> tuple[tuple[Run, ...], float]:
+    """Two or three runs; the last is the one that diagnosis will hold out. Also the largest release angle [rad]."""
+    swing = rig.natural_frequency
+    count = int(rng.integers(2, 4))
+    duration = float(np.clip(rng.uniform(8, 16) / swing, 5.0, 16.0))
+    n = len(rig.segments)
+    top = float(rng.uniform(0.5, 2.2)) if n == 1 else float(rng.uniform(0.3, 0.8))
+    runs = []
+    for k in range(count):
+        angle = top * (1.0 if k == 0 else float(rng.uniform(0.5, 1.0))) * float(rng.choice([-1.0, 1.0]))
+        q0 = [angle] + [float(rng.uniform(-0.5, 0.5)) * top for _ in range(n - 1)]
+        drive: tuple[tuple[float, float, float], ...] = ()
+        if driven:
+            # Away from resonance, so that the swing stays bounded and the motion predictable.
+            torque = 0.12 * rig.segments[0].gravity_moment
+            drive = tuple(
+                (
+                    torque * float(rng.uniform(0.3, 1.0)),
+                    swing * float(rng.choice([rng.uniform(0.15, 0.75), rng.uniform(1.3, 2.2)])),
+                    float(rng.uniform(-3, 3)),
+                )
+                for _ in range(4)
+            )
+            q0 = [0.3 * x for x in q0]
+        runs.append(Run(tuple(q0), (0.0,) * n, duration, drive))
+    return tuple(runs), top
+
+
+def _names(kind: str, rng: np.random.Generator, forced: Sequence[str]) -> list[str]:
+    if forced:
+        return list(forced)
+    if kind in ("clean", "outside"):
+        return []
+    size = {"single": 1, "pair": 2, "triple": 3}[kind]
+    names = list(CONCEALMENTS)
+    while True:
+        chosen = [str(x) for x in rng.choice(names, size, replace=False)]
+        if all(len(family.intersection(chosen)) <= 1 for family in FAMILIES):
+            return chosen
+
+
+def _site(rig: Rig, c: Concealment, k: int) -> str:
+    s = rig.segments[k]
+    return {"joint": s.joint, "link": s.link, "channel": f"{s.joint}.position", "base": "base"}[c.site]
+
+
+def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), target: float | None = None) -> Case:
+    """One case.
+
+    kind: "clean", "single", "pair", "triple", "outside"; effects: names to conceal (drawn if empty; for "outside" the kind).
+    target: visibility d to aim at (drawn log-uniformly if None).
+    """
+    rng = np.random.default_rng([seed, index, crc32(kind.encode())])
+    names = _names(kind, rng, effects if kind != "outside" else ())
+    chosen = [CONCEALMENTS[name] for name in names]
+    two = rng.random() < 0.3 and kind != "outside" and all(2 in c.joints for c in chosen)
+    rig = draw_rig(rng, 2 if two else 1)
+    driven = any(c.needs_drive for c in chosen) or rng.random() < 0.2
+    runs, top = _draw_runs(rng, rig, driven)
+    sensor = _draw_sensor(rng)
+    true = deviate(rig, rng)
+    sites = [
+        0 if (c.site == "base" or c.effect.startswith("actuator") or c.effect == "clock_skew")
+        else int(rng.integers(len(rig.segments)))
+        for c in chosen
+    ]  # fmt: skip
+    draws = [
+        {name: float(x) for name, x in c.draw(rng, rig.segments[k], top).items()}
+        for c, k in zip(chosen, sites, strict=True)
+    ]
+    strange = str(effects[0]) if kind == "outside" and effects else str(rng.choice(list(OUTSIDE)))
+    own = int(rng.integers(2**31))
+
+    def build(on: Rig, strengths: Sequence[float], outside: float) -> Scene:
+        scene = Scene(on, runs, sensor)
+        # Changes of inertia first: they alter the rig; then laws, whose parameters were fixed on the nominal rig.
+        order = sorted(range(len(chosen)), key=lambda i: chosen[i].site != "link")
+        for i in order:
+            if strengths[i] > 0.0:
+                p = chosen[i].parameters(strengths[i], draws[i], rig.segments[sites[i]], top)
+                chosen[i].plant(scene, sites[i], p)
+        if kind == "outside" and outside > 0.0:
+            OUTSIDE[strange](scene, np.random.default_rng(own), outside, top)
+        return scene
+
+    off = [0.0] * len(chosen)
+    if kind == "clean":
+        return Case(f"{kind}-{index}", kind, rig, true, (), (), lambda on: build(on, off, 0.0))
+
+    lowest, highest = (3.0, 300.0) if kind in ("single",) else (15.0, 300.0)
+    sensitivities, sigma = nuisance(lambda on: build(on, off, 0.0), true)
+    without = np.concatenate(observe(build(true, off, 0.0)))
+
+    def seek(make: Callable[[float], Scene], aim: float) -> tuple[float, float]:
+        """The strength whose visibility is nearest to the aim, by secants in logarithms, and that visibility."""
+        strength = 0.2
+        best = (strength, 0.0)
+        for _ in range(STRENGTH_STEPS):
+            d = distance(np.concatenate(observe(make(strength))) - without, sensitivities, sigma)
+            if best[1] == 0.0 or abs(np.log(max(d, 1e-3) / aim)) < abs(np.log(max(best[1], 1e-3) / aim)):
+                best = (strength, d)
+            if abs(np.log(max(d, 1e-3) / aim)) < 0.15:
+                break
+            step = float(np.clip(aim / max(d, 1e-3), 1e-2, 30.0))
+            strength = float(np.clip(strength * step, *STRENGTH_RANGE))
+            if strength == best[0]:
+                break
+        return best
+
+    strengths: list[float] = []
+    seen: list[float] = []
+    for i in range(len(chosen)):
+        aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
+
+        def make(f: float, i: int = i) -> Scene:
+            return build(true, [f if j == i else 0.0 for j in range(len(chosen))], 0.0)
+
+        f, d = seek(make, aim)
+        strengths.append(f)
+        seen.append(d)
+    outside = 0.0
+    if kind == "outside":
+        aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
+        outside, d = seek(lambda f: build(true, off, f), aim)
+        seen.append(d)
+    if len(chosen) > 1:
+        together = np.concatenate(observe(build(true, strengths, 0.0)))
+        missing = [
+            np.concatenate(observe(build(true, [0.0 if j == i else f for j, f in enumerate(strengths)], 0.0)))
+            for i in range(len(chosen))
+        ]
+        # What one effect does that neither the nuisances nor more or less of the other effects could have done.
+        for i in range(len(chosen)):
+            others = [together - missing[j] for j in range(len(chosen)) if j != i]
+            seen[i] = distance(
+                together - missing[i],
+                np.column_stack([sensitivities, *others]),
+                np.concatenate([sigma, np.full(len(others), np.inf)]),
+            )
+    planted = [
+        Planted(c.effect, _site(rig, c, k), c.parameters(f, d, rig.segments[k], top))
+        for c, k, f, d in zip(chosen, sites, strengths, draws, strict=True)
+    ]
+    if kind == "outside":
+        planted.append(Planted(strange, rig.joints[0], {"strength": outside}))
+    return Case(
+        f"{kind}-{index}", kind, rig, true, tuple(planted), tuple(seen), lambda on: build(on, strengths, outside)
+    )
+
+
+def with_sensor(case: Case, sensor: Sensor) -> Case:
+    """The same case seen by another sensor."""
+    make = case.make
+
+    def other(on: Rig) -> Scene:
+        scene = make(on)
+        return replace(scene, sensor=sensor)
+
+    return replace(case, make=other)

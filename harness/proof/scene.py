@@ -1,0 +1,156 @@
+"""A concealed scene: the true rig, what is planted in it, how it is released, driven, sensed and written down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from harness.proof.rigs import Rig
+from harness.proof.truth import DryFriction, Hidden, Truth, mechanism_xml
+
+Array = NDArray[np.float64]
+Signal = Callable[[Array], Array]
+
+FINE_STEP = 1e-3  # s, grid on which the truth is kept between the integrator and the sensor
+LEAD = 0.25  # relative length simulated beyond the last sample, so that a slow clock still finds data
+
+
+@dataclass(frozen=True)
+class Planted:
+    """One concealed effect: its name, where it sits, its true parameters (SI)."""
+
+    effect: str
+    site: str
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What stands between a true joint angle and the file.
+
+    std: white part of the noise [rad]; colour: AR(1) coefficient of one sample step; step: quantisation [rad], 0 if none;
+    jitter: standard deviation of the sampling instant [s], written down truly (``time`` holds the jittered instants).
+    """
+
+    rate: float
+    std: float
+    colour: float = 0.0
+    step: float = 0.0
+    jitter: float = 0.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """One recording: release state, length [s], and the drive as sines (amplitude [N·m], frequency [Hz], phase [rad])."""
+
+    q0: tuple[float, ...]
+    v0: tuple[float, ...]
+    duration: float
+    drive: tuple[tuple[float, float, float], ...] = ()
+
+    def effort(self, t: Array | float) -> Array:
+        """The commanded torque at the first joint [N·m]."""
+        total = np.zeros_like(np.asarray(t, float))
+        for amplitude, frequency, phase in self.drive:
+            total = total + amplitude * np.sin(2 * np.pi * frequency * np.asarray(t, float) + phase)
+        return total
+
+
+@dataclass
+class Scene:
+    """Built up by planting; ``record`` lets it run.
+
+    segments of ``rig`` may be edited by planting; laws are collected and become the ``Hidden`` of the truth.
+    signal: stages between true angle and samples, by joint; command: stages between commanded and acting effort; each turns
+    one function of time into another.
+    """
+
+    rig: Rig
+    runs: Sequence[Run]
+    sensor: Sensor
+    torques: list[Callable[[float, Array, Array], Array]] = field(default_factory=list)
+    dry: list[DryFriction] = field(default_factory=list)
+    states: list[tuple[int, Callable[..., Array], Callable[..., Array]]] = field(default_factory=list)
+    gravity: Callable[[float], Array] | None = None
+    edit: Callable | None = None
+    breaks: list[float] = field(default_factory=list)
+    kicks: dict[float, Callable[[Array, Array], tuple[Array, Array]]] = field(default_factory=dict)
+    inserts: dict[int, str] = field(default_factory=dict)
+    base: str = ""
+    extra: dict[int, str] = field(default_factory=dict)
+    signal: dict[str, list[Callable[[Signal], Signal]]] = field(default_factory=dict)
+    command: list[Callable[[Signal], Signal]] = field(default_factory=list)
+
+    def edit_segment(self, k: int, **changes: float) -> None:
+        """Replace data of one segment of the true rig."""
+        segments = list(self.rig.segments)
+        segments[k] = replace(segments[k], **changes)  # type: ignore[arg-type]
+        self.rig = replace(self.rig, segments=tuple(segments))
+
+    def truth(self) -> Truth:
+        """The mechanism as planted so far."""
+        hidden = Hidden(
+            torques=tuple(self.torques),
+            dry=tuple(self.dry),
+            states=tuple(self.states),
+            gravity=self.gravity,
+            edit=self.edit,
+            breaks=tuple(self.breaks),
+            kicks=dict(self.kicks),
+        )
+        return Truth(mechanism_xml(self.rig, inserts=self.inserts, base=self.base, extra=self.extra), hidden)
+
+    def dof(self, joint: str) -> int:
+        """Index of the joint's degree of freedom in the true mechanism (a moving base and inserted hinges come between)."""
+        order: list[str] = ["base"] if self.base else []
+        for k, s in enumerate(self.rig.segments):
+            order.append(s.joint)
+            if k in self.inserts:
+                order.append(f"{s.joint}_inserted")
+            if k in self.extra and "<joint" in self.extra[k]:
+                order.append(f"{s.joint}_extra")
+        return order.index(joint)
+
+    def record(
+        self, index: int, instants: Array | None = None, offset: Mapping[str, float] | None = None
+    ) -> dict[str, Array]:
+        """Noise-free samples of one run: ``time``, ``<joint>.position`` and, if driven, ``<joint>.effort`` as commanded.
+
+        offset: changes of the release state by joint (``q:<joint>``, ``v:<joint>``), for sensitivities.
+        """
+        run = self.runs[index]
+        truth = self.truth()
+        q0, v0 = np.zeros(truth.n), np.zeros(truth.n)
+        for k, joint in enumerate(self.rig.joints):
+            q0[truth.dof[joint]] = run.q0[k] + (offset or {}).get(f"q:{joint}", 0.0)
+            v0[truth.dof[joint]] = run.v0[k] + (offset or {}).get(f"v:{joint}", 0.0)
+        if instants is None:
+            instants = np.arange(0.0, run.duration, 1.0 / self.sensor.rate)
+        fine = np.arange(0.0, run.duration * (1.0 + (LEAD if self.signal else 0.0)) + 2 * FINE_STEP, FINE_STEP)
+        effort = None
+        if run.drive:
+            acting: Signal = run.effort
+            for stage in self.command:
+                acting = stage(acting)
+            first = truth.dof[self.rig.joints[0]]
+
+            def effort(t: float) -> Array:
+                force = np.zeros(truth.n)
+                force[first] = float(acting(np.asarray(t)))
+                return force
+
+        q, v = truth.release(q0, v0, fine, effort=effort)
+        out = {"time": instants}
+        for joint in self.rig.joints:
+            j = truth.dof[joint]
+            signal: Signal = CubicHermiteSpline(fine, q[:, j], v[:, j])
+            for stage in self.signal.get(joint, ()):
+                signal = stage(signal)
+            out[f"{joint}.position"] = signal(instants)
+        if run.drive:
+            out[f"{self.rig.joints[0]}.effort"] = np.asarray(run.effort(instants))
+        return out

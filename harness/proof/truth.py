@@ -1,0 +1,270 @@
+"""The concealing engine: MuJoCo's equations of motion, integrated by DOP853 with located events.
+
+MuJoCo gives mass matrix, bias and reaction forces; the concealed laws act as generalized forces written here
+independently of the catalogue; SciPy integrates. Dry friction is set-valued at rest: a joint whose velocity has come to
+zero is locked until more than the static limit is needed to hold it. Reversals, sticking and slipping are events
+of the integrator, so the truth is far more accurate (about 1e-9) than any sensor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from harness.proof.rigs import Rig, Segment
+
+Array = NDArray[np.float64]
+Torque = Callable[[float, Array, Array], Array]
+
+RELATIVE_TOLERANCE = 1e-9
+ABSOLUTE_TOLERANCE = 1e-11
+LOAD_ITERATIONS = 4  # friction that depends on the reaction force, which depends on friction: a contraction
+
+
+@dataclass(frozen=True)
+class DryFriction:
+    """Dry friction in one degree of freedom: limits [N·m] as functions of speed [rad/s] and reaction force [N]."""
+
+    dof: int
+    sliding: Callable[[float, float, float], float]  # (speed, reaction, position) -> limit
+    static: Callable[[float, float], float]  # (reaction, position) -> limit
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """What is concealed in the dynamics.
+
+    torques: generalized forces (t, q, v) -> (n,).
+    dry: dry friction by degree of freedom.
+    states: internal states as (size, rate(t, q, v, z), torque(t, q, v, z)).
+    gravity: acceleration of free fall at time t, shape (3,).
+    edit: changes the compiled model at time t (a leak, a moving mass).
+    breaks: times where a law is not smooth.
+    kicks: at a time, (q, v) -> (q, v).
+    """
+
+    torques: Sequence[Torque] = ()
+    dry: Sequence[DryFriction] = ()
+    states: Sequence[tuple[int, Callable[..., Array], Callable[..., Array]]] = ()
+    gravity: Callable[[float], Array] | None = None
+    edit: Callable[[float, mujoco.MjModel], None] | None = None
+    breaks: Sequence[float] = ()
+    kicks: dict[float, Callable[[Array, Array], tuple[Array, Array]]] = field(default_factory=dict)
+
+
+def as_floats(s: Segment) -> Segment:
+    """The segment with plain floats, whose ``repr`` MJCF understands."""
+    numbers = asdict(s)
+    return Segment(**{name: value if isinstance(value, str) else float(value) for name, value in numbers.items()})
+
+
+def mechanism_xml(
+    rig: Rig, *, inserts: dict[int, str] | None = None, base: str = "", extra: dict[int, str] | None = None
+) -> str:
+    """MJCF of the rig.
+
+    inserts: joints put between a segment's hinge and its body (spring hinges), by segment index.
+    base: joints of a moving base with its inertia.
+    extra: further elements (hidden bodies) inside a segment's body.
+    """
+    ax = " ".join(repr(float(a)) for a in rig.axis)
+    inserts, extra = inserts or {}, extra or {}
+    inner = ""
+    for k in reversed(range(len(rig.segments))):
+        s = rig.segments[k]
+        s = as_floats(s)
+        top = 0.0 if k == 0 else -float(rig.segments[k - 1].length)
+        inertial = (
+            f'<inertial pos="0 0 {-s.com!r}" mass="{s.mass!r}" '
+            f'diaginertia="{s.inertia!r} {s.inertia!r} {s.inertia!r}"/>'
+        )
+        hinge = f'<joint name="{s.joint}" type="hinge" axis="{ax}" damping="{s.damping!r}" armature="{s.armature!r}"/>'
+        body = inertial + extra.get(k, "") + inner
+        if k in inserts:
+            body = (
+                f'{hinge}<inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>'
+                f'<body name="{s.link}">{inserts[k]}{body}</body>'
+            )
+            inner = f'<body name="{s.link}_hub" pos="0 0 {top!r}">{body}</body>'
+        else:
+            inner = f'<body name="{s.link}" pos="0 0 {top!r}">{hinge}{body}</body>'
+    if base:
+        inner = f'<body name="moving_base">{base}{inner}</body>'
+    return (
+        '<mujoco><compiler angle="radian" inertiafromgeom="false" boundmass="0" boundinertia="0"/>'
+        f'<option gravity="0 0 {-rig.gravity!r}"><flag contact="disable" constraint="disable"/></option>'
+        f"<worldbody>{inner}</worldbody></mujoco>"
+    )
+
+
+class Truth:
+    """A mechanism with something concealed in it, ready to be released."""
+
+    def __init__(self, xml: str, hidden: Hidden) -> None:
+        self.model = mujoco.MjModel.from_xml_string(xml)
+        self.data = mujoco.MjData(self.model)
+        self.hidden = hidden
+        self.n = self.model.nv
+        self.dof = {
+            mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_JOINT, j): int(self.model.jnt_dofadr[j])
+            for j in range(self.model.njnt)
+        }
+        self._mass = np.zeros((self.n, self.n))
+        self._states = sum(size for size, _, _ in hidden.states)
+
+    def _solve(
+        self, t: float, q: Array, v: Array, z: Array, mode: Array, effort: Callable[[float], Array] | None
+    ) -> tuple[Array, Array]:
+        """Accelerations, and for every locked degree of freedom the force that holds it."""
+        m, d, hidden = self.model, self.data, self.hidden
+        if hidden.gravity is not None:
+            m.opt.gravity[:] = hidden.gravity(t)
+        if hidden.edit is not None:
+            hidden.edit(t, m)
+        d.qpos[:] = q
+        d.qvel[:] = v
+        mujoco.mj_forward(m, d)
+        mujoco.mj_fullM(m, d, self._mass)
+        force = d.qfrc_passive - d.qfrc_bias
+        for torque in hidden.torques:
+            force = force + torque(t, q, v)
+        if effort is not None:
+            force = force + effort(t)
+        offset = 0
+        for size, _, torque in hidden.states:
+            force = force + torque(t, q, v, z[offset : offset + size])
+            offset += size
+        free = np.ones(self.n, dtype=bool)
+        for friction in hidden.dry:
+            if mode[friction.dof] == 0:
+                free[friction.dof] = False
+        acceleration = np.zeros(self.n)
+        rubbing = force.copy()
+        load = dict.fromkeys((f.dof for f in hidden.dry), 0.0)
+        for _ in range(LOAD_ITERATIONS if hidden.dry else 1):
+            rubbing = force.copy()
+            for friction in hidden.dry:
+                s = mode[friction.dof]
+                if s != 0:
+                    limit = friction.sliding(abs(v[friction.dof]), load[friction.dof], q[friction.dof])
+                    rubbing[friction.dof] -= s * limit
+            acceleration[free] = np.linalg.solve(self._mass[np.ix_(free, free)], rubbing[free])
+            if not hidden.dry:
+                break
+            d.qacc[:] = acceleration
+            mujoco.mj_rnePostConstraint(m, d)
+            for friction in hidden.dry:
+                body = m.dof_bodyid[friction.dof]
+                load[friction.dof] = float(np.linalg.norm(d.cfrc_int[body, 3:]))
+        self._load = load
+        return acceleration, force - self._mass @ acceleration
+
+    def release(
+        self,
+        q0: Array,
+        v0: Array,
+        time: Array,
+        *,
+        effort: Callable[[float], Array] | None = None,
+    ) -> tuple[Array, Array]:
+        """Position and velocity of every degree of freedom at ``time``, each shape (T, n)."""
+        n = self.n
+        rub = [f.dof for f in self.hidden.dry]
+        mode = np.zeros(n, dtype=int)
+        for f in self.hidden.dry:
+            mode[f.dof] = int(np.sign(v0[f.dof]))
+        z = np.zeros(self._states)
+        t = float(time[0])
+        end = float(time[-1])
+        out_q, out_v = (np.zeros((len(time), n)) for _ in range(2))
+        q, v = np.array(q0, float), np.array(v0, float)
+        stops = sorted({b for b in (*self.hidden.breaks, *self.hidden.kicks) if t < b < end} | {end})
+        filled = 0
+        static = {f.dof: f for f in self.hidden.dry}
+
+        def settle() -> None:
+            """Give every resting degree of freedom its mode: locked, or sliding the way it is pushed."""
+            for j in rub:
+                if v[j] != 0.0:
+                    continue
+                mode[j] = 0
+            for j in rub:
+                if mode[j] == 0:
+                    _, hold = self._solve(t, q, v, z, mode, effort)
+                    if abs(hold[j]) > static[j].static(self._load[j], q[j]):
+                        mode[j] = int(np.sign(hold[j]))
+
+        settle()
+        restarts = 0
+        while t < end:
+            stop = next(s for s in stops if s > t)
+
+            def rate(tt: float, y: Array) -> Array:
+                a, _ = self._solve(tt, y[:n], y[n : 2 * n], y[2 * n :], mode, effort)
+                vel = y[n : 2 * n].copy()
+                vel[[j for j in rub if mode[j] == 0]] = 0.0
+                zdot = []
+                offset = 0
+                for size, f, _ in self.hidden.states:
+                    zdot.append(f(tt, y[:n], y[n : 2 * n], y[2 * n + offset : 2 * n + offset + size]))
+                    offset += size
+                return np.concatenate([vel, a, *zdot])
+
+            events: list[Callable[[float, Array], float]] = []
+            for j in rub:
+                if mode[j] != 0:
+
+                    def turns(tt: float, y: Array, j: int = j, s: int = int(mode[j])) -> float:
+                        return float(s * y[n + j])
+
+                    turns.terminal, turns.direction = True, -1  # type: ignore[attr-defined]
+                    events.append(turns)
+                else:
+
+                    def slips(tt: float, y: Array, j: int = j) -> float:
+                        _, hold = self._solve(tt, y[:n], y[n : 2 * n], y[2 * n :], mode, effort)
+                        return float(abs(hold[j]) - static[j].static(self._load[j], y[j]))
+
+                    slips.terminal, slips.direction = True, 1  # type: ignore[attr-defined]
+                    events.append(slips)
+            y0 = np.concatenate([q, v, z])
+            solution = solve_ivp(
+                rate, (t, stop), y0, method="DOP853", rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE,
+                events=events or None, dense_output=True, max_step=0.05,
+            )  # fmt: skip
+            reached = float(solution.t[-1])
+            if filled < len(time):
+                upto = int(np.searchsorted(time, reached, side="right"))
+                if upto > filled:
+                    span = solution.sol(time[filled:upto])
+                    out_q[filled:upto], out_v[filled:upto] = span[:n].T, span[n : 2 * n].T
+                    filled = upto
+            q, v, z = solution.y[:n, -1].copy(), solution.y[n : 2 * n, -1].copy(), solution.y[2 * n :, -1].copy()
+            t = reached
+            if solution.status == 1:
+                for j, found in zip(rub, solution.t_events, strict=True):
+                    if len(found):
+                        if mode[j] != 0:
+                            v[j] = 0.0
+                            mode[j] = 0
+                            _, hold = self._solve(t, q, v, z, mode, effort)
+                            if abs(hold[j]) > static[j].static(self._load[j], q[j]):
+                                mode[j] = int(np.sign(hold[j]))
+                        else:
+                            _, hold = self._solve(t, q, v, z, mode, effort)
+                            mode[j] = int(np.sign(hold[j]))
+            for when, kick in self.hidden.kicks.items():
+                if abs(t - when) < 1e-12:
+                    q, v = kick(q, v)
+                    for j in rub:
+                        mode[j] = int(np.sign(v[j]))
+                    settle()
+            restarts += 1
+            if restarts > 20_000:
+                raise RuntimeError("the concealed truth chatters; its friction laws have no solution")
+        return out_q, out_v
