@@ -1,0 +1,80 @@
+"""Effects put into a system, and into the chain from the motion to the record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from harness.effects.catalogue import effect
+from harness.effects.effect import Effect
+from harness.errors import InputError
+from harness.system import Attachment, System
+from harness.system.suggest import did_you_mean
+
+# Laws that the description of a joint has fields for.
+JOINT_FIELDS = ("viscous_damping", "coulomb_friction", "joint_stiffness")
+
+
+def apply(system: System, attachment: Attachment) -> System:
+    """The system with the effect in it; the given one is left as it is.
+
+    What the description of a mechanism has a field for becomes that field (damping, friction, stiffness, armature,
+    mass,
+    gravity, beams, further bodies); other joint and base laws, and effects of sensors and inputs, are kept as
+    attachments.
+    Raises InputError for an unknown effect or site, a parameter that is missing or outside physics, or a system that
+    cannot have the effect.
+    """
+    law = effect(attachment.effect)
+    values = law.named(law.values(attachment.parameters))
+    _check_site(law, system, attachment.site)
+    if law.reshape is not None:
+        return law.reshape.change(system, attachment.site, values)
+    if law.name in JOINT_FIELDS:
+        joint = system.joint(attachment.site)
+        if law.name == "viscous_damping":
+            return system.replace_joint(replace(joint, damping=values["coefficient"]))
+        if law.name == "coulomb_friction":
+            return system.replace_joint(replace(joint, friction=values["torque"]))
+        return system.replace_joint(replace(joint, stiffness=values["stiffness"], rest_position=values["rest_angle"]))
+    kept = tuple(a for a in system.attachments if (a.effect, a.site) != (attachment.effect, attachment.site))
+    return replace(system, attachments=(*kept, replace(attachment, parameters=values)))
+
+
+def compatible(attachments: Sequence[tuple[str, str]]) -> bool:
+    """Whether (effect, site) pairs can stand together: none twice, none beside a simpler one that it contains."""
+    if len(set(attachments)) != len(attachments):
+        return False
+    present = set(attachments)
+    return not any((simpler, site) in present for name, site in attachments for simpler in effect(name).simpler)
+
+
+def sensor_chain(attachments: Sequence[Attachment], channel: str) -> tuple[tuple[Effect, Attachment], ...]:
+    """The sensor effects that act on a channel, in the order from the motion to the file."""
+    acting = [(effect(a.effect), a) for a in attachments]
+    chosen = [(e, a) for e, a in acting if e.sensor is not None and (e.sensor.every_channel or a.site == channel)]
+    return tuple(sorted(chosen, key=lambda pair: pair[0].sensor.stage if pair[0].sensor else 0))
+
+
+def input_chain(attachments: Sequence[Attachment], joint: str) -> tuple[tuple[Effect, Attachment], ...]:
+    """The input effects that act on a joint's effort, in the order from the record to the joint."""
+    acting = [(effect(a.effect), a) for a in attachments]
+    chosen = [(e, a) for e, a in acting if e.input is not None and a.site == joint]
+    return tuple(sorted(chosen, key=lambda pair: pair[0].input.stage if pair[0].input else 0))
+
+
+def _check_site(law: Effect, system: System, site: str) -> None:
+    known: tuple[str, ...]
+    if law.site == "joint":
+        known = system.joint_names
+    elif law.site == "link":
+        known = tuple(link.name for link in system.links)
+    elif law.site == "base":
+        known = ("base",)
+    else:
+        return
+    if site not in known:
+        raise InputError(
+            f"effect {law.name!r} sits at a {law.site}, and there is no {law.site} {site!r}",
+            mend=did_you_mean(site, known),
+        )

@@ -1,0 +1,72 @@
+"""Rigid links made flexible, and flexible ones given a further mode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from harness.effects.scale import rod_and_bob, tip_of
+from harness.errors import InputError
+from harness.system import Beam, System
+from harness.system.description import Array, constant
+
+
+def bend(system: System, site: str, parameters: Mapping[str, float]) -> System:
+    """The rigid link ``site`` as a beam with one mode of the given frequency as mounted.
+
+    The beam reaches from the joint to the link's end; beam and end mass together have the link's mass and centre of
+    mass, and what inertia is left stays rigid at the joint. It bends in the plane in which its joint turns it.
+    parameters: ``frequency`` [Hz], ``damping_ratio`` [1].
+    Raises InputError if the link bends already or has no length or mass.
+    """
+    link = system.link(site)
+    if link.beam is not None:
+        raise InputError(f"link {site!r} bends already", mend="higher_mode adds a mode to it")
+    tip = tip_of(link, system)
+    length = float(np.linalg.norm(tip))
+    if length == 0.0 or link.mass <= 0.0:
+        raise InputError(
+            f"link {site!r} has no length or mass to bend with", mend="its centre of mass lies on its joint"
+        )
+    direction = tip / length
+    rod, share = rod_and_bob(link)
+    if abs(rod - length) > 1e-9 * length:
+        # The end is a joint's place: share the mass so that the centre of mass is right, as far as a bob at the
+        # end can.
+        share = float(np.clip(2.0 * float(link.com @ direction) / length - 1.0, 0.0, 1.0 - 1e-3))
+    payload = min(share, 1.0 - 1e-3) * link.mass
+    beam = Beam(
+        length=length,
+        direction=constant(direction),
+        bending=constant(_bending_direction(system, site, direction)),
+        mass=link.mass - payload,
+        bending_stiffness=1.0,
+        modes=1,
+        modal_damping=(parameters["damping_ratio"],),
+        payload=payload,
+    )
+    unit = system.replace_link(replace(link, beam=beam))
+    reached = mounted_frequency(unit, site)
+    stiffness = (parameters["frequency"] / reached) ** 2
+    return system.replace_link(replace(link, beam=replace(beam, bending_stiffness=stiffness)))
+
+
+def add_mode(system: System, site: str, parameters: Mapping[str, float]) -> System:
+    """The flexible link ``site`` with one more bending mode, of the given frequency and damping as mounted."""
+    raise NotImplementedError
+
+
+def _bending_direction(system: System, site: str, direction: Array) -> Array:
+    """Across the link, in the plane in which its joint turns it."""
+    joint = system.carrier(site)
+    bending = joint.axis - direction * (joint.axis @ direction) if joint.prismatic else np.cross(joint.axis, direction)
+    if np.linalg.norm(bending) < 1e-9:
+        bending = np.cross(direction, np.eye(3)[int(np.argmin(np.abs(direction)))])
+    return np.asarray(bending / np.linalg.norm(bending))
+
+
+def mounted_frequency(system: System, site: str, mode: int = 0) -> float:
+    """Frequency of one bending mode of a link with every joint free and no gravity, at zero position [Hz]."""
+    raise NotImplementedError

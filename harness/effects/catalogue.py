@@ -1,0 +1,147 @@
+"""All effects by name, and where in a system and a recording each can sit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
+from types import MappingProxyType
+
+from harness.effects.effect import Effect, SiteKind
+from harness.effects.measured import Measured
+from harness.errors import InputError
+from harness.system import System
+from harness.system.suggest import did_you_mean
+
+NAMES = (
+    "viscous_damping",
+    "coulomb_friction",
+    "stribeck_friction",
+    "load_dependent_friction",
+    "quadratic_drag",
+    "dahl_friction",
+    "joint_stiffness",
+    "cubic_stiffness",
+    "constant_torque",
+    "cogging_torque",
+    "end_stop",
+    "backlash",
+    "joint_flexibility",
+    "payload_mass",
+    "added_inertia",
+    "com_offset",
+    "com_side_offset",
+    "base_tilt",
+    "base_excitation",
+    "base_compliance",
+    "link_flexibility",
+    "modal_damping",
+    "higher_mode",
+    "flexural_rigidity",
+    "geometric_stiffening",
+    "sensor_offset",
+    "sensor_gain",
+    "sensor_delay",
+    "sensor_lowpass",
+    "sensor_highpass",
+    "sensor_nonlinearity",
+    "sensor_drift",
+    "sensor_saturation",
+    "encoder_interpolation",
+    "clock_skew",
+    "late_release",
+    "actuator_gain",
+    "actuator_delay",
+    "actuator_deadzone",
+)
+
+BENDING_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")
+
+
+@cache
+def catalogue() -> Mapping[str, Effect]:
+    """Every effect by name, in the order of the documentation; one file of this package each."""
+    return MappingProxyType({name: import_module(f"harness.effects.{name}").EFFECT for name in NAMES})
+
+
+def effect(name: str) -> Effect:
+    """The effect of that name; InputError, with the nearest name, if there is none."""
+    known = catalogue()
+    if name not in known:
+        raise InputError(f"there is no effect {name!r}", mend=did_you_mean(name, known))
+    return known[name]
+
+
+def sites(effect: Effect, system: System, recording: Measured | None = None) -> tuple[str, ...]:
+    """Where the effect can sit: joints, links, channels or ``base``; empty where the recording could not show it.
+
+    Without a recording, dynamics effects are given every site that the system has, sensor and input effects none.
+    """
+    if not all(_met(need, system, recording) for need in effect.needs):
+        return ()
+    if effect.site is SiteKind.BASE:
+        return ("base",) if system.movable_joints else ()
+    if effect.site is SiteKind.JOINT:
+        if effect.input is not None:
+            driven = {channel.site for channel in recording.efforts} if recording is not None else set()
+            return tuple(name for name in system.joint_names if name in driven)
+        return system.joint_names
+    if effect.site is SiteKind.LINK:
+        return _links(effect, system)
+    return _channels(effect, system, recording)
+
+
+def _met(need: str, system: System, recording: Measured | None) -> bool:
+    if need == "rigid":
+        return any(not link.flexible and link.mass > 0.0 for link in system.links)
+    if need == "flexible":
+        return system.flexible
+    if need == "unstiffened":
+        return any(link.beam is not None and not link.beam.geometric_stiffening for link in system.links)
+    if recording is None:
+        return True
+    if need == "effort":
+        return bool(recording.efforts)
+    if need == "free":
+        return not recording.efforts
+    if need == "clock_reference":
+        return bool(recording.efforts) or len(recording.channels) > 1
+    if need == "deflection":
+        return any(channel.quantity in BENDING_QUANTITIES for channel in recording.channels)
+    if need in ("motion", "channel", "angle"):
+        return bool(recording.channels)
+    raise ValueError(f"unknown need {need!r}")
+
+
+def _links(effect: Effect, system: System) -> tuple[str, ...]:
+    found = []
+    moving = False
+    carried: dict[str, bool] = {system.base: False}
+    for joint, link in zip(system.joints, system.links, strict=True):
+        moving = joint.movable or carried[joint.parent]
+        carried[link.name] = moving
+        if not moving or link.mass <= 0.0:
+            continue
+        if ("flexible" in effect.needs and not link.flexible) or ("rigid" in effect.needs and link.flexible):
+            continue
+        if "unstiffened" in effect.needs and link.beam is not None and link.beam.geometric_stiffening:
+            continue
+        found.append(link.name)
+    return tuple(found)
+
+
+def _channels(effect: Effect, system: System, recording: Measured | None) -> tuple[str, ...]:
+    if recording is None:
+        return ()
+    names = []
+    for channel in recording.channels:
+        if "angle" in effect.needs and (
+            channel.quantity != "position"
+            or channel.site not in system.joint_names
+            or system.joint(channel.site).prismatic
+        ):
+            continue
+        names.append(channel.name)
+    if effect.sensor is not None and effect.sensor.every_channel:
+        return tuple(names[:1])
+    return tuple(names)

@@ -1,0 +1,258 @@
+"""What an effect of the catalogue states: names, units, bounds, words, source, and the one way in which it acts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, Protocol
+
+import numpy as np
+
+from harness.effects.scale import References, Scale
+from harness.errors import InputError
+from harness.system import System
+from harness.system.description import Array
+from harness.system.suggest import did_you_mean
+
+CHANNEL_UNIT = "channel"  # stands for the unit of the channel that a sensor effect sits at
+PER_CHANNEL_UNIT = "1/channel"
+PER_CHANNEL_UNIT_SQUARED = "1/channel**2"
+
+
+class Family(StrEnum):
+    """The catalogue's chapters."""
+
+    DISSIPATION = "joint dissipation"
+    STIFFNESS = "joint stiffness, torque"
+    INERTIA = "inertia, geometry"
+    BASE = "base"
+    ELASTICITY = "elasticity"
+    SENSOR = "sensor"
+    INPUT = "input"
+
+
+class SiteKind(StrEnum):
+    """What an effect sits at."""
+
+    JOINT = "joint"
+    LINK = "link"
+    CHANNEL = "channel"
+    BASE = "base"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect.
+
+    unit: SI, in the spelling of the ``pint`` package; "channel" is the unit of the channel concerned.
+    linear_unit: the same at a prismatic joint, if it differs.
+    lower, upper: what physics allows.
+    scale: a typical size, as a rule over the natural sizes of system and recording.
+    starts: values to start a search from, in multiples of ``scale`` counted from ``neutral`` (from 0 if that is
+    infinite).
+    neutral: the value at which the effect is absent, if one value alone does that.
+    search: "gradient" where a start near the truth is not needed, "spectrum" where the residual's spectrum must
+    give the
+        start, "range" where the motion's range must (the misfit has no slope far from the truth).
+    """
+
+    name: str
+    unit: str
+    what: str
+    lower: float = -np.inf
+    upper: float = np.inf
+    scale: Scale = field(default_factory=Scale)
+    starts: tuple[float, ...] = (1.0,)
+    neutral: float = 0.0
+    search: str = "gradient"
+    linear_unit: str = ""
+
+    @property
+    def positive(self) -> bool:
+        """Whether physics gives the sign."""
+        return self.lower >= 0.0
+
+    def start_values(self, references: References) -> tuple[float, ...]:
+        """Starting values in SI (channel units for sensors), inside the bounds."""
+        origin = self.neutral if np.isfinite(self.neutral) else 0.0
+        size = self.scale(references)
+        return tuple(float(np.clip(origin + start * size, self.lower, self.upper)) for start in self.starts)
+
+
+class Rows(Protocol):
+    """What a law needs of the native lanes: where a parameter stands in a lane's row."""
+
+    def slot(self, site: str, name: str) -> int:
+        """Index of the parameter in the row; KeyError if the topology has no such slot."""
+        ...
+
+
+@dataclass(frozen=True)
+class JointLaw:
+    """Acts through slots of a lane's row, so that trying it compiles nothing.
+
+    slots: slot name for each parameter, in the order of the effect's parameters. A slot holds one number: the effect's
+    value is the whole of it, and what the nominal model had there is replaced.
+    """
+
+    slots: tuple[str, ...]
+
+    def write(self, rows: Array, model: Rows, site: str, params: Array) -> None:
+        """Put ``params`` (B, k), in SI, into ``rows`` (B, P) in place."""
+        for column, slot in enumerate(self.slots):
+            rows[:, model.slot(site, slot)] = params[:, column]
+
+
+@dataclass(frozen=True)
+class Reshape:
+    """Acts by making another system of the given one.
+
+    change: (system, site, parameters by name) -> System; raises InputError if the system cannot have it.
+    topology: whether it adds or removes coordinates; otherwise the rows of the same compiled model will do.
+    """
+
+    change: Callable[[System, str, Mapping[str, float]], System]
+    topology: bool = False
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Acts on a predicted channel.
+
+    apply: (signal (B, T), time (T,), params (B, k)) -> (B, T); ``time`` may be uneven, but ascends.
+    stage: place in the chain from the motion to the file; lower comes first. Two effects of one channel apply in
+    this order.
+    every_channel: acts on all channels of a recording alike, whatever channel it is written at.
+    """
+
+    apply: Callable[[Array, Array, Array], Array]
+    stage: int
+    every_channel: bool = False
+
+
+@dataclass(frozen=True)
+class Input:
+    """Acts on the applied effort of a joint: the same form as a sensor, effort recorded -> effort that arrives."""
+
+    apply: Callable[[Array, Array, Array], Array]
+    stage: int
+
+
+@dataclass(frozen=True)
+class UserLaw:
+    """A torque of the user's own at a joint.
+
+    torque: (position, velocity, time, parameters (k,)) -> torque [N·m or N] that acts on the joint, compilable by
+    numba.
+    """
+
+    torque: Callable[[float, float, float, Any], float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """A piece of physics that a nominal model may have left out.
+
+    signature: how it shows in a recording. shows_in: which recordings can show it. source: where the law is from.
+    needs: what a recording must have: "effort", "motion" (a joint's position, velocity or effort), "flexible" (a
+    beam in
+        the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending).
+    expressed_by: how each engine can say it; an engine that is not named cannot.
+    simpler: effects that this one contains as a special case. confusable_with: effects that some recordings cannot
+    tell from it.
+    law, reshape, sensor, input, user: exactly one is given.
+    """
+
+    name: str
+    title: str
+    family: Family
+    site: SiteKind
+    parameters: tuple[Parameter, ...]
+    signature: str
+    shows_in: str
+    source: str
+    expressed_by: Mapping[str, str]
+    needs: tuple[str, ...] = ()
+    simpler: tuple[str, ...] = ()
+    confusable_with: tuple[str, ...] = ()
+    law: JointLaw | None = None
+    reshape: Reshape | None = None
+    sensor: Sensor | None = None
+    input: Input | None = None
+    user: UserLaw | None = None
+
+    def __post_init__(self) -> None:
+        given = [m for m in (self.law, self.reshape, self.sensor, self.input, self.user) if m is not None]
+        if len(given) != 1:
+            raise ValueError(f"effect {self.name!r} states {len(given)} mechanisms; exactly one is needed")
+
+    @property
+    def side(self) -> str:
+        """``dynamics``, ``sensor`` or ``input``."""
+        if self.sensor is not None:
+            return "sensor"
+        return "input" if self.input is not None else "dynamics"
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def lower(self) -> Array:
+        """Physical lower bounds, shape (k,)."""
+        return np.array([parameter.lower for parameter in self.parameters], dtype=np.float64)
+
+    @property
+    def upper(self) -> Array:
+        """Physical upper bounds, shape (k,)."""
+        return np.array([parameter.upper for parameter in self.parameters], dtype=np.float64)
+
+    def scales(self, references: References) -> Array:
+        """Typical sizes at a site, shape (k,)."""
+        return np.array([parameter.scale(references) for parameter in self.parameters], dtype=np.float64)
+
+    def units(self, *, prismatic: bool = False, channel_unit: str = "") -> tuple[str, ...]:
+        """Units of the parameters at a revolute or prismatic joint, or at a channel of that unit."""
+        return tuple(_unit(parameter, prismatic, channel_unit) for parameter in self.parameters)
+
+    def values(self, parameters: Mapping[str, float]) -> Array:
+        """Parameters by name as an array in the effect's order, shape (k,).
+
+        Raises InputError for a missing, unknown or non-finite one, or one outside what physics allows.
+        """
+        for name in parameters:
+            if name not in self.parameter_names:
+                raise InputError(
+                    f"effect {self.name!r} has no parameter {name!r}", mend=did_you_mean(name, self.parameter_names)
+                )
+        values = []
+        for parameter in self.parameters:
+            if parameter.name not in parameters:
+                raise InputError(
+                    f"effect {self.name!r} lacks its parameter {parameter.name!r}", mend=f"give it in {parameter.unit}"
+                )
+            value = float(parameters[parameter.name])
+            if np.isnan(value) or not parameter.lower <= value <= parameter.upper:
+                raise InputError(
+                    f"effect {self.name!r}: {parameter.name} = {value:g} is not possible",
+                    mend=f"between {parameter.lower:g} and {parameter.upper:g} {parameter.unit}",
+                )
+            values.append(value)
+        return np.array(values, dtype=np.float64)
+
+    def named(self, values: Sequence[float] | Array) -> dict[str, float]:
+        """The inverse of ``values``: parameters by name."""
+        return {name: float(value) for name, value in zip(self.parameter_names, values, strict=True)}
+
+
+def _unit(parameter: Parameter, prismatic: bool, channel_unit: str) -> str:
+    if parameter.unit == CHANNEL_UNIT:
+        return channel_unit or "1"
+    if parameter.unit.startswith(CHANNEL_UNIT + "/"):
+        return (f"{channel_unit}" if channel_unit else "1") + parameter.unit[len(CHANNEL_UNIT) :]
+    if parameter.unit == PER_CHANNEL_UNIT:
+        return f"1/({channel_unit})" if channel_unit not in ("", "1") else "1"
+    if parameter.unit == PER_CHANNEL_UNIT_SQUARED:
+        return f"1/({channel_unit})**2" if channel_unit not in ("", "1") else "1"
+    return parameter.linear_unit if prismatic and parameter.linear_unit else parameter.unit

@@ -1,0 +1,48 @@
+"""A link taken as rigid that bends in its first mode."""
+
+from __future__ import annotations
+
+from harness.effects.bending import bend
+from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.scale import Scale
+
+EFFECT = Effect(
+    name="link_flexibility",
+    title="flexible link",
+    family=Family.ELASTICITY,
+    site=SiteKind.LINK,
+    parameters=(
+        Parameter(
+            "frequency",
+            "Hz",
+            "of the first bending mode of the link as mounted: its joint free to turn, gravity left out, all else "
+            "at zero "
+            "position",
+            lower=1e-3,
+            upper=1e5,
+            scale=Scale(2.0, frequency=1),
+            starts=(0.5, 1.5, 5.0),
+            search="spectrum",
+        ),
+        Parameter(
+            "damping_ratio",
+            "1",
+            "of that mode",
+            lower=0.0,
+            upper=1.0,
+            scale=Scale(0.01),
+            starts=(0.3, 3.0),
+        ),
+    ),
+    signature="A fast decaying vibration rides on the swing after release and sudden changes, at one frequency.",
+    shows_in="a sample rate above twice the frequency; a sudden start or drive; best with strain or tip acceleration",
+    source="Meirovitch, Fundamentals of Vibrations (2001), ch. 8: bending vibration of beams.",
+    expressed_by={
+        "denoc": "beam with one mode",
+        "exudyn": "ANCF cable elements",
+        "mujoco": "a chain of short links with springs",
+    },
+    needs=("motion", "rigid"),
+    confusable_with=("joint_flexibility", "base_compliance"),
+    reshape=Reshape(bend, topology=True),
+)

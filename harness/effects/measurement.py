@@ -1,0 +1,194 @@
+"""What sensors and actuators do to a signal: pure functions of many lanes at once.
+
+Every function has the form (signal (B, T), time (T,), params (B, k)) -> (B, T). ``time`` [s] ascends, evenly or
+not, and
+is counted from the first sample of the recording; a simulation that begins earlier or ends later than the recording
+(to give delays and filters their past) has negative times and times beyond the last one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from harness.system.description import Array
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_NODES, _WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
+SHORT_STEP = 1.0  # step over time constant below which quadrature replaces the recursion, which cancels there
+
+
+def offset(signal: Array, time: Array, params: Array) -> Array:
+    """signal + offset; params: offset [channel unit]."""
+    return signal + params[:, :1]
+
+
+def gain(signal: Array, time: Array, params: Array) -> Array:
+    """gain · signal; params: gain [1]."""
+    return signal * params[:, :1]
+
+
+def drift(signal: Array, time: Array, params: Array) -> Array:
+    """signal + rate · time; params: rate [channel unit/s]."""
+    return signal + params[:, :1] * time
+
+
+def nonlinearity(signal: Array, time: Array, params: Array) -> Array:
+    """signal + quadratic · signal² + cubic · signal³; params: quadratic [1/unit], cubic [1/unit²]."""
+    return signal * (1.0 + signal * (params[:, :1] + signal * params[:, 1:2]))
+
+
+def periodic_error(signal: Array, time: Array, params: Array) -> Array:
+    """signal + amplitude · sin(periods · signal + phase); params: amplitude [unit], periods [1/rev], phase [rad]."""
+    return signal + params[:, :1] * np.sin(params[:, 1:2] * signal + params[:, 2:3])
+
+
+def saturation(signal: Array, time: Array, params: Array) -> Array:
+    """signal held within ±limit; params: limit [channel unit]."""
+    return np.clip(signal, -params[:, :1], params[:, :1])
+
+
+def quantisation(signal: Array, time: Array, params: Array) -> Array:
+    """signal rounded to a whole number of steps; params: step [channel unit], 0 leaves the signal as it is."""
+    step = params[:, :1]
+    safe = np.where(step > 0.0, step, 1.0)
+    return np.where(step > 0.0, np.round(signal / safe) * safe, signal)
+
+
+def deadzone(signal: Array, time: Array, params: Array) -> Array:
+    """Nothing within ±width, beyond it what is over; params: width [effort unit]."""
+    return np.sign(signal) * np.maximum(np.abs(signal) - params[:, :1], 0.0)
+
+
+def delay(signal: Array, time: Array, params: Array) -> Array:
+    """signal(time − delay); params: delay [s].
+
+    Interpolated by cubics through four samples. What lies before the first sample is extrapolated by a parabola as wide
+    as the delay, so a simulation should begin a delay earlier where the first samples matter.
+    """
+    return resample(signal, time, time[None, :] - params[:, :1])
+
+
+def held_delay(signal: Array, time: Array, params: Array) -> Array:
+    """signal(time − delay), the first sample standing before it; linear between samples; params: delay [s].
+
+    This is what an applied effort does: nothing is known of it before the recording begins.
+    """
+    query = np.clip(time[None, :] - params[:, :1], time[0], time[-1])
+    lower = np.clip(np.searchsorted(time, query, side="right") - 1, 0, len(time) - 2)
+    weight = (query - time[lower]) / (time[lower + 1] - time[lower])
+    start = np.take_along_axis(signal, lower, axis=1)
+    return start + weight * (np.take_along_axis(signal, lower + 1, axis=1) - start)
+
+
+def release(signal: Array, time: Array, params: Array) -> Array:
+    """signal(0) until ``delay``, signal(time − delay) after; params: delay [s], not negative."""
+    return resample(signal, time, np.maximum(time[None, :] - params[:, :1], max(0.0, float(time[0]))))
+
+
+def clock_skew(signal: Array, time: Array, params: Array) -> Array:
+    """What a clock that runs ``factor`` times too fast records: signal(time / factor); params: factor [1].
+
+    With a factor below 1 the simulation must reach beyond the last sample.
+    """
+    return resample(signal, time, time[None, :] / params[:, :1])
+
+
+def lowpass(signal: Array, time: Array, params: Array) -> Array:
+    """First-order low-pass, settled at the first sample; params: cutoff [Hz] (−3 dB).
+
+    τ ẏ + y = x with τ = 1/(2π cutoff), solved exactly for the signal as a piecewise cubic.
+    """
+    time_constant = 1.0 / (2.0 * np.pi * np.maximum(params[:, 0], 1e-12))
+    step = np.diff(time)
+    slope = np.gradient(signal, time, axis=1, edge_order=2 if len(time) > 2 else 1)
+    x0, x1, s0, s1 = signal[:, :-1], signal[:, 1:], slope[:, :-1] * step, slope[:, 1:] * step
+    # Hermite cubic on each step, in the fraction w of the step.
+    coefficients = (x0, s0, 3.0 * (x1 - x0) - 2.0 * s0 - s1, 2.0 * (x0 - x1) + s0 + s1)
+    u = step[None, :] / time_constant[:, None]
+    moments = _moments(u)
+    driven = sum((c * m for c, m in zip(coefficients, moments, strict=True)), np.zeros_like(u))
+    return _relax(np.exp(-u), driven, np.ascontiguousarray(signal[:, 0]))
+
+
+def highpass(signal: Array, time: Array, params: Array) -> Array:
+    """First-order high-pass, zero at the first sample; params: cutoff [Hz] (−3 dB). What the low-pass leaves out."""
+    return signal - lowpass(signal, time, params)
+
+
+def resample(signal: Array, time: Array, query: Array) -> Array:
+    """Each lane's signal (B, T) at its own times (B, Q): cubic through four neighbours, parabola outside.
+
+    Fewer than four samples are interpolated linearly.
+    """
+    count = len(time)
+    if count < 4:
+        return np.stack([np.interp(q, time, s) for q, s in zip(query, signal, strict=True)])
+    first = np.clip(np.searchsorted(time, query, side="right") - 2, 0, count - 4)
+    nodes = [time[first + k] for k in range(4)]
+    values = [np.take_along_axis(signal, first + k, axis=1) for k in range(4)]
+    result = np.zeros(query.shape)
+    for j in range(4):
+        weight = np.ones(query.shape)
+        for k in range(4):
+            if k != j:
+                weight *= (query - nodes[k]) / (nodes[j] - nodes[k])
+        result += weight * values[j]
+    for outside, end in ((query < time[0], 0), (query > time[-1], -1)):
+        if outside.any():
+            _extrapolate(result, signal, time, query, outside, end)
+    return result
+
+
+def _extrapolate(result: Array, signal: Array, time: Array, query: Array, outside: Array, end: int) -> None:
+    """Fill ``outside`` by parabolas through three samples about as far apart as the farthest query is out."""
+    for lane in np.flatnonzero(outside.any(axis=1)):
+        which = outside[lane].astype(bool)
+        distance = float(np.abs(query[lane][which] - time[end]).max())
+        inward = np.abs(time - time[end])
+        order = np.argsort(inward, kind="stable")
+        positions = np.unique(
+            np.clip(np.searchsorted(inward[order], [0.0, distance, 2.0 * distance]), [0, 1, 2], len(time) - 1)
+        )
+        picked = order[positions]
+        x, y = time[picked], signal[lane, picked]
+        q = query[lane][which]
+        total = np.zeros(q.shape)
+        for j in range(len(x)):
+            weight = np.ones(q.shape)
+            for k in range(len(x)):
+                if k != j:
+                    weight *= (q - x[k]) / (x[j] - x[k])
+            total += weight * y[j]
+        result[lane, which] = total
+
+
+def _moments(u: Array) -> tuple[Array, Array, Array, Array]:
+    """∫₀¹ u e^{−u(1−w)} wᵏ dw for k = 0 … 3: what a step in the input's k-th power leaves at the step's end."""
+    short = np.minimum(u, SHORT_STEP)
+    by_quadrature = [
+        sum((weight * short * np.exp(-short * (1.0 - node)) * node**k for node, weight in zip(_NODES, _WEIGHTS,
+        strict=True)),
+            np.zeros_like(u))
+        for k in range(4)
+    ]  # fmt: skip
+    long = np.maximum(u, SHORT_STEP)
+    by_recursion = [1.0 - np.exp(-long)]
+    for k in range(1, 4):
+        by_recursion.append(1.0 - k * by_recursion[-1] / long)
+    chosen = [np.where(u < SHORT_STEP, q, r) for q, r in zip(by_quadrature, by_recursion, strict=True)]
+    return chosen[0], chosen[1], chosen[2], chosen[3]
+
+
+@njit(cache=True, error_model="numpy")
+def _relax(decay: Array, driven: Array, start: Array) -> Array:
+    """y[k+1] = decay[k] y[k] + driven[k] from ``start``; decay, driven (B, T−1) -> (B, T)."""
+    lanes, steps = driven.shape
+    out = np.empty((lanes, steps + 1))
+    for lane in range(lanes):
+        y = start[lane]
+        out[lane, 0] = y
+        for k in range(steps):
+            y = decay[lane, k] * y + driven[lane, k]
+            out[lane, k + 1] = y
+    return out

@@ -1,0 +1,225 @@
+"""Sizes that are natural to a system and a recording: what makes a torque or an angle large or small there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from harness.effects.measured import Measured
+from harness.system import Link, System
+from harness.system.description import Array
+from harness.system.inertia import about_origin, point_inertia
+
+
+@dataclass(frozen=True)
+class References:
+    """Natural sizes at one site; every one is positive.
+
+    torque: largest gravity torque about the joint, all that hangs on it held straight [N·m or N].
+    inertia: about the joint axis, armature included [kg·m² or kg].
+    frequency: √(torque / inertia), or one turn a second where gravity does not act [rad/s].
+    mass: carried by the joint [kg]; length: from the joint to the tip [m]; gravity [m/s²].
+    signal: extent of the channel, half its range [channel unit]; effort: largest applied [N·m or N].
+    duration: of the recording [s]; interval: median sampling interval [s].
+    """
+
+    torque: float = 1.0
+    inertia: float = 1.0
+    frequency: float = 1.0
+    mass: float = 1.0
+    length: float = 1.0
+    gravity: float = 9.81
+    signal: float = 1.0
+    effort: float = 1.0
+    duration: float = 10.0
+    interval: float = 0.01
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A typical size as a rule: a factor times powers of the natural sizes.
+
+    ``Scale(0.02, torque=1, frequency=-1)`` is two per cent of torque / frequency.
+    """
+
+    factor: float = 1.0
+    torque: int = 0
+    inertia: int = 0
+    frequency: int = 0
+    mass: int = 0
+    length: int = 0
+    gravity: int = 0
+    signal: int = 0
+    effort: int = 0
+    duration: int = 0
+    interval: int = 0
+
+    def __call__(self, references: References) -> float:
+        """The size in SI (or channel) units; positive."""
+        value = self.factor
+        for size in fields(References):
+            value *= getattr(references, size.name) ** getattr(self, size.name)
+        return float(value)
+
+    def __str__(self) -> str:
+        text = f"{self.factor:g}"
+        for size in fields(References):
+            power = getattr(self, size.name)
+            if power:
+                text += f" · {size.name}" + (f"^{power}" if power != 1 else "")
+        return text
+
+
+def references(system: System, site: str, recording: Measured | None = None) -> References:
+    """Natural sizes at a joint, a link, a channel (``pivot.position``) or the base.
+
+    A link is seen from the joint that carries it, a channel from the joint or link it belongs to, the base from the
+    first movable joint.
+    """
+    owner = site.rsplit(".", 1)[0] if "." in site else site
+    joint_name = _joint_of(system, owner)
+    sizes = _mechanical(system, joint_name)
+    signal, effort, duration, interval = 1.0, 0.0, 10.0, 0.01
+    if recording is not None:
+        time = np.asarray(recording.time)
+        duration = float(time[-1] - time[0]) or duration
+        interval = float(np.median(np.diff(time))) or interval
+        for channel in recording.channels:
+            if channel.name == site:
+                finite = channel.values[np.isfinite(channel.values)]
+                signal = float(np.ptp(finite)) / 2.0 if finite.size else 1.0
+        for channel in recording.efforts:
+            if channel.site == joint_name:
+                finite = channel.values[np.isfinite(channel.values)]
+                effort = float(np.abs(finite).max()) if finite.size else 0.0
+    torque, inertia, frequency, mass, length, gravity = sizes
+    return References(
+        torque=torque,
+        inertia=inertia,
+        frequency=frequency,
+        mass=mass,
+        length=length,
+        gravity=gravity,
+        signal=signal or 1.0,
+        effort=effort or torque,
+        duration=duration,
+        interval=interval,
+    )
+
+
+def _joint_of(system: System, name: str) -> str:
+    for joint in system.joints:
+        if name in (joint.name, joint.child) and joint.movable:
+            return joint.name
+    for joint in system.joints:  # a link on a fixed joint: the nearest movable joint below it
+        if name in (joint.name, joint.child):
+            carriers = {j.child: j for j in system.joints}
+            parent = joint.parent
+            while parent in carriers:
+                if carriers[parent].movable:
+                    return carriers[parent].name
+                parent = carriers[parent].parent
+    movable = system.movable_joints
+    return movable[0].name if movable else ""
+
+
+def _mechanical(system: System, joint_name: str) -> tuple[float, float, float, float, float, float]:
+    """Torque, inertia, frequency, mass, length, gravity about one joint with everything else at zero position."""
+    gravity = float(np.linalg.norm(system.gravity))
+    if not joint_name:
+        return 1.0, 1.0, 2.0 * np.pi, 1.0, 1.0, gravity or 9.81
+    poses = zero_poses(system)
+    joint = system.joint(joint_name)
+    rotation, origin = poses[joint.child]
+    axis = rotation @ joint.axis
+    carried = _carried(system, joint.child)
+    mass, inertia, reach = 0.0, joint.armature, 0.0
+    moment = np.zeros(3)
+    for link in system.links:
+        if link.name not in carried:
+            continue
+        turn, place = poses[link.name]
+        arm = place + turn @ link.com - origin
+        mass += link.mass
+        moment = moment + link.mass * arm
+        if joint.prismatic:
+            inertia += link.mass
+        else:
+            tensor = turn @ about_origin(link) @ turn.T
+            about_com = tensor - point_inertia(link.mass, turn @ link.com)
+            inertia += float(axis @ (about_com + point_inertia(link.mass, arm)) @ axis)
+        reach = max(reach, float(np.linalg.norm(tip_of(link, system) @ turn.T + place - origin)))
+    if joint.prismatic:
+        torque = mass * gravity
+    else:
+        # The joint turns, so gravity's part across the axis and the moment's part across the axis meet at right angles.
+        across_gravity = system.gravity - axis * (axis @ system.gravity)
+        across_moment = moment - axis * (axis @ moment)
+        torque = float(np.linalg.norm(across_gravity) * np.linalg.norm(across_moment))
+    if inertia <= 0.0:
+        inertia = 1.0
+    rate = float(np.sqrt(torque / inertia))
+    if rate < 1e-3:
+        rate = 2.0 * np.pi
+        torque = inertia * rate**2
+    return torque, inertia, rate, mass or 1.0, reach or 1.0, gravity or 9.81
+
+
+def zero_poses(system: System) -> dict[str, tuple[Array, Array]]:
+    """Rotation (3, 3) and origin (3,) of every link frame in base coordinates at zero position, the base included."""
+    poses: dict[str, tuple[Array, Array]] = {system.base: (np.eye(3), np.zeros(3))}
+    for joint in system.joints:
+        rotation, origin = poses[joint.parent]
+        poses[joint.child] = (rotation @ joint.rotation, origin + rotation @ joint.xyz)
+    return poses
+
+
+def _carried(system: System, link_name: str) -> set[str]:
+    carried = {link_name}
+    for joint in system.joints:  # topological order: a parent comes before its children
+        if joint.parent in carried:
+            carried.add(joint.child)
+    return carried
+
+
+def tip_of(link: Link, system: System) -> Array:
+    """Where a link ends, in its own frame [m], shape (3,).
+
+    A beam ends at its tip, a link that carries others at the farthest joint on it. Otherwise the link is taken for a
+    uniform rod with a point mass at its end that has the same mass, centre of mass and inertia:
+    with k² = J/m about the link's origin, c the distance of the centre of mass and x the point mass's share,
+    k²/c² = (4/3) (1 + 2x)/(1 + x)² and the end lies at 2c/(1 + x).
+    """
+    if link.beam is not None:
+        return np.asarray(link.beam.direction * link.beam.length)
+    ends = [joint.xyz for joint in system.joints if joint.parent == link.name]
+    if ends:
+        farthest = max(ends, key=lambda end: float(np.linalg.norm(end)))
+        if np.linalg.norm(farthest) > 0.0:
+            return np.asarray(farthest)
+    distance = float(np.linalg.norm(link.com))
+    if distance == 0.0 or link.mass <= 0.0:
+        return np.zeros(3)
+    return np.asarray(link.com) * rod_and_bob(link)[0] / distance
+
+
+def rod_and_bob(link: Link) -> tuple[float, float]:
+    """Length [m] and the end mass's share of the total of the rod that ``tip_of`` speaks of.
+
+    A link with more inertia than a uniform rod has about its origin (k²/c² > 4/3) is given no end mass.
+    """
+    com = np.asarray(link.com)
+    distance = float(np.linalg.norm(com))
+    along = com / distance
+    tensor = about_origin(link)
+    # Inertia across the rod, the mean of the two transverse directions.
+    across = (float(np.trace(tensor)) - float(along @ tensor @ along)) / 2.0
+    ratio = across / (link.mass * distance**2)
+    target = 0.75 * ratio  # (1 + 2x)/(1 + x)²
+    if target >= 1.0:
+        return 2.0 * distance, 0.0
+    # target (1 + x)² = 1 + 2x, the root in [0, 1]
+    share = (1.0 - target + np.sqrt(1.0 - target)) / target if target > 0.0 else 1.0
+    share = float(min(max(share, 0.0), 1.0))
+    return 2.0 * distance / (1.0 + share), share

@@ -1,0 +1,32 @@
+"""A sensor that forgets: a charge amplifier, alternating-current coupling."""
+
+from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.measurement import highpass
+from harness.effects.scale import Scale
+
+EFFECT = Effect(
+    name="sensor_highpass",
+    title="sensor high-pass",
+    family=Family.SENSOR,
+    site=SiteKind.CHANNEL,
+    parameters=(
+        Parameter(
+            "cutoff",
+            "Hz",
+            "of the first order (−3 dB); settled at the first sample",
+            lower=0.0,
+            upper=1e4,
+            scale=Scale(0.05, frequency=1),
+            starts=(0.2, 1.0, 5.0),
+        ),
+    ),
+    signature="Slow and constant parts of the signal die away: a resting angle creeps to zero, the swing is early "
+    "and too small.",
+    shows_in="rest away from zero, or slow motion",
+    source="Doebelin, Measurement Systems (2004), ch. 4: charge amplifiers with piezoelectric sensors.",
+    expressed_by={"any engine": "acts on the signal that any engine predicts"},
+    needs=("channel",),
+    simpler=(),
+    confusable_with=("sensor_drift", "sensor_offset", "sensor_gain"),
+    sensor=Sensor(highpass, stage=40),
+)
