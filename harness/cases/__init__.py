@@ -23,10 +23,10 @@ A case is a module ``harness/cases/<name>.py`` that states facts and is found by
     )
 
 A check is a small frozen dataclass with a ``quantity`` and a method ``run(bench: Bench) -> Iterable[Row | Series]``
-(:mod:`harness.cases.case`); :class:`Row` is a line of the table, :class:`Series` is data for a plot of the report. ``Bench``
-gives it the system, the engines' models, a random generator that depends on the case's name alone, and
-``bench.row(…)``, which decides the verdict. Ready-made checks are in :mod:`harness.cases.checks`; what fits none of them is
-``Measured(quantity, function)``: a function of the bench in the case's own file that yields rows and series.
+(:mod:`harness.cases.case`); :class:`Row` is a line of the table, :class:`Series` is data for a plot of the report.
+``Bench`` gives it the system, the engines' models, a random generator that depends on the case's name alone, and
+``bench.row(…)``, which decides the verdict. Ready-made checks are in :mod:`harness.cases.checks`; what fits none of
+them is ``Measured(quantity, function)``: a function of the bench in the case's own file that yields rows and series.
 """
 
 from typing import TYPE_CHECKING, Any

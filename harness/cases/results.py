@@ -128,10 +128,7 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
             Row(**{k: v for k, v in {**row, "engines": tuple(row["engines"])}.items() if k in known_row})
             for row in document["rows"]
         )
-        series = tuple(
-            Series(**{k: tuple(_back(v)) if k in ("x", "y") else v for k, v in line.items() if k in known_series})
-            for line in document.get("series", ())
-        )
+        series = tuple(_series(line, known_series) for line in document.get("series", ()))
     except (KeyError, TypeError) as error:
         raise InputError(f"a row or series is incomplete: {error}", source=source, mend="write it again") from error
     cases = document.get("cases", {})
@@ -145,6 +142,13 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
         math.nan if seconds is None else seconds,
         {name: facts["seconds"] for name, facts in cases.items() if facts.get("seconds") is not None},
     )
+
+
+def _series(line: Mapping[str, Any], known: set[str]) -> Series:
+    values: dict[str, Any] = {key: value for key, value in line.items() if key in known}
+    for axis in ("x", "y"):
+        values[axis] = tuple(_back(values[axis]))
+    return Series(**values)
 
 
 def _back(values: list[float | None]) -> list[float]:

@@ -7,7 +7,7 @@ def acceleration_allowed(n: int) -> tuple[float, str]:
     """Relative difference allowed between accelerations of a mechanism with n coordinates, and the reason.
 
     Measured between Pinocchio and MuJoCo: 2e-15 at n = 1, 1e-14 at 7, 1e-12 at 50, 3e-11 at 200, 3e-10 at 1000. The
-    inverse of the mass matrix multiplies rounding (1.1e-16) by its condition number, which grows about as n⁴ on a chain.
+    inverse of the mass matrix multiplies rounding (1.1e-16) by its condition number, about n⁴ on a chain.
     """
     if n <= 7:
         return (

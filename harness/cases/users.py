@@ -12,9 +12,12 @@ from harness.errors import InputError
 from harness.system import System, load
 
 
-def read(path: Path) -> System:
-    """The model; InputError if it cannot be read or has no joint that moves."""
-    system = load(path)
+def read(path: Path, *, physical: bool = True) -> System:
+    """The model; InputError if it cannot be read or has no joint that moves.
+
+    physical: refuse inertia that no body can have.
+    """
+    system = load(path, physical=physical)
     if not system.coordinate_names:
         raise InputError("no joint moves", source=path, mend="give a mechanism with a revolute or prismatic joint")
     return system
@@ -37,9 +40,9 @@ def names_of(paths: Sequence[Path]) -> dict[str, Path]:
     return names
 
 
-def case_of(name: str, path: Path) -> Case:
+def case_of(name: str, path: Path, *, physical: bool = True) -> Case:
     """The case of one model file."""
-    system = read(path)
+    system = read(path, physical=physical)
     return Case(
         name=name,
         title=f"{system.name} ({path.name})",

@@ -35,8 +35,8 @@ class EnergyKept:
         run = model.simulate(q0, qd0, np.linspace(0.0, self.duration, self.samples), step=None)
         try:
             parts = np.array([model.energy(q, qd) for q, qd in zip(run.position, run.velocity, strict=True)])
-        except UnsupportedError as reason:
-            yield bench.skipped(self.quantity, (NATIVE, "analytic"), str(reason))
+        except UnsupportedError as error:
+            yield bench.skipped(self.quantity, (NATIVE, "analytic"), str(error))
             return
         total = parts.sum(axis=1)
         change = float(np.abs(total - total[0]).max() / parts[:, 0].max())

@@ -36,8 +36,8 @@ class FrequencyTruth:
                 continue
             try:
                 found = np.asarray(model.frequencies(q))
-            except UnsupportedError as reason:
-                yield bench.skipped(self.quantity, (name, self.truth), str(reason))
+            except UnsupportedError as error:
+                yield bench.skipped(self.quantity, (name, self.truth), str(error))
                 continue
             if len(found) == 0:
                 yield bench.row(

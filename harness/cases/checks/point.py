@@ -40,8 +40,8 @@ class PointTruth:
         for name, model in bench.models.items():
             try:
                 run = model.simulate(q0, qd0, time, step=None)
-            except UnsupportedError as reason:
-                yield bench.skipped(self.quantity, (name, "published"), str(reason))
+            except UnsupportedError as error:
+                yield bench.skipped(self.quantity, (name, "published"), str(error))
                 continue
             order = [run.names.index(joint) for joint in bench.system.joint_names]
             found = position_of(bench.system, run.position[-1, order], self.link, np.array(self.point))[axes]

@@ -49,8 +49,8 @@ class StateAgreement:
         for name, model in bench.models.items():
             try:
                 values[name] = evaluate(self.quantity, model, states)
-            except UnsupportedError as reason:
-                reasons[name] = str(reason)
+            except UnsupportedError as error:
+                reasons[name] = str(error)
         if NATIVE not in values:
             yield bench.skipped(self.quantity, (NATIVE,), reasons.get(NATIVE, "the native engine was left out"))
             return
@@ -93,25 +93,26 @@ def random_states(bench: Bench, count: int, speed: float, effort: float, elastic
     """
     system = bench.system
     rng = bench.rng()
-    lower, upper, bends = [], [], []
+    low, high, soft = [], [], []
     for name in system.coordinate_names:
-        bends.append(name not in system.joint_names)
-        joint = None if bends[-1] else system.joint(name)
-        default = 1.0 if joint is not None and joint.prismatic else np.pi
-        # The exact limits are left alone: engines that treat them as constraints would push there.
-        low = joint.lower if joint is not None and np.isfinite(joint.lower) else -default
-        high = joint.upper if joint is not None and np.isfinite(joint.upper) else default
-        lower.append(max(low, -default) if low < default else low)
-        upper.append(min(high, default) if high > -default else high)
-    low, high = np.array(lower), np.array(upper)
-    high = np.maximum(high, low)
+        soft.append(name not in system.joint_names)
+        lower, upper = -np.pi, np.pi
+        if not soft[-1]:
+            joint = system.joint(name)
+            if joint.prismatic:
+                lower, upper = -1.0, 1.0
+            if np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper:
+                lower, upper = joint.lower, joint.upper
+        low.append(lower)
+        high.append(upper)
     n = len(low)
-    q = low + (high - low) * rng.uniform(0.05, 0.95, (count, n))
+    elastic_ones = np.array(soft)
+    # Not up to the very limits: engines that know them as constraints would push there.
+    q = np.array(low) + (np.array(high) - np.array(low)) * rng.uniform(0.05, 0.95, (count, n))
     qd = speed * rng.standard_normal((count, n))
     qdd = effort * rng.standard_normal((count, n))
-    soft = np.array(bends)
-    q[:, soft] = elastic * rng.standard_normal((count, int(soft.sum())))
-    qd[:, soft] *= elastic
+    q[:, elastic_ones] = elastic * rng.standard_normal((count, int(elastic_ones.sum())))
+    qd[:, elastic_ones] *= elastic
     first = bench.models.get(NATIVE) or next(iter(bench.models.values()))
     tau = np.array([first.inverse_dynamics(q[k], qd[k], qdd[k]) for k in range(count)])
     return States(q, qd, qdd, tau)

@@ -11,6 +11,9 @@ from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
 
+# Engines that choose their steps by tolerance; a step asked for is meant for the others.
+ADAPTIVE = ("denoc", "pinocchio", "analytic")
+
 
 @dataclass(frozen=True)
 class TrajectoryAgreement:
@@ -41,9 +44,11 @@ class TrajectoryAgreement:
         reasons: dict[str, str] = {}
         for name, model in bench.models.items():
             try:
-                signals[name] = pick(model.simulate(q0, qd0, time, step=self.step), bench.system, self.signal)
-            except UnsupportedError as reason:
-                reasons[name] = str(reason)
+                signals[name] = pick(
+                    model.simulate(q0, qd0, time, step=step_of(name, self.step)), bench.system, self.signal
+                )
+            except UnsupportedError as error:
+                reasons[name] = str(error)
         if NATIVE not in signals:
             yield bench.skipped(self.quantity, (NATIVE,), reasons.get(NATIVE, "the native engine was left out"))
             return
@@ -113,6 +118,11 @@ def initial_state(system: System, position: dict[str, float], velocity: dict[str
                 raise KeyError(name)
             vector[names.index(name)] = value
     return q, qd
+
+
+def step_of(engine: str, step: float | None) -> float | None:
+    """The step [s] asked for if the engine integrates with a fixed one, else None."""
+    return None if engine in ADAPTIVE else step
 
 
 def pick(trajectory: Trajectory, system: System, signal: str) -> dict[str, Array]:

@@ -1,0 +1,76 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from harness.errors import InputError
+
+
+def write_whole(path: str | Path, content: str | bytes) -> Path:
+    """Write a file so that a reader finds the old one or the new one, never a part; returns its path.
+
+    Text is written as UTF-8 with Unix line ends. Raises InputError if the place cannot be written to.
+    """
+    path = Path(path)
+    with staged(path) as temporary:
+        if isinstance(content, str):
+            temporary.write_text(content, encoding="utf-8", newline="\n")
+        else:
+            temporary.write_bytes(content)
+    return path
+
+
+@contextmanager
+def staged(path: str | Path) -> Iterator[Path]:
+    """A temporary name beside ``path`` that becomes ``path`` when the block ends well, and vanishes otherwise.
+
+    It keeps the ending of ``path``, for writers that choose their format by it.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise InputError("is a folder", source=path, mend="name a file")
+    temporary: Path | None = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem[:40]}-", suffix="".join(path.suffixes), dir=path.parent)
+        os.close(handle)
+        temporary = Path(name)
+        yield temporary
+        temporary.chmod(0o666 & ~_umask())
+        temporary.replace(path)
+    except OSError as error:
+        raise InputError(
+            f"cannot be written: {error.strerror or error}", source=path, mend="check the path and its permissions"
+        ) from error
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def write_folder(folder: str | Path, files: Mapping[str, str | bytes]) -> list[Path]:
+    """Write files into a folder, which is made if need be; every one is prepared before the first is put in place."""
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise InputError("is a file, not a folder", source=folder, mend="give a folder to --out")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".writing-", dir=folder) as staging:
+            for name, content in files.items():
+                data = content.encode() if isinstance(content, str) else content
+                (Path(staging) / name).write_bytes(data)
+            return [(Path(staging) / name).replace(folder / name) for name in files]
+    except OSError as error:
+        raise InputError(
+            f"cannot be written: {error.strerror or error}", source=folder, mend="check the path and its permissions"
+        ) from error
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

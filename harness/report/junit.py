@@ -1,0 +1,37 @@
+"""The table as JUnit XML, one test case a row, for the test views of CI servers."""
+
+from __future__ import annotations
+
+from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
+
+from harness.cases.results import Results
+from harness.report import words
+
+
+def junit(results: Results) -> bytes:
+    """JUnit XML in UTF-8; a suite for each case, ``quantity [engines]`` for each test."""
+    document = JUnitXml("denoc validate")
+    for name in dict.fromkeys(row.case for row in results.rows):
+        suite = TestSuite(_printable(name))
+        rows = [row for row in results.rows if row.case == name]
+        for row in rows:
+            test = TestCase(
+                _printable(f"{row.quantity} [{'+'.join(row.engines)}]"), classname=_printable(f"denoc.{name}")
+            )
+            # What a case took is known as a whole; each row carries its share.
+            test.time = results.case_seconds.get(name, 0.0) / len(rows)
+            if row.verdict == "fail":
+                text = f"difference {words.figure(row.difference, verdict='fail')}, allowed {words.figure(row.allowed)}"
+                test.result = [Failure(_printable("; ".join(filter(None, [text, row.note, words.divergence(row)]))))]
+            elif row.verdict == "skipped":
+                test.result = [Skipped(_printable(row.note))]
+            suite.add_testcase(test)
+        document.add_testsuite(suite)
+    document.update_statistics()
+    data = document.tostring()
+    return data if isinstance(data, bytes) else data.encode()
+
+
+def _printable(text: str) -> str:
+    # XML 1.0 has no way to write control characters.
+    return "".join(c for c in text if c in "\t\n" or ord(c) >= 32)

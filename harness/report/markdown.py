@@ -1,0 +1,47 @@
+"""The table in Markdown."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from harness.cases.results import Results
+from harness.report import words
+
+
+def markdown(results: Results) -> str:
+    """GitHub-flavoured Markdown: a summary, a table for each group, versions."""
+    counts = (results.count("pass"), results.count("fail"), results.count("skipped"))
+    text = words.headline(*counts)
+    lines = ["# Validation", "", text[0].upper() + text[1:] + ".", ""]
+    head = ("case", "quantity", "engines", "difference", "allowed", "unit", "why allowed", "verdict", "note")
+    for group, members in groupby(results.rows, key=lambda row: row.group):
+        lines += [f"## {words.GROUP_TITLES.get(group, group)}", "", _line(head), _line(["---"] * len(head))]
+        for row in members:
+            note = "; ".join(filter(None, [row.note, words.divergence(row)]))
+            lines.append(
+                _line(
+                    (
+                        row.case,
+                        words.quantity(row.quantity),
+                        words.engines(row),
+                        words.figure(row.difference, verdict=row.verdict),
+                        words.figure(row.allowed),
+                        words.unit(row),
+                        row.why_allowed,
+                        f"{words.MARKS[row.verdict]} {row.verdict}",
+                        note,
+                    )
+                )
+            )
+        lines.append("")
+    lines += ["## Versions", "", _line(("what", "version")), _line(("---", "---"))]
+    lines += [_line(item) for item in results.versions.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _line(cells: object) -> str:
+    # A pipe inside a cell would start another one, a line break another row; `<` would start HTML.
+    def clean(cell: str) -> str:
+        return " ".join(str(cell).split()).replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
+
+    return "| " + " | ".join(clean(cell) for cell in cells) + " |"  # type: ignore[attr-defined]

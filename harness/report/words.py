@@ -1,0 +1,62 @@
+"""How figures, verdicts and quantities read."""
+
+from __future__ import annotations
+
+from harness.cases.case import Row
+
+MARKS = {"pass": "✓", "fail": "✗", "skipped": "–"}
+GROUP_TITLES = {
+    "rigid": "Rigid pendulums and closed forms",
+    "chaos": "Chaotic motion",
+    "scale": "Random chains and trees",
+    "robots": "Real robots",
+    "flexible": "Flexible links",
+    "models": "Your models",
+}
+
+
+def figure(value: float | None, *, verdict: str = "") -> str:
+    """Two digits; a dash for nothing compared; ``not finite`` for a failed row without a number."""
+    if value is None:
+        return "not finite" if verdict == "fail" else "–"
+    return "0" if value == 0.0 else f"{value:.1e}"
+
+
+def quantity(name: str) -> str:
+    """``mass_matrix`` as ``mass matrix``."""
+    return name.replace("_", " ")
+
+
+def engines(row: Row) -> str:
+    return " · ".join(row.engines)
+
+
+def unit(row: Row) -> str:
+    """``relative`` rather than a bare 1."""
+    return "relative" if row.unit == "1" else row.unit
+
+
+def divergence(row: Row) -> str:
+    """``time 3.2, joint elbow`` from the row's first divergence, or nothing."""
+    if not row.first_divergence:
+        return ""
+    return ", ".join(f"{key} {_short(value)}" for key, value in row.first_divergence.items())
+
+
+def _short(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, list | tuple):
+        return " × ".join(_short(item) for item in value)
+    return str(value)
+
+
+def headline(passed: int, failed: int, skipped: int) -> str:
+    """One sentence on the whole table."""
+    if failed:
+        text = f"{failed} of {passed + failed} comparisons failed"
+    elif passed:
+        text = f"all {passed} comparisons are within what is allowed"
+    else:
+        text = "nothing could be compared"
+    return text + (f"; {skipped} were not possible" if skipped else "")
