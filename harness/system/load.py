@@ -7,6 +7,7 @@ from pathlib import Path
 
 from harness.errors import InputError
 from harness.system.description import System
+from harness.system.read_mjcf import read_mjcf
 from harness.system.read_toml import read_toml
 from harness.system.read_urdf import read_urdf
 from harness.system.xml_source import parse_xml
@@ -30,6 +31,8 @@ def load(path: str | Path, *, tolerance: float | None = None, physical: bool = T
     root = parse_xml(data, source)
     if root.tag == "robot":
         return read_urdf(root, source, tolerance=tolerance, physical=physical)
+    if root.tag == "mujoco":
+        return read_mjcf(data, root, source, tolerance=tolerance, physical=physical)
     raise InputError(
         f"the root element is <{root.tag}>",
         mend="URDF begins with <robot>, MJCF with <mujoco>",
