@@ -78,10 +78,8 @@ class AnalyticModel:
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
         q, qd = vectors(1, q=q, qd=qd)
         spring = 0.5 * self.joint.stiffness * (q[0] - self.joint.rest_position) ** 2
-        if self.swings:
-            potential = self.gravity_force * (np.cos(self.low) - np.cos(q[0] - self.low))
-        else:
-            potential = self.gravity_force * q[0]
+        height = np.cos(self.low) - np.cos(q[0] - self.low) if self.swings else q[0]
+        potential = self.gravity_force * height
         return float(0.5 * self.inertia * qd[0] ** 2), float(self.potential_level + potential + spring)
 
     def simulate(

@@ -60,8 +60,9 @@ def positive_step(step: float | None) -> float | None:
     return step
 
 
-def finite_result(engine: str, quantity: str, value: Array) -> Array:
-    """``value``, or EngineError if the engine answered with NaN or infinity."""
+def finite_result(engine: str, quantity: str, answer: ArrayLike) -> Array:
+    """``answer`` as an array, or EngineError if the engine answered with NaN or infinity."""
+    value = np.asarray(answer, dtype=np.float64)
     if not np.all(np.isfinite(value)):
         raise EngineError(f"{engine} answered {quantity} with NaN or infinity: the mass matrix is singular there")
     return value

@@ -13,6 +13,7 @@ _HOME = {
     "denoc": ("harness.engines.denoc_native", "Native"),
     "pinocchio": ("harness.engines.pinocchio", "Pinocchio"),
     "mujoco": ("harness.engines.mujoco", "Mujoco"),
+    "exudyn": ("harness.engines.exudyn_rigid", "Exudyn"),
     "analytic": ("harness.engines.analytic", "Analytic"),
 }
 
