@@ -1,0 +1,414 @@
+"""Exudyn's ANCF cable elements: geometrically exact planar beams, the reference for links with geometric stiffening.
+
+Gerstmayr and Irschik, On the correct representation of bending and axial deformation in the absolute nodal coordinate
+formulation, J. Sound Vib. 318 (2008) 461-487; Gerstmayr, Exudyn, Multibody Syst. Dyn. 60 (2024).
+
+The finite elements have other elastic coordinates than ours, so this engine speaks through ``simulate`` (joint
+positions, ``<link>.tip_deflection``) and ``frequencies``. Deflections are measured normal to the tangent at the root,
+which is what the assumed modes mean by u(l).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from harness.engines.checked import held_forces, installed_version, positive_step, sample_times, vectors
+from harness.engines.exudyn_run import exudyn_package, grid, item, quiet, settings, solve_dynamic, solve_static, stored
+from harness.engines.planar import PlanarChain, PlanarLink, planar_chain, poses_and_rates, why_not_planar
+from harness.engines.protocol import Array, EngineError
+from harness.errors import UnsupportedError
+from harness.system import System, Trajectory
+
+#: Sixteen elements at this step [s] are within about 0.1 % of the peak tip deflection over 2 s of free fall.
+DEFAULT_STEP = 2e-5
+DEFAULT_ELEMENTS = 16
+# Where a beam's section is not told, its axial stiffness is that of a beam this many times longer than its radius of
+# gyration: stiff enough to count as inextensible, soft enough for the solver.
+_SLENDERNESS = 1000.0
+# How far the static equilibrium may lie from the state asked about [rad].
+_SAME_STATE = 1e-3
+
+
+@dataclass
+class _Assembly:
+    """An Exudyn system under construction; nodes: by link, first and last; sensors: by link, positions and rates."""
+
+    mbs: Any
+    nodes: list[list[Any]] = field(default_factory=list)
+    reference: list[Array] = field(default_factory=list)
+    sensors: list[list[Any]] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class AncfModel:
+    """A planar chain in ANCF cable elements and planar rigid bodies; see ``EngineModel``."""
+
+    names: tuple[str, ...]
+    system: System
+    chain: PlanarChain
+    elements: int = DEFAULT_ELEMENTS
+
+    def _silent(self, quantity: str) -> UnsupportedError:
+        return UnsupportedError(f"exudyn_ancf gives no {quantity}: its elastic coordinates are other than ours")
+
+    def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
+        raise self._silent("accelerations")
+
+    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
+        raise self._silent("generalized forces")
+
+    def mass_matrix(self, q: Array) -> Array:
+        raise self._silent("mass matrix")
+
+    def bias(self, q: Array, qd: Array) -> Array:
+        raise self._silent("bias forces")
+
+    def gravity(self, q: Array) -> Array:
+        raise self._silent("gravity forces")
+
+    def energy(self, q: Array, qd: Array) -> tuple[float, float]:
+        raise self._silent("energy")
+
+    def simulate(
+        self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
+    ) -> Trajectory:
+        """Generalized-α with steps of at most ``step`` [s]; elastic coordinates are not given and stand as NaN.
+
+        q0, qd0 count in our coordinates: the beams start in the shape that the assumed modes have there.
+        Raises UnsupportedError for applied forces, EngineError where the solver gives up.
+        """
+        n = len(self.names)
+        q0, qd0 = vectors(n, q0=q0, qd0=qd0)
+        time = sample_times(time)
+        forces = held_forces(tau, time.size, n)
+        if forces is not None and np.any(forces):
+            raise UnsupportedError("exudyn_ancf takes no applied joint torques")
+        if time.size == 1:
+            raise UnsupportedError("exudyn_ancf needs at least two samples of time")
+        exudyn = exudyn_package()
+        since = time - time[0]
+        steps, every = grid(time, positive_step(step) or DEFAULT_STEP)
+        with quiet(exudyn):
+            built = self._build(exudyn, q0, qd0)
+            relative, absolute = self._tolerances()
+            made = settings(exudyn, float(since[-1]), steps, every, relative=relative, absolute=absolute)
+            solve_dynamic(exudyn, built.mbs, made)
+            return self._trajectory(built, time, since, q0)
+
+    def frequencies(self, q: Array) -> Array:
+        """Natural frequencies about the equilibrium at q [Hz]; gravity's tension in the beams counts.
+
+        Raises UnsupportedError if q is no equilibrium, or if rigid links hang in gravity (Exudyn linearises without
+        the constraints' own stiffness).
+        """
+        (q,) = vectors(len(self.names), q=q)
+        exudyn = exudyn_package()
+        heavy = bool(np.any(self.chain.gravity))
+        if heavy and any(link.data is None for link in self.chain.links):
+            raise UnsupportedError("exudyn_ancf gives no frequencies of rigid links in gravity")
+        with quiet(exudyn):
+            built = self._build(exudyn, q, np.zeros_like(q))
+            relative, absolute = self._tolerances()
+            made = settings(exudyn, 1.0, 1, 1.0, relative=relative, absolute=absolute)
+            if heavy:
+                self._settle(built, made, q)
+            squares, _ = exudyn.solver.ComputeODE2Eigenvalues(
+                built.mbs, made, useAbsoluteValues=False, singularValuesTolerance=1e-9
+            )
+        squares = np.sort(np.real(np.asarray(squares)))
+        # The stiffest axial mode sets the rounding of the swing, which without gravity is exactly neutral.
+        floor = 1e-13 * float(squares[-1])
+        result: Array = np.sqrt(squares[squares > max(floor, 1e-6)]) / (2.0 * np.pi)
+        return result
+
+    def _settle(self, built: _Assembly, made: Any, q: Array) -> None:
+        made.staticSolver.numberOfLoadSteps = 1
+        try:
+            solve_static(built.mbs, made)
+        except EngineError:
+            raise UnsupportedError("exudyn_ancf gives frequencies about an equilibrium only") from None
+        state = built.mbs.systemData.GetODE2Coordinates()
+        turns = []
+        place = 0
+        for link, reference in zip(self.chain.links, built.reference, strict=True):
+            here = reference[0] + state[place : place + 4]
+            turns.append(_angle(here[2], here[3]) - _angle(*link.direction))
+            place += 4 * len(reference)
+        for link, turn in zip(self.chain.links, turns, strict=True):
+            if link.coordinate < 0:
+                continue
+            before = turns[link.parent] if link.parent >= 0 else 0.0
+            off = link.sign * (turn - before) - q[link.coordinate]
+            if abs((off + np.pi) % (2.0 * np.pi) - np.pi) > _SAME_STATE:
+                raise UnsupportedError("exudyn_ancf gives frequencies about an equilibrium only")
+
+    def _tolerances(self) -> tuple[float, float]:
+        """Relative and absolute tolerance of Newton's residual [N]: what the rounding of the axial force leaves room for."""
+        axial = max(_axial_stiffness(link) for link in self.chain.links if link.data is not None)
+        return (1e-6 if self.elements <= 16 else 1e-5), max(1e-8, 2e-15 * axial)
+
+    def _build(self, exudyn: Any, q: Array, qd: Array) -> _Assembly:
+        items = exudyn.itemInterface
+        built = _Assembly(exudyn.SystemContainer().AddSystem())
+        mbs = built.mbs
+        ground = mbs.AddObject(items.ObjectGround())
+        ground_node = mbs.AddNode(items.NodePointGround())
+        zero, _ = poses_and_rates(self.chain, np.zeros_like(q), np.zeros_like(q), self.elements + 1)
+        now, rates = poses_and_rates(self.chain, q, qd, self.elements + 1)
+        bodies: list[Any] = []
+        for k, link in enumerate(self.chain.links):
+            if link.data is None:
+                start = np.append(zero[k].origin, 0.0)
+                shift = np.append(now[k].origin - zero[k].origin, now[k].turn)
+                speed = np.append(rates[k].origin, rates[k].turn)
+                # The body's reference point is the link's origin, so that joints count from there.
+                node = mbs.AddNode(
+                    items.NodeRigidBody2D(
+                        referenceCoordinates=start.tolist(),
+                        initialCoordinates=shift.tolist(),
+                        initialVelocities=speed.tolist(),
+                    )
+                )
+                bodies.append(self._rigid(items, mbs, link, node))
+                built.nodes.append([node])
+                built.reference.append(start[None, :])
+            else:
+                reference = np.column_stack([zero[k].points, zero[k].slopes])
+                state = np.column_stack([now[k].points, now[k].slopes])
+                speed = np.column_stack([rates[k].points, rates[k].slopes])
+                nodes = [
+                    mbs.AddNode(
+                        items.NodePoint2DSlope1(
+                            referenceCoordinates=reference[i].tolist(),
+                            initialCoordinates=(state[i] - reference[i]).tolist(),
+                            initialVelocities=speed[i].tolist(),
+                        )
+                    )
+                    for i in range(self.elements + 1)
+                ]
+                self._beam(items, mbs, link, nodes)
+                bodies.append(None)
+                built.nodes.append(nodes)
+                built.reference.append(reference)
+            self._join(items, mbs, k, built, bodies, ground, ground_node)
+            ends = [built.nodes[k][0]] if link.data is None else [built.nodes[k][0], built.nodes[k][-1]]
+            kinds = (exudyn.OutputVariableType.Coordinates, exudyn.OutputVariableType.Coordinates_t)
+            built.sensors.append(
+                [
+                    mbs.AddSensor(
+                        items.SensorNode(
+                            nodeNumber=node, storeInternal=True, writeToFile=False, outputVariableType=kind
+                        )
+                    )
+                    for node in ends
+                    for kind in kinds
+                ]
+            )
+        mbs.Assemble()
+        return built
+
+    def _rigid(self, items: Any, mbs: Any, link: PlanarLink, node: Any) -> Any:
+        armature = link.joint.armature if link.parent < 0 else 0.0
+        body = mbs.AddObject(
+            item(
+                items.ObjectRigidBody2D,
+                mass=link.link.mass,
+                inertia=link.inertia + link.link.mass * float(link.com @ link.com) + armature,
+                centerOfMass=link.com.tolist(),
+                nodeNumber=node,
+            )
+        )
+        mass = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+        mbs.AddLoad(items.LoadMassProportional(markerNumber=mass, loadVector=[*self.chain.gravity, 0.0]))
+        return body
+
+    def _beam(self, items: Any, mbs: Any, link: PlanarLink, nodes: list[Any]) -> None:
+        beam = link.beam
+        axial = _axial_stiffness(link)
+        for first, second in pairwise(nodes):
+            cable = mbs.AddObject(
+                item(
+                    items.ObjectANCFCable2D,
+                    length=beam.length / self.elements,
+                    massPerLength=beam.mass / beam.length,
+                    bendingStiffness=beam.bending_stiffness,
+                    axialStiffness=axial,
+                    bendingDamping=beam.material_damping * beam.bending_stiffness,
+                    axialDamping=beam.material_damping * axial,
+                    nodeNumbers=[first, second],
+                )
+            )
+            mass = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=cable))
+            mbs.AddLoad(items.LoadMassProportional(markerNumber=mass, loadVector=[*self.chain.gravity, 0.0]))
+        normal = np.cross(beam.direction, beam.bending)
+        turning = float(normal @ beam.payload_inertia @ normal)
+        if beam.payload or turning:
+            mbs.AddObject(
+                items.ObjectGenericODE2(
+                    nodeNumbers=[nodes[-1]], massMatrix=np.diag([beam.payload, beam.payload, turning, turning])
+                )
+            )
+            marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
+            load = [*(beam.payload * self.chain.gravity), 0.0]
+            mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=load))
+        if link.parent < 0 and link.coordinate >= 0 and (link.joint.armature or link.joint.damping):
+            # On the slope of a beam that does not stretch, a mass is a rotary inertia and a damper a rotary damper.
+            hub, loss = link.joint.armature, link.joint.damping
+            mbs.AddObject(
+                items.ObjectGenericODE2(
+                    nodeNumbers=[nodes[0]],
+                    massMatrix=np.diag([0.0, 0.0, hub, hub]),
+                    dampingMatrix=np.diag([0.0, 0.0, loss, loss]),
+                )
+            )
+
+    def _join(
+        self, items: Any, mbs: Any, k: int, built: _Assembly, bodies: list[Any], ground: Any, ground_node: Any
+    ) -> None:
+        link = self.chain.links[k]
+        root = built.nodes[k][0]
+        if link.parent < 0:
+            fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground_node, coordinate=0))
+            # A clamp holds the slope's direction, not its length: the beam may stretch up to its root. The plane's
+            # x axis lies along the first beam.
+            for coordinate in (0, 1) if link.coordinate >= 0 else (0, 1, 3):
+                held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=root, coordinate=coordinate))
+                # The initial displacement of the base joint is zero, so holding it at zero holds the place.
+                mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[fixed, held]))
+            if link.joint.damping and link.data is None:
+                turn = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=root, coordinate=2))
+                mbs.AddObject(
+                    items.ObjectConnectorCoordinateSpringDamper(
+                        markerNumbers=[fixed, turn], stiffness=0.0, damping=link.joint.damping
+                    )
+                )
+            return
+        parent = self.chain.links[link.parent]
+        if parent.data is None:
+            before = mbs.AddMarker(
+                items.MarkerBodyPosition(bodyNumber=bodies[link.parent], localPosition=[*link.hinge, 0.0])
+            )
+        else:
+            before = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=built.nodes[link.parent][-1]))
+        after = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=root))
+        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=[before, after]))
+
+    def _trajectory(self, built: _Assembly, time: Array, since: Array, q0: Array) -> Trajectory:
+        n = len(self.names)
+        position, velocity = np.full((len(time), n), np.nan), np.full((len(time), n), np.nan)
+        channels: dict[str, Array] = {}
+        turns: list[tuple[Array, Array]] = []
+        ends: list[tuple[Array, Array]] = []
+        for link, sensors, reference in zip(self.chain.links, built.sensors, built.reference, strict=True):
+            data = [stored(built.mbs, sensor, since) for sensor in sensors]
+            if link.data is None:
+                turn, rate = data[0][:, 2], data[1][:, 2]
+                turns.append((turn, rate))
+                ends.append((turn, rate))
+                continue
+            root, tip = data[0] + reference[0], data[2] + reference[-1]
+            start = _angle(*link.direction)
+            turns.append((np.unwrap(_angle(root[:, 2], root[:, 3]) - start), _rate(root, data[1])))
+            ends.append((np.unwrap(_angle(tip[:, 2], tip[:, 3]) - start), _rate(tip, data[3])))
+            tangent = root[:, 2:] / np.linalg.norm(root[:, 2:], axis=1)[:, None]
+            side = np.sign(link.direction[0] * link.bending[1] - link.direction[1] * link.bending[0])
+            chord = tip[:, :2] - root[:, :2]
+            channels[f"{link.link.name}.tip_deflection"] = side * (
+                tangent[:, 0] * chord[:, 1] - tangent[:, 1] * chord[:, 0]
+            )
+        for k, link in enumerate(self.chain.links):
+            if link.coordinate < 0:
+                continue
+            before = ends[link.parent] if link.parent >= 0 else (np.zeros(len(time)), np.zeros(len(time)))
+            angle = link.sign * (turns[k][0] - before[0])
+            # Whole turns are not to be seen in a direction; the run starts where it was told to.
+            angle += 2.0 * np.pi * np.round((q0[link.coordinate] - angle[0]) / (2.0 * np.pi))
+            position[:, link.coordinate] = angle
+            velocity[:, link.coordinate] = link.sign * (turns[k][1] - before[1])
+        for link in self.chain.links:
+            if link.coordinate >= 0:
+                channels[f"{link.joint.name}.position"] = position[:, link.coordinate]
+        return Trajectory(time=time, names=self.names, position=position, velocity=velocity, channels=channels)
+
+
+def _angle(x: Any, y: Any) -> Any:
+    return np.arctan2(y, x)
+
+
+def _rate(slope: Array, speed: Array) -> Array:
+    """Rate of turn of a slope vector [rad/s]: columns 2, 3 of node coordinates and their rates."""
+    square = slope[:, 2] ** 2 + slope[:, 3] ** 2
+    rate: Array = (slope[:, 2] * speed[:, 3] - slope[:, 3] * speed[:, 2]) / square
+    return rate
+
+
+def _axial_stiffness(link: PlanarLink) -> float:
+    beam = link.beam
+    area = beam.width * beam.thickness
+    if np.isfinite(area) and np.isfinite(beam.youngs_modulus):
+        return float(beam.youngs_modulus * area)
+    return beam.bending_stiffness * (_SLENDERNESS / beam.length) ** 2
+
+
+@dataclass(frozen=True)
+class Ancf:
+    """Exudyn's ANCF cables as an ``Engine``: planar chains of beams and rigid links on revolute joints.
+
+    elements: finite elements on each beam.
+    """
+
+    name: str = "exudyn_ancf"
+    elements: int = DEFAULT_ELEMENTS
+
+    def version(self) -> str:
+        return installed_version("exudyn", "Exudyn")
+
+    def refuses(self, system: System) -> str | None:
+        if not system.flexible:
+            return "the system has no elastic link"
+        if system.attachments:
+            return f"exudyn_ancf cannot express the effect {system.attachments[0].effect}"
+        reason = why_not_planar(system)
+        if reason:
+            return reason
+        for link in planar_chain(system).links:
+            reason = _refuses_joint(system, link) or (_refuses_beam(link) if link.data is not None else None)
+            if reason:
+                return reason
+        return None
+
+    def build(self, system: System) -> AncfModel:
+        """The system in ANCF elements; raises UnsupportedError with the reason if it is refused."""
+        reason = self.refuses(system)
+        if reason:
+            raise UnsupportedError(reason, source=system.source)
+        exudyn_package()
+        return AncfModel(system.coordinate_names, system, planar_chain(system), self.elements)
+
+
+def _refuses_joint(system: System, link: PlanarLink) -> str | None:
+    joint = link.joint
+    if joint.friction or joint.stiffness:
+        return f"exudyn_ancf models neither dry friction nor a spring at joint {joint.name!r}"
+    if link.parent >= 0 and (joint.armature or joint.damping):
+        return f"exudyn_ancf models armature and damping at the base joint only, not at {joint.name!r}"
+    if link.parent >= 0:
+        parent = system.links[link.parent]
+        if parent.beam is not None:
+            off = joint.xyz - parent.beam.length * parent.beam.direction
+            if float(np.linalg.norm(off)) > 1e-9 * parent.beam.length:
+                return f"joint {joint.name!r} does not sit at the tip of {parent.name!r}"
+    return None
+
+
+def _refuses_beam(link: PlanarLink) -> str | None:
+    beam = link.beam
+    if not beam.geometric_stiffening:
+        return f"ANCF beams stiffen by rotation, link {link.link.name!r} is meant not to"
+    if any(beam.modal_damping):
+        return f"finite elements have no modal damping ratios (link {link.link.name!r})"
+    return None
