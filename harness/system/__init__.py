@@ -4,6 +4,7 @@ from harness.system.description import Attachment, Beam, Joint, JointType, Link,
 from harness.system.load import load
 from harness.system.random_systems import random_chain, random_tree
 from harness.system.trajectory import Trajectory
+from harness.system.write import write
 
 __all__ = [
     "Attachment",
@@ -16,4 +17,5 @@ __all__ = [
     "load",
     "random_chain",
     "random_tree",
+    "write",
 ]

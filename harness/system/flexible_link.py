@@ -133,17 +133,15 @@ class _Section:
             self.area, second, second2 = w * t, w * t**3 / 12.0, t * w**3 / 12.0
             torsion_constant = rectangle_torsion_constant(w, t)
         else:
-            self.area = section.number("area", positive=True, mend="or give width and thickness")
-            second = section.number("second_moment", positive=True)
+            self.area = section.number("area", positive=True) if section.has("area") else nan
+            second = section.number("second_moment", positive=True, mend="or give width and thickness")
             second2 = section.number("second_moment2", positive=True) if section.has("second_moment2") else nan
             torsion_constant = (
                 section.number("torsion_constant", positive=True) if section.has("torsion_constant") else nan
             )
-        self.half_depth = (
-            section.number("half_depth", self.thickness / 2.0, positive=True)
-            if (section.has("half_depth"))
-            else self.thickness / 2.0
-        )
+        self.half_depth = self.thickness / 2.0
+        if section.has("half_depth"):
+            self.half_depth = section.number("half_depth", positive=True)
         if bending2 and math.isnan(second2):
             section.refuse(
                 "bending2 = true needs the other second moment", "add second_moment2, or width and thickness"
@@ -156,8 +154,8 @@ class _Section:
         if torsion:
             if math.isnan(shear):
                 material.refuse("torsion_modes need a shear modulus", "add shear_modulus or poissons_ratio")
-            if math.isnan(torsion_constant) or math.isnan(second2):
-                section.refuse("torsion_modes need a torsion constant", "add torsion_constant and second_moment2")
+            if math.isnan(torsion_constant + second2 + self.area):
+                section.refuse("torsion_modes need the whole section", "add torsion_constant, second_moment2 and area")
             self.torsional_stiffness = shear * torsion_constant
         section.finish()
         material.finish()
@@ -187,7 +185,7 @@ def _mass(table: TableReader, section: _Section, length: float, tolerance: float
     by_density = section.density * section.area * length
     if not table.has("mass"):
         if math.isnan(by_density):
-            table.refuse("neither mass nor density is given", "add mass, or density to material")
+            table.refuse("the mass of the beam is not given", "add mass, or density to material (and area to section)")
         return by_density
     mass = table.number("mass", positive=True)
     if not math.isnan(by_density) and abs(mass - by_density) > max(3.0 * tolerance, PRINTED_MASS) * by_density:

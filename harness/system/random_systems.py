@@ -80,6 +80,7 @@ def _random_system(
             direction = np.asarray(beam.direction)
             xyz = beam.length * direction + offset - (offset @ direction) * direction
         kind = JointType.FIXED if weld else JointType.PRISMATIC if sliding else JointType.REVOLUTE
+        placement, axis = _rotation(rng), _unit(rng)
         joints.append(
             Joint(
                 name=f"joint{k + 1}",
@@ -87,8 +88,8 @@ def _random_system(
                 parent=f"link{parent + 1}" if parent >= 0 else "base",
                 child=f"link{k + 1}",
                 xyz=constant(xyz),
-                rotation=constant(_rotation(rng)),
-                axis=constant(_unit(rng)),
+                rotation=constant(placement),
+                axis=constant([0.0, 0.0, 1.0] if weld else axis),
                 armature=float(rng.uniform(0.01, 0.05)) if armature and not weld else 0.0,
                 damping=float(rng.uniform(0.02, 0.2)) if damping and not weld else 0.0,
             )

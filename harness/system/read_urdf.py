@@ -15,6 +15,8 @@ from harness.system.rotation import from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.topology import arrange
 
+# Limits this large [rad, m, N·m, …] stand for none, in files whose readers insist on a number.
+NO_LIMIT = 1e9
 _NOT_MODELLED = ("floating", "planar")
 
 
@@ -218,9 +220,12 @@ class _Reader:
     def _limit(self, element: Any, key: str, default: float, owner: str) -> float:
         """A limit, which may be infinite."""
         text = element.get(key)
-        if text is not None and text.strip().lower().lstrip("+-") in ("inf", "infinity"):
+        if text is None:
+            return default
+        if text.strip().lower().lstrip("+-") in ("inf", "infinity"):
             return float(text)
-        return self.number(element, key, default, owner) if text is not None else default
+        value = self.number(element, key, None, owner)
+        return math.copysign(math.inf, value) if abs(value) >= NO_LIMIT else value
 
     def base(self, joints: list[Joint], links: list[Link]) -> str:
         """The root link: the one that no joint carries."""

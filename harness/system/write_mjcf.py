@@ -1,0 +1,145 @@
+"""Systems to MJCF."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from lxml import etree
+from scipy.spatial.transform import Rotation
+
+from harness.errors import UnsupportedError
+from harness.system.description import Array, Joint, Link, System
+
+# MuJoCo takes no principal moment below 1e-15 kg·m²; a slender line has one of zero.
+_SMALLEST_MOMENT = 1e-14
+
+
+def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
+    """MJCF text of a system, and what MJCF cannot say (bending, effects), one line each.
+
+    Massless links between joints become several joints of one body, which is MuJoCo's way to say it.
+    Raises UnsupportedError where a massless link branches, which MuJoCo cannot hold.
+    """
+    left_out = [f"effect {a.effect!r} at {a.site!r}" for a in system.attachments]
+    if system.tolerance != 0.01:
+        left_out.append(f"tolerance {system.tolerance:g}")
+    root = etree.Element("mujoco", model=system.name)
+    etree.SubElement(root, "compiler", angle="radian", autolimits="true", inertiafromgeom="false")
+    option = etree.SubElement(root, "option", gravity=_words(system.gravity), integrator="RK4", timestep="0.001")
+    etree.SubElement(option, "flag", contact="disable", limit="disable")
+    world = etree.SubElement(root, "worldbody")
+
+    children: dict[str, list[int]] = {}
+    for k, joint in enumerate(system.joints):
+        children.setdefault(joint.parent, []).append(k)
+    pending = [(k, world) for k in reversed(children.get(system.base, []))]
+    while pending:
+        k, parent = pending.pop()
+        run = _run(system, k, children)
+        link = system.links[run[-1]]
+        body = _body(parent, [system.joints[i] for i in run], link)
+        left_out += _inertial(body, link)
+        if link.beam is not None:
+            left_out.append(f"link {link.name!r}: bending; it is written rigid, in its undeformed shape")
+        left_out += [
+            f"joint {system.joints[i].name!r}: velocity limit {system.joints[i].velocity:g}"
+            for i in run
+            if math.isfinite(system.joints[i].velocity)
+        ]
+        left_out += [
+            f"joint {system.joints[i].name!r}: its limit to one side only"
+            for i in run
+            if math.isfinite(system.joints[i].lower) != math.isfinite(system.joints[i].upper)
+        ]
+        pending += [(child, body) for child in reversed(children.get(link.name, []))]
+    return etree.tostring(root, pretty_print=True, encoding="unicode"), tuple(left_out)
+
+
+def _words(values: Iterable[float]) -> str:
+    return " ".join(repr(float(x)) for x in values)
+
+
+def _massless(link: Link) -> bool:
+    return link.mass == 0.0 and not np.any(link.inertia)
+
+
+def _run(system: System, k: int, children: dict[str, list[int]]) -> list[int]:
+    """Joints from k on that share one body: those whose link between is massless and carries just one movable joint."""
+    run = [k]
+    while True:
+        joint, link = system.joints[run[-1]], system.links[run[-1]]
+        following = children.get(link.name, [])
+        if not joint.movable or not _massless(link):
+            return run
+        movable = [c for c in following if system.joints[c].movable]
+        if len(following) == 1 and movable:
+            run.append(following[0])
+        elif movable and not any(not system.joints[c].movable for c in following):
+            raise UnsupportedError(
+                f"link {link.name!r} is massless and branches, which MJCF cannot hold",
+                mend="give it a mass and inertia, or write TOML",
+                source=system.source,
+            )
+        else:
+            return run
+
+
+def _body(parent: etree._Element, joints: list[Joint], link: Link) -> etree._Element:
+    """A body with a run of joints: its frame at zero position is the last joint's."""
+    # Placement of each joint frame in the parent's frame, at zero position.
+    places: list[tuple[Array, Array]] = []
+    position, rotation = np.zeros(3), np.eye(3)
+    for joint in joints:
+        position = position + rotation @ np.asarray(joint.xyz)
+        rotation = rotation @ np.asarray(joint.rotation)
+        places.append((position, rotation))
+    body = etree.SubElement(parent, "body", name=link.name, pos=_words(position), quat=_words(_quaternion(rotation)))
+    for joint, (place, turn) in zip(joints, places, strict=True):
+        if not joint.movable:
+            continue
+        last = joint is joints[-1]
+        attributes = {
+            "name": joint.name,
+            "type": "slide" if joint.prismatic else "hinge",
+            "pos": "0 0 0" if last else _words(rotation.T @ (place - position)),
+            "axis": _words(joint.axis if last else rotation.T @ turn @ np.asarray(joint.axis)),
+        }
+        for key, value in (
+            ("armature", joint.armature),
+            ("damping", joint.damping),
+            ("frictionloss", joint.friction),
+            ("stiffness", joint.stiffness),
+            ("springref", joint.rest_position),
+        ):
+            if value:
+                attributes[key] = repr(float(value))
+        if math.isfinite(joint.lower) and math.isfinite(joint.upper) and joint.lower < joint.upper:
+            attributes["range"] = _words((joint.lower, joint.upper))
+        if math.isfinite(joint.effort) and joint.effort > 0.0:
+            attributes["actuatorfrcrange"] = _words((-joint.effort, joint.effort))
+        etree.SubElement(body, "joint", attributes)
+    return body
+
+
+def _quaternion(rotation: Array) -> Array:
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    return np.array([w, x, y, z])
+
+
+def _inertial(body: etree._Element, link: Link) -> list[str]:
+    """Inertia of a body; tells where a moment had to be raised for MuJoCo to take it."""
+    if _massless(link):
+        return []
+    tensor = np.asarray(link.inertia)
+    moments, axes = np.linalg.eigh(tensor)
+    raised = moments[0] < _SMALLEST_MOMENT
+    if raised:
+        floor = np.maximum(moments, _SMALLEST_MOMENT)
+        tensor = axes @ np.diag(floor) @ axes.T
+    entries = (tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[0, 1], tensor[0, 2], tensor[1, 2])
+    etree.SubElement(body, "inertial", pos=_words(link.com), mass=repr(float(link.mass)), fullinertia=_words(entries))
+    if not raised:
+        return []
+    return [f"link {link.name!r}: principal moment {moments[0]:.3g} kg·m² raised to {_SMALLEST_MOMENT:g} for MuJoCo"]

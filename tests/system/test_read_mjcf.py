@@ -1,0 +1,139 @@
+"""MJCF means here what it means in MuJoCo: mass matrices and body poses against MuJoCo itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from jacobian_mechanics import mass_matrix, poses
+
+import harness
+from harness.errors import InputError, UnsupportedError
+
+# Degrees, classes, fromto, inertia from geoms, several joints on a body with offsets and ref, welded bodies, euler.
+RICH = """<mujoco model="rich">
+  <compiler angle="degree" autolimits="true" eulerseq="zyx"/>
+  <option gravity="0.5 0 -3.7"/>
+  <default>
+    <joint armature="0.003"/>
+    <default class="dry"><joint damping="0.25" frictionloss="0.02"/><geom density="500"/></default>
+  </default>
+  <worldbody>
+    <body name="a" pos="0.1 0.2 0.3" euler="10 -20 30">
+      <joint name="a1" type="hinge" axis="1 2 3" pos="0.1 0 -0.2" ref="25"/>
+      <joint name="a2" type="slide" axis="0 1 1" ref="0.2" stiffness="4" springref="0.3"/>
+      <joint name="a3" type="hinge" axis="0 1 0" pos="0 0.1 0.1" range="-90 45"/>
+      <geom type="capsule" fromto="0 0 0 0.1 0.2 0.4" size="0.03"/>
+      <body name="weld" pos="0 0.1 0" quat="1 1 0 0">
+        <geom type="box" size="0.05 0.06 0.07" pos="0.1 0 0"/>
+        <body name="b" pos="0.2 0 0.1" axisangle="0 0 1 40" childclass="dry">
+          <joint name="b1" type="hinge" axis="-1 0 1" pos="0 0.02 0" actuatorfrcrange="-3 3"/>
+          <geom type="cylinder" size="0.04 0.1"/>
+          <geom type="sphere" size="0.05" pos="0.1 0.1 0"/>
+        </body>
+      </body>
+      <body name="c" pos="0 0 0.4">
+        <joint type="slide" axis="1 0 0"/>
+        <inertial pos="0.01 0.02 0.03" mass="0.7" fullinertia="0.01 0.011 0.012 0.001 -0.002 0.0005"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def load_text(folder: Path, text: str, name: str = "model.xml", **options: object) -> harness.System:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return harness.load(path, **options)
+
+
+def test_mass_matrix_and_poses_are_mujocos(tmp_path: Path) -> None:
+    system = load_text(tmp_path, RICH)
+    model = mujoco.MjModel.from_xml_string(RICH)
+    data = mujoco.MjData(model)
+    assert system.joint_names == ("a1", "a2", "a3", "b1", "c__joint")
+    rng = np.random.default_rng(4)
+    for _ in range(5):
+        q = rng.uniform(-1.5, 1.5, model.nq)
+        data.qpos[:] = q
+        mujoco.mj_forward(model, data)
+        theirs = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, theirs)
+        np.testing.assert_allclose(mass_matrix(system, q), theirs, rtol=0, atol=1e-13)
+        placed = poses(system, q)
+        for link in system.links:
+            if "__" in link.name:
+                continue  # a massless link of a joint chain has no body there
+            rotation, origin = placed[link.name]
+            np.testing.assert_allclose(rotation, data.body(link.name).xmat.reshape(3, 3), atol=1e-14)
+            np.testing.assert_allclose(origin + rotation @ link.com, data.body(link.name).xipos, atol=1e-14)
+
+
+def test_joint_properties_come_through_defaults_and_units(tmp_path: Path) -> None:
+    system = load_text(tmp_path, RICH)
+    b1, a2, a3 = system.joint("b1"), system.joint("a2"), system.joint("a3")
+    assert (b1.damping, b1.friction, b1.armature, b1.effort) == (0.25, 0.02, 0.003, 3.0)
+    assert (a2.stiffness, a2.rest_position) == (4.0, 0.3)
+    np.testing.assert_allclose((a3.lower, a3.upper), (-np.pi / 2, np.pi / 4), rtol=1e-15)
+    np.testing.assert_array_equal(system.gravity, [0.5, 0.0, -3.7])
+
+
+def test_what_acts_there_and_not_here_is_noted(tmp_path: Path) -> None:
+    text = """<mujoco><option density="1.2"/><worldbody><geom type="plane" size="1 1 1"/><body name="b" gravcomp="1">
+      <joint name="j" axis="0 1 0" damping="0.1 0.2 0.3"/><geom size="0.1" pos="0 0 -1"/></body></worldbody>
+      <actuator><motor joint="j"/></actuator>
+      <equality><joint joint1="j"/></equality></mujoco>"""
+    notes = " | ".join(load_text(tmp_path, text).notes)
+    for word in ("damping beyond linear", "actuator", "equality", "contacts", "gravcomp", "fluid"):
+        assert word in notes
+
+
+@pytest.mark.parametrize("kind", ["free", "ball"])
+def test_free_and_ball_joints_are_refused_by_name_and_line(tmp_path: Path, kind: str) -> None:
+    text = f'<mujoco>\n<worldbody>\n<body name="torso">\n<joint name="root" type="{kind}"/>\n<geom size="0.1"/></body>'
+    with pytest.raises(UnsupportedError, match=rf"model\.xml:4: joint 'root'.*'{kind}'"):
+        load_text(tmp_path, text + "</worldbody></mujoco>")
+
+
+@pytest.mark.parametrize(
+    ("snippet", "message"),
+    [
+        ('<include file="../secret.xml"/>', "outside the model's folder"),
+        ('<include file="/etc/passwd"/>', "outside the model's folder"),
+        ('<asset><mesh name="m" file="../m.stl"/></asset>', "outside the model's folder"),
+        ('<compiler meshdir="../meshes"/><asset><mesh name="m" file="m.stl"/></asset>', "outside the model's folder"),
+        ('<asset><texture name="t" type="cube" fileup="../up.png"/></asset>', "outside the model's folder"),
+    ],
+)
+def test_files_outside_the_folder_are_refused(tmp_path: Path, snippet: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_text(tmp_path, f"<mujoco>{snippet}<worldbody/></mujoco>")
+
+
+def test_an_include_that_includes_from_outside_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "part.xml").write_text('<mujoco><include file="../../other.xml"/></mujoco>')
+    with pytest.raises(InputError, match=r"part\.xml:1: <include> names"):
+        load_text(tmp_path, '<mujoco><include file="part.xml"/><worldbody/></mujoco>')
+
+
+def test_an_include_inside_the_folder_is_read(tmp_path: Path) -> None:
+    (tmp_path / "part.xml").write_text('<mujoco><option gravity="0 0 -1.6"/></mujoco>')
+    text = """<mujoco><include file="part.xml"/><worldbody><body name="b"><joint name="j" axis="0 1 0"/>
+      <geom size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
+    assert load_text(tmp_path, text).gravity[2] == -1.6
+
+
+def test_mujocos_own_refusal_is_one_line(tmp_path: Path) -> None:
+    text = "<mujoco>\n<worldbody>\n<bdy/>\n</worldbody></mujoco>"
+    with pytest.raises(InputError, match=r"model\.xml:3: MuJoCo refuses it: .*bdy") as caught:
+        load_text(tmp_path, text)
+    assert "\n" not in str(caught.value)
+
+
+def test_reading_leaves_no_log_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    load_text(tmp_path, RICH, "model.mjcf")
+    assert [p.name for p in tmp_path.iterdir()] == ["model.mjcf"]
