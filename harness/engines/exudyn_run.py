@@ -11,7 +11,6 @@ import numpy as np
 from harness.engines.protocol import Array, EngineError
 from harness.errors import EngineUnavailableError
 
-
 _RENAMED = {
     "mass",
     "inertia",
