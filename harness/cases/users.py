@@ -58,7 +58,7 @@ def state_checks(n: int, states: int = 8) -> tuple[Check, ...]:
     allowed, why = acceleration_allowed(n)
     exact = "one pass over the links without division: rounding of double precision, twenty times over"
     return (
-        StateAgreement("acceleration", allowed, why, states),
+        StateAgreement("acceleration", allowed, why, states, conditioned=True),
         StateAgreement("inverse_dynamics", 1e-12 if n <= 50 else 1e-11, exact, states),
         StateAgreement("mass_matrix", 1e-12 if n <= 50 else 1e-11, exact, states),
         StateAgreement("bias", 1e-12 if n <= 50 else 1e-11, exact, states),

@@ -1,0 +1,111 @@
+"""The command ``denoc``: finds the verb, runs it, and turns what can go wrong into one line and an exit status."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+from typing import Any, NoReturn
+
+import click
+
+from harness.errors import EngineUnavailableError, InputError
+
+# Verb to its one line of help; the verb's own module is imported when it is run.
+VERBS = {
+    "validate": "Compare the native dynamics with the other engines: built-in suite, or your models.",
+    "gate": "Hold the suite against the accepted figures (for CI).",
+    "report": "Render saved results again: HTML, Markdown, CSV, JUnit XML.",
+    "diagnose": "Find the physics a model left out, from recordings of the real system.",
+    "prove": "Conceal effects in other engines' recordings, find them blind, score.",
+    "audit": "Check whether a parameter table is physically possible.",
+    "simulate": "Run a system once, to a recording or a plot.",
+    "bench": "Measure time and memory against the peers, side by side.",
+    "doctor": "List the engines, their versions, and a tiny run of each.",
+}
+OK, NOT_WELL, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
+
+
+class Verbs(click.Group):
+    """The verbs, in their own order, each loaded from ``harness.cli.<verb>`` when needed."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in VERBS:
+            return None
+        command: click.Command = getattr(import_module(f"harness.cli.{cmd_name}"), cmd_name)
+        return command
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        if args[0] not in VERBS and not args[0].startswith("-"):
+            from harness.system.suggest import did_you_mean
+
+            raise InputError(f"no command is named {args[0]!r}", mend=did_you_mean(args[0], VERBS))
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        # The stock version would import every verb for its help.
+        with formatter.section("Commands"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="denoc-harness", prog_name="denoc")
+def denoc() -> None:
+    """DeNOC multibody dynamics: checked against other engines, and what a model left out found.
+
+    \b
+    Examples:
+      denoc validate                          the built-in suite over all engines
+      denoc validate robot.urdf               the same comparison on your robot
+      denoc diagnose run1.csv run2.csv --model robot.urdf
+
+    Exit status: 0 all well, 1 the thing checked is not well, 2 unusable input.
+    """
+
+
+def main(arguments: list[str] | None = None) -> NoReturn:
+    """Run the command and end the process with its exit status."""
+    sys.exit(status_of(arguments))
+
+
+def status_of(arguments: list[str] | None = None) -> int:
+    """Run the command in this process; the exit status."""
+    try:
+        result = denoc.main(args=arguments, prog_name="denoc", standalone_mode=False)
+        sys.stdout.flush()
+        return result if isinstance(result, int) else OK
+    except (InputError, EngineUnavailableError) as error:
+        return _say(str(error), UNUSABLE)
+    except click.UsageError as error:
+        hint = f" (see `{error.ctx.command_path} --help`)" if error.ctx else ""
+        return _say(_one_line(error.format_message()) + hint, UNUSABLE)
+    except click.ClickException as error:
+        return _say(_one_line(error.format_message()), UNUSABLE)
+    except click.exceptions.Exit as error:
+        return error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        return _say("stopped; nothing was written", INTERRUPTED)
+    except BrokenPipeError:
+        # The reader (`| head`) has left: no message, and no complaint from Python's own flush at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+    except MemoryError:
+        return _say("not enough memory (fewer samples or a smaller mechanism will do)", UNUSABLE)
+    except Exception as error:
+        if os.environ.get("DENOC_TRACEBACK"):
+            raise
+        text = _one_line(str(error)) or "no message"
+        return _say(f"a defect in denoc: {type(error).__name__}: {text} (DENOC_TRACEBACK=1 shows where)", UNUSABLE)
+
+
+def _say(text: str, status: int) -> int:
+    sys.stdout.flush()
+    print(f"denoc: {text}", file=sys.stderr)
+    return status
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

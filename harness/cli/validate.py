@@ -1,0 +1,111 @@
+"""``denoc validate``: the main job."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from harness.cli.options import console, output_options, progress, wide_options, write_json
+
+
+@click.command()
+@click.argument("models", nargs=-1, metavar="[MODEL …]")
+@output_options("Write results.json, results.md, results.csv, junit.xml and report.html there.")
+@click.option("--case", "cases", multiple=True, metavar="NAME", help="Only this case ('robot*': all that start so).")
+@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine beside the native one.")
+@click.option("--all-robots", is_flag=True, help="Every URDF of the package example-robot-data instead of the suite.")
+@click.option("--allow-unphysical", is_flag=True, help="Compare models whose inertia no body can have all the same.")
+@click.option("--rows", "every_row", is_flag=True, help="Print every row, not the worst of each case and engine.")
+@click.option("--list", "list_cases", is_flag=True, help="List the cases of the suite and their sources.")
+@wide_options
+def validate(
+    models: tuple[str, ...],
+    out: Path | None,
+    json_file: str | None,
+    cases: tuple[str, ...],
+    engines: tuple[str, ...],
+    all_robots: bool,
+    allow_unphysical: bool,
+    every_row: bool,
+    list_cases: bool,
+    workers: int | None,
+    dask: str | None,
+) -> int:
+    """Compare the native dynamics with the other engines.
+
+    Without a MODEL: the built-in suite. With URDF, MJCF or TOML models: acceleration, inverse dynamics, mass matrix,
+    bias, gravity and energy of each at random states.
+
+    \b
+    Examples:
+      denoc validate --out results
+      denoc validate robot.urdf arm.xml rig.toml --json -
+      denoc validate --case 'rigid_*' --engine mujoco
+    """
+    if list_cases:
+        return _list()
+    from harness.cases.run import validate as run
+    from harness.errors import InputError
+    from harness.report.terminal import print_results
+
+    chosen: tuple[str, ...] | None = models or None
+    refused: list[tuple[str, str]] = []
+    if all_robots:
+        if models:
+            raise InputError("--all-robots and models do not go together", mend="give the one or the other")
+        chosen, refused = _readable_robots()
+    with progress("validate") as step:
+        results = run(
+            chosen,
+            cases=cases or None,
+            engines=engines or None,
+            workers=workers,
+            dask=dask,
+            physical=not (allow_unphysical or all_robots),
+            progress=step,
+        )
+    if out is not None:
+        from harness.report.write import write_reports
+
+        write_reports(results, out)
+    write_json(results.to_json(), json_file)
+    screen = console(json_file)
+    print_results(results, screen, every_row=every_row)
+    for name, reason in refused:
+        screen.print(f"refused: {name}: {reason}", markup=False)
+    if all_robots:
+        screen.print(f"{len(chosen or ())} robots compared, {len(refused)} refused.")
+    if out is not None:
+        screen.print(f"Written to {out}: open {out / 'report.html'} in a browser.", markup=False)
+    return 0 if results.ok else 1
+
+
+def _list() -> int:
+    from rich.table import Table
+
+    from harness.cases.discover import built_in
+
+    table = Table(box=None, header_style="bold")
+    for head in ("case", "group", "what", "truth"):
+        table.add_column(head, overflow="fold", no_wrap=head in ("case", "group"))
+    for case in built_in().values():
+        table.add_row(case.name, case.group, case.title, case.source)
+    console().print(table)
+    return 0
+
+
+def _readable_robots() -> tuple[tuple[str, ...], list[tuple[str, str]]]:
+    """Robots of the package that can be read, and one line for each that is refused."""
+    from harness.cases.robots import files
+    from harness.cases.users import read
+    from harness.errors import InputError
+
+    good, refused = [], []
+    for name, path in files().items():
+        try:
+            read(path, physical=False)
+            good.append(str(path))
+        except InputError as error:
+            refused.append((name, " ".join(filter(None, [error.what, f"({error.mend})" if error.mend else ""]))))
+    return tuple(good), refused

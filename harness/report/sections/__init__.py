@@ -1,0 +1,1 @@
+"""Sections of the HTML report: a small class and a template each."""

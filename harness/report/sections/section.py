@@ -1,0 +1,25 @@
+"""What a section is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from harness.cases.results import Results
+
+
+class Section(Protocol):
+    """A part of the page. ``template``: file in ``report/templates``; ``anchor``: its place in the page's address."""
+
+    @property
+    def anchor(self) -> str: ...
+
+    @property
+    def title(self) -> str: ...
+
+    @property
+    def template(self) -> str: ...
+
+    def content(self, results: Results) -> Mapping[str, Any] | None:
+        """What the template needs, or None if the results have nothing for this section."""
+        ...

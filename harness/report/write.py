@@ -1,0 +1,57 @@
+"""The report's files, by format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from harness.cases.results import Results
+from harness.errors import InputError
+from harness.report.files import write_folder
+from harness.system.suggest import did_you_mean
+
+
+def _html(results: Results) -> str:
+    # matplotlib takes a second to load, and only pictures need it.
+    from harness.report.html import html
+
+    return html(results)
+
+
+def _markdown(results: Results) -> str:
+    from harness.report.markdown import markdown
+
+    return markdown(results)
+
+
+def _csv(results: Results) -> str:
+    from harness.report.table_csv import table_csv
+
+    return table_csv(results)
+
+
+def _junit(results: Results) -> bytes:
+    from harness.report.junit import junit
+
+    return junit(results)
+
+
+FILES: dict[str, tuple[str, Callable[[Results], str | bytes]]] = {
+    "json": ("results.json", lambda results: results.to_json() + "\n"),
+    "md": ("results.md", _markdown),
+    "csv": ("results.csv", _csv),
+    "junit": ("junit.xml", _junit),
+    "html": ("report.html", _html),
+}
+
+
+def write_reports(results: Results, folder: str | Path, formats: Sequence[str] | None = None) -> list[Path]:
+    """Write the formats asked for (all by default) into a folder; returns their paths.
+
+    Raises InputError for an unknown format or a folder that cannot be written to.
+    """
+    for name in formats or ():
+        if name not in FILES:
+            raise InputError(f"no format is named {name!r}", mend=did_you_mean(name, FILES))
+    chosen = {name: FILES[name] for name in (formats or FILES)}
+    return write_folder(folder, {file: render(results) for file, render in chosen.values()})
