@@ -1,1 +1,5 @@
-"""Native dynamics by the decoupled natural orthogonal complement."""
+"""Native dynamics by the decoupled natural orthogonal complement (DeNOC)."""
+
+from harness.denoc.model import Denoc
+
+__all__ = ["Denoc"]

@@ -1,0 +1,271 @@
+"""A mechanism compiled for computing: the public face of the native dynamics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harness.denoc import rigid, rigid_entry
+from harness.denoc.binding import NOT_FINITE, NOT_PLAIN, entry, make_header
+from harness.denoc.rows import EXTERNAL, POSITION, TURN
+from harness.denoc.tree import Tree, compile_tree
+from harness.errors import InputError
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+
+class Denoc:
+    """Equations of motion M(q) q̈ + C(q, q̇) q̇ + g(q) = τ + passive forces of a tree of rigid and flexible links.
+
+    system: the mechanism. Coordinates are in the order of ``system.coordinate_names``; SI units throughout.
+    Raises InputError naming joint or link where a number is unusable.
+
+    An object holds a workspace that its methods write to: use one object a thread (making one is cheap).
+    """
+
+    __slots__ = (
+        "_arguments",
+        "_elastic",
+        "_forward",
+        "_header",
+        "_inverse",
+        "_kernels",
+        "_model",
+        "_zero",
+        "n",
+        "names",
+        "system",
+        "tree",
+    )
+
+    def __init__(self, system: System) -> None:
+        tree = compile_tree(system)
+        if tree.n == 0:
+            raise InputError(
+                f"system {system.name!r} has no movable joint and no flexible link",
+                mend="give it a joint that is not fixed",
+            )
+        self.system = system
+        self.names = system.coordinate_names
+        self.n = tree.n
+        self.tree: Tree = tree
+        self._elastic = np.zeros(0)
+        self._header = make_header(tree.bodies, tree.n, tree.rows, tree.topology, self._elastic)
+        self._model = int(self._header.ctypes.data)
+        self._zero = np.zeros(tree.n)
+        self._kernels: Any = rigid
+        self._arguments: tuple[Any, ...] = (tree.bodies, tree.rows, tree.topology)
+        self._forward = entry(rigid_entry.forward_dynamics, 4)
+        self._inverse = entry(rigid_entry.inverse_dynamics, 4)
+
+    def __reduce__(self) -> tuple[type[Denoc], tuple[System]]:
+        # Addresses of arrays do not survive a trip to another process.
+        return Denoc, (self.system,)
+
+    def forward_dynamics(
+        self, q: Array, qd: Array, tau: Array | None = None, *, wrenches: ArrayLike | None = None
+    ) -> Array:
+        """Accelerations q̈ from forces; joint damping and springs, beam stiffness and damping act, dry friction does not.
+
+        q [rad or m], qd, tau [N·m or N], each shape (n,); tau None is zero. wrenches: external (moment, force) on each
+        link at its link-frame origin, in base axes, shape (links, 6). Returns shape (n,).
+        Raises InputError for wrong sizes, for what is not finite, and for a joint that moves no inertia.
+        """
+        if wrenches is not None:
+            return self._under_wrenches(self.forward_dynamics, q, wrenches, qd, tau)
+        if tau is None:
+            tau = self._zero
+        qdd = np.empty(self.n)
+        status = self._forward(self._model, q, qd, tau, qdd)
+        if status:
+            return self._again(status, self._forward, self._forward_plainly, q=q, qd=qd, tau=tau)
+        return qdd
+
+    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array, *, wrenches: ArrayLike | None = None) -> Array:
+        """Generalized forces τ that make the accelerations, passive forces counted as in ``forward_dynamics``.
+
+        q, qd, qdd: shape (n,). wrenches as in ``forward_dynamics``. Returns shape (n,).
+        Raises InputError for wrong sizes and for what is not finite.
+        """
+        if wrenches is not None:
+            return self._under_wrenches(self.inverse_dynamics, q, wrenches, qd, qdd)
+        tau = np.empty(self.n)
+        status = self._inverse(self._model, q, qd, qdd, tau)
+        if status:
+            return self._again(status, self._inverse, self._inverse_plainly, q=q, qd=qd, qdd=qdd)
+        return tau
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """Generalized inertia matrix M(q), armature included, shape (n, n)."""
+        mass = np.empty((self.n, self.n))
+        self._kernels.mass_matrix(*self._arguments, self._vector("q", q), mass)
+        return mass
+
+    def bias(self, q: ArrayLike, qd: ArrayLike) -> Array:
+        """C(q, q̇) q̇ + g(q), without passive forces, shape (n,)."""
+        out = np.empty(self.n)
+        q, qd = self._vector("q", q), self._vector("qd", qd)
+        self._kernels.inverse_dynamics(*self._arguments, q, qd, self._zero, out)
+        return out
+
+    def gravity(self, q: ArrayLike) -> Array:
+        """Gravity forces g(q), on the left-hand side as in M q̈ + C q̇ + g = τ, shape (n,)."""
+        return self.bias(q, self._zero)
+
+    def coriolis_matrix(self, q: ArrayLike, qd: ArrayLike) -> Array:
+        """A matrix C(q, q̇) with C q̇ the velocity forces and Ṁ - 2C skew-symmetric, shape (n, n)."""
+        out = np.empty((self.n, self.n))
+        q, qd = self._vector("q", q), self._vector("qd", qd)
+        self._kernels.coriolis_matrix(*self._arguments, q, qd, out)
+        return out
+
+    def passive(self, q: ArrayLike, qd: ArrayLike) -> Array:
+        """Passive forces on the right-hand side: -damping q̇ - stiffness (q - rest), beams included, shape (n,)."""
+        q, qd = self._vector("q", q), self._vector("qd", qd)
+        out = np.empty(self.n)
+        self._kernels.passive(*self._arguments, q, qd, out)
+        return out
+
+    def energy(self, q: ArrayLike, qd: ArrayLike) -> tuple[float, float]:
+        """Kinetic and potential energy [J]; springs and beams count as potential, zero height is the base's origin."""
+        out = self._energy_and_momentum(q, qd)
+        return float(out[0]), float(out[1])
+
+    def momentum(self, q: ArrayLike, qd: ArrayLike) -> Array:
+        """Angular momentum about the base's origin [kg·m²/s] and linear momentum [kg·m/s], base axes, shape (6,).
+
+        Armature is inertia of a coordinate, not of a body in space, and has no share in it.
+        """
+        return self._energy_and_momentum(q, qd)[2:]
+
+    def link_pose(self, q: ArrayLike, link: str) -> tuple[Array, Array]:
+        """Rotation (link axes to base axes, (3, 3)) and position (3,) [m] of a link's frame in base coordinates.
+
+        Raises InputError if there is no such link.
+        """
+        seat = self.tree.seats.get(link)
+        if seat is None:
+            raise InputError(f"no link {link!r}", mend=f"links are {', '.join(list(self.tree.seats)[:8])} …")
+        self._kernels.locate(*self._arguments, self._vector("q", q), self._zero)
+        row = self.tree.rows[seat.body]
+        turn = row[TURN : TURN + 9].reshape(3, 3)
+        return turn @ seat.rotation, row[POSITION : POSITION + 3] + turn @ seat.origin
+
+    def forward_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Tau: ArrayLike | None = None) -> Array:
+        """``forward_dynamics`` for many states at once: Q, Qd, Tau and the result have shape (B, n)."""
+        Q, Qd = self._table("Q", Q), self._table("Qd", Qd)
+        Tau = np.zeros_like(Q) if Tau is None else self._table("Tau", Tau)
+        self._same_length(Q=Q, Qd=Qd, Tau=Tau)
+        out = np.empty_like(Q)
+        for k in range(len(Q)):
+            out[k] = self.forward_dynamics(Q[k], Qd[k], Tau[k])
+        return out
+
+    def inverse_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike) -> Array:
+        """``inverse_dynamics`` for many states at once: Q, Qd, Qdd and the result have shape (B, n)."""
+        Q, Qd, Qdd = self._table("Q", Q), self._table("Qd", Qd), self._table("Qdd", Qdd)
+        self._same_length(Q=Q, Qd=Qd, Qdd=Qdd)
+        out = np.empty_like(Q)
+        for k in range(len(Q)):
+            out[k] = self.inverse_dynamics(Q[k], Qd[k], Qdd[k])
+        return out
+
+    def mass_matrix_batch(self, Q: ArrayLike) -> Array:
+        """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n)."""
+        return np.array([self.mass_matrix(q) for q in self._table("Q", Q)]).reshape(-1, self.n, self.n)
+
+    def _energy_and_momentum(self, q: ArrayLike, qd: ArrayLike) -> Array:
+        out = np.empty(8)
+        self._kernels.energy_and_momentum(*self._arguments, self._vector("q", q), self._vector("qd", qd), out)
+        return out
+
+    def _vector(self, name: str, value: ArrayLike) -> Array:
+        """Value as a contiguous float64 vector of n finite numbers."""
+        try:
+            vector = np.ascontiguousarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"{name} is not a vector of numbers", mend=f"give {self.n} numbers") from None
+        if vector.shape != (self.n,):
+            raise InputError(
+                f"{name} has shape {vector.shape}, the system has {self.n} coordinate{'s' * (self.n > 1)}",
+                mend=f"give shape ({self.n},): {_some(self.names)}",
+            )
+        bad = np.flatnonzero(~np.isfinite(vector))
+        if len(bad):
+            raise InputError(f"{name}[{bad[0]}] ({self.names[bad[0]]}) is {vector[bad[0]]}", mend="give finite numbers")
+        return vector
+
+    def _table(self, name: str, value: ArrayLike) -> Array:
+        """Value as a contiguous float64 array (B, n) of finite numbers."""
+        try:
+            table = np.ascontiguousarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"{name} is not an array of numbers", mend=f"give shape (B, {self.n})") from None
+        if table.ndim != 2 or table.shape[1] != self.n:
+            raise InputError(f"{name} has shape {table.shape}", mend=f"give shape (B, {self.n}), one state a row")
+        if not np.isfinite(table).all():
+            row, column = np.argwhere(~np.isfinite(table))[0]
+            raise InputError(f"{name}[{row}, {column}] is {table[row, column]}", mend="give finite numbers")
+        return table
+
+    def _same_length(self, **tables: Array) -> None:
+        lengths = {name: len(table) for name, table in tables.items()}
+        if len(set(lengths.values())) > 1:
+            said = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise InputError(f"numbers of states differ: {said}", mend="give one row a state in each")
+
+    def _again(self, status: int, short: Any, plainly: Any, **vectors: ArrayLike) -> Array:
+        """What the short way refused: convert and check, then compute or say why not."""
+        checked = [self._vector(name, value) for name, value in vectors.items()]
+        out = np.empty(self.n)
+        if status == NOT_PLAIN:
+            status = short(self._model, *checked, out)
+        if status == NOT_PLAIN:
+            status = plainly(*checked, out)
+        if status > 0:
+            joint = self.tree.joints[status - 1]
+            raise InputError(
+                f"joint {joint.name!r} moves no inertia", mend="give the links it carries mass, or the joint armature"
+            )
+        if status == NOT_FINITE or not np.isfinite(out).all():
+            raise InputError("the result is not finite", mend="the state or the parameters are far too large")
+        return out
+
+    def _forward_plainly(self, q: Array, qd: Array, tau: Array, qdd: Array) -> int:
+        return int(self._kernels.forward_dynamics(*self._arguments, q, qd, tau, qdd))
+
+    def _inverse_plainly(self, q: Array, qd: Array, qdd: Array, tau: Array) -> int:
+        self._kernels.inverse_dynamics(*self._arguments, q, qd, qdd, tau)
+        tau -= self.passive(q, qd)
+        return 0
+
+    def _under_wrenches(self, method: Any, q: ArrayLike, wrenches: ArrayLike, *arguments: Any) -> Array:
+        """Call a method while external wrenches act."""
+        external = np.asarray(wrenches, dtype=np.float64)
+        links = self.system.links
+        if external.shape != (len(links), 6) or not np.isfinite(external).all():
+            raise InputError(
+                f"wrenches of shape {external.shape}, or not finite",
+                mend=f"give finite moment and force for each of the {len(links)} links, shape ({len(links)}, 6)",
+            )
+        self._kernels.locate(*self._arguments, self._vector("q", q), self._zero)
+        rows = self.tree.rows
+        for link, wrench in zip(links, external, strict=True):
+            seat = self.tree.seats[link.name]
+            if seat.body > 0 and wrench.any():
+                arm = rows[seat.body, TURN : TURN + 9].reshape(3, 3) @ seat.origin
+                rows[seat.body, EXTERNAL : EXTERNAL + 3] += wrench[:3] + np.cross(arm, wrench[3:])
+                rows[seat.body, EXTERNAL + 3 : EXTERNAL + 6] += wrench[3:]
+        try:
+            result: Array = method(q, *arguments)
+        finally:
+            rows[:, EXTERNAL : EXTERNAL + 6] = 0.0
+        return result
+
+
+def _some(names: Sequence[str], most: int = 6) -> str:
+    return ", ".join(names[:most]) + (" …" if len(names) > most else "")
