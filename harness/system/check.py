@@ -68,7 +68,8 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
             best[name] = -np.inf if share < -_ROUNDING else max(best[name], share)
             if share < -_ROUNDING:
                 raise _no_inertia(system, name, "is negative", lines)
-    for name, share in best.items():
+    # The outermost one is named: joints nearer the base have none because it has none.
+    for name, share in reversed(best.items()):
         if share <= _ROUNDING:
             raise _no_inertia(system, name, "is zero", lines)
 

@@ -122,6 +122,10 @@ class _Reader:
                 self.number(inertia, key, None if key[1] == key[2] else 0.0, owner)
                 for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
             )
+            if missing := [key for key in ("ixy", "ixz", "iyz") if inertia.get(key) is None]:
+                self.notes.append(
+                    f"{owner}: {', '.join(missing)} not given, taken as zero; other readers drop the whole inertia"
+                )
             tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         elif mass > 0.0:
             self.notes.append(f"{owner}: no <inertia>, taken as a point mass")

@@ -1,0 +1,236 @@
+"""URDF means here what it means to Pinocchio, on made-up robots and on the published ones of example-robot-data."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+from jacobian_mechanics import mass_matrix, poses
+
+import harness
+from harness.errors import InputError, UnsupportedError
+
+ARM = """<?xml version="1.0"?>
+<robot name="arm">
+  <link name="foot"><inertial><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <link name="upper">
+    <inertial>
+      <origin xyz="0.1 -0.2 0.3" rpy="0.3 -0.4 0.5"/>
+      <mass value="1.5"/>
+      <inertia ixx="0.02" ixy="0.001" ixz="-0.002" iyy="0.03" iyz="0.003" izz="0.025"/>
+    </inertial>
+  </link>
+  <link name="flange"/>
+  <link name="slider"><inertial><mass value="0.5"/><inertia ixx="1e-3" ixy="0" ixz="0" iyy="1e-3" iyz="0" izz="1e-3"/>
+  </inertial></link>
+  <link name="wheel">
+    <inertial><origin xyz="0 0.01 0"/><mass value="0.2"/>
+    <inertia ixx="1e-4" ixy="0" ixz="0" iyy="2e-4" iyz="0" izz="1e-4"/></inertial>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <parent link="foot"/><child link="upper"/><origin xyz="0 0 1" rpy="0.1 0.2 0.3"/><axis xyz="0 3 4"/>
+    <limit lower="-1" upper="2" effort="10" velocity="3"/><dynamics damping="0.3" friction="0.04"/>
+  </joint>
+  <joint name="weld" type="fixed"><parent link="upper"/><child link="flange"/><origin rpy="1.5708 0 0"/></joint>
+  <joint name="slide" type="prismatic">
+    <parent link="flange"/><child link="slider"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.4" effort="1" velocity="1"/><mimic joint="shoulder"/>
+  </joint>
+  <joint name="spin" type="continuous"><parent link="slider"/><child link="wheel"/></joint>
+</robot>
+"""
+
+
+def load_text(folder: Path, text: str, **options: object) -> harness.System:
+    path = folder / "robot.urdf"
+    path.write_text(text, encoding="utf-8")
+    return harness.load(path, **options)
+
+
+def pinocchio_comparison(path: Path, system: harness.System) -> tuple[float, float]:
+    """Largest differences of mass matrix (relative) and of joint placement [m] at a random pose, Pinocchio against us."""
+    model = pinocchio.buildModelFromUrdf(str(path))
+    data = pinocchio.Data(model)
+    q = np.random.default_rng(3).uniform(-1.0, 1.0, len(system.joint_names))
+    theirs = pinocchio.neutral(model)
+    order = []
+    for name, value in zip(system.joint_names, q, strict=True):
+        joint = model.joints[model.getJointId(name)]
+        order.append(joint.idx_v)
+        # Pinocchio keeps the cosine and sine of a continuous joint.
+        theirs[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
+    assert sorted(order) == list(range(model.nv))
+    matrix = pinocchio.crba(model, data, theirs)
+    matrix = (np.triu(matrix) + np.triu(matrix, 1).T)[np.ix_(order, order)]
+    ours = mass_matrix(system, q)
+    pinocchio.forwardKinematics(model, data, theirs)
+    placed = poses(system, q)
+    places = [
+        np.abs(data.oMi[model.getJointId(joint.name)].translation - placed[joint.child][1]).max()
+        for joint in system.movable_joints
+    ]
+    return float(np.abs(ours - matrix).max() / np.abs(matrix).max()), float(max(places))
+
+
+def test_arm_is_pinocchios(tmp_path: Path) -> None:
+    system = load_text(tmp_path, ARM)
+    assert max(pinocchio_comparison(tmp_path / "robot.urdf", system)) < 1e-13
+    assert system.base == "foot"
+    assert system.joint_names == ("shoulder", "slide", "spin")
+    shoulder = system.joint("shoulder")
+    np.testing.assert_allclose(shoulder.axis, [0.0, 0.6, 0.8], rtol=1e-15)
+    assert (shoulder.damping, shoulder.friction, shoulder.lower, shoulder.upper) == (0.3, 0.04, -1.0, 2.0)
+    assert (shoulder.effort, shoulder.velocity) == (10.0, 3.0)
+    np.testing.assert_array_equal(system.joint("spin").axis, [1.0, 0.0, 0.0])  # the format's default
+    notes = " | ".join(system.notes)
+    assert "axis of length 5" in notes and "mimics 'shoulder'" in notes and "'foot' is the fixed base" in notes
+
+
+def published_robots() -> list[Path]:
+    try:
+        package = importlib.metadata.distribution("example-robot-data")
+    except importlib.metadata.PackageNotFoundError:
+        return []
+    return sorted(Path(str(package.locate_file("cmeel.prefix/share/example-robot-data/robots"))).rglob("*.urdf"))
+
+
+def test_published_robots_are_read_as_pinocchio_reads_them_or_refused_in_one_line() -> None:
+    paths = published_robots()
+    if not paths:
+        pytest.skip("example-robot-data is not installed (optional extra 'robots')")
+    read, unphysical, refused, not_pinocchios = [], [], [], []
+    for path in paths:
+        try:
+            pinocchio.buildModelFromUrdf(str(path))
+        except ValueError:
+            not_pinocchios.append(path.name)
+            continue
+        try:
+            system = harness.load(path, physical=False)
+        except InputError as error:
+            assert "\n" not in str(error) and path.name in str(error)
+            refused.append(str(error))
+            continue
+        difference, displacement = pinocchio_comparison(path, system)
+        assert difference < 1e-12, path
+        assert displacement < 1e-12, path
+        read.append(path.name)
+        try:
+            harness.load(path)
+        except InputError as error:
+            unphysical.append(str(error))
+    # Of the files of release 4.3: no joint at all (hector, iris_simple) or grippers without any inertia (romeo).
+    assert len(read) >= 64
+    for line in refused:
+        assert "nothing can move" in line or "inertia about its axis is zero" in line, line
+    for line in unphysical:
+        assert "triangle inequality" in line or "is negative" in line or "mass is zero" in line, line
+    print(f"{len(read)} read, {len(unphysical)} of them unphysical; {len(refused)} refused; {not_pinocchios=}")
+
+
+def body(inertia: str = 'ixx="1e-3" iyy="1e-3" izz="1e-3"', mass: str = "1", name: str = "arm") -> str:
+    return (
+        f'<link name="{name}"><inertial><origin xyz="0 0 -0.1"/><mass value="{mass}"/>\n<inertia {inertia}/>'
+        "</inertial></link>\n"
+    )
+
+
+def joint(extra: str = '<axis xyz="0 1 0"/>', kind: str = "continuous", ends: tuple[str, str] = ("base", "arm")) -> str:
+    return f'<joint name="pivot" type="{kind}"><parent link="{ends[0]}"/><child link="{ends[1]}"/>\n{extra}</joint>\n'
+
+
+ROBOT = '<robot name="r">\n<link name="base"/>\n{}</robot>'
+
+REFUSED = {
+    "broken XML": ("<robot><link></robot>", r"robot\.urdf:1, column \d+: broken XML"),
+    "unknown type": (
+        ROBOT.format(body() + joint(kind="hinge")),
+        r"robot\.urdf:5: joint 'pivot': unknown joint type 'hinge'",
+    ),
+    "zero axis": (
+        ROBOT.format(body() + joint('<axis xyz="0 0 0"/>')),
+        r"robot\.urdf:6: joint 'pivot': axis has zero length",
+    ),
+    "short axis": (ROBOT.format(body() + joint('<axis xyz="0 1"/>')), r":6: .*has 2 value\(s\) \(give 3\)"),
+    "axis of words": (ROBOT.format(body() + joint('<axis xyz="a b c"/>')), r":6: .*'a b c' is not a number"),
+    "NaN": (ROBOT.format(body(mass="nan") + joint()), r":3: link 'arm': value='nan' is not finite"),
+    "infinite": (ROBOT.format(body('ixx="inf" iyy="1" izz="1"') + joint()), r":4: link 'arm': ixx='inf' is not finite"),
+    "missing moment": (ROBOT.format(body('ixx="1" iyy="1"') + joint()), r":4: link 'arm': <inertia> has no izz"),
+    "negative mass": (ROBOT.format(body(mass="-1") + joint()), r":3: link 'arm': mass -1 kg is negative"),
+    "negative inertia": (
+        ROBOT.format(body('ixx="-1" iyy="1" izz="1"') + joint()),
+        r":3: link 'arm': principal .* negative",
+    ),
+    "triangle": (ROBOT.format(body('ixx="1" iyy="1" izz="3"') + joint()), r":3: link 'arm': .*triangle inequality"),
+    "no inertia": (ROBOT.format('<link name="arm"/>' + joint()), r":3: joint 'pivot': inertia about its axis is zero"),
+    "duplicate link": (ROBOT.format(body() + body() + joint()), r":5: two links are named 'arm'"),
+    "duplicate joint": (ROBOT.format(body() + joint() + joint()), r":7: two joints are named 'pivot'"),
+    "unknown child": (ROBOT.format(body() + joint(ends=("base", "amr"))), r":5: .*child 'amr' is not a link.*'arm'"),
+    "unknown parent": (ROBOT.format(body() + joint(ends=("bse", "arm"))), r":5: .*parent 'bse' is not a link.*'base'"),
+    "loop": (ROBOT.format(body() + joint(ends=("arm", "base")) + joint().replace("pivot", "p2")), r"cyclic tree"),
+    "two parents": (
+        ROBOT.format(body() + joint() + joint().replace("pivot", "second")),
+        r":7: link 'arm' has two parents: joints 'pivot' and 'second'",
+    ),
+    "unreachable": (
+        ROBOT.format(body() + body(name="stray") + joint()),
+        r":5: link 'stray' cannot be reached from 'base'",
+    ),
+    "self": (ROBOT.format(body() + joint(ends=("arm", "arm"))), r"links arm → arm form a loop"),
+    "negative damping": (
+        ROBOT.format(body() + joint('<axis xyz="0 1 0"/><dynamics damping="-1"/>')),
+        r":6: joint 'pivot': damping -1 is negative",
+    ),
+    "no name": ('<robot name="r"><link/></robot>', r":1: <link> has no name"),
+    "no links": ('<robot name="r"></robot>', r"there is no <link>"),
+    "not a robot": ("<sdf><model/></sdf>", r"the root element is <sdf> \(URDF begins with <robot>"),
+    "entities": (
+        '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/hostname">]><robot name="&x;"/>',
+        r"document type declaration",
+    ),
+    "swelling entities": (
+        '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]><robot name="r">&b;</robot>',
+        r"document type declaration",
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), REFUSED.values(), ids=REFUSED.keys())
+def test_refused_in_one_line_with_its_place(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        load_text(tmp_path, text)
+    assert "\n" not in str(caught.value)
+    assert str(tmp_path / "robot.urdf") in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["floating", "planar"])
+def test_joints_that_are_not_modelled_are_named(tmp_path: Path, kind: str) -> None:
+    with pytest.raises(UnsupportedError, match=rf":5: joint 'pivot': type '{kind}' is not modelled"):
+        load_text(tmp_path, ROBOT.format(body() + joint(kind=kind)))
+
+
+def test_xacro_is_sent_to_xacro(tmp_path: Path) -> None:
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n<xacro:macro name="m"/></robot>'
+    with pytest.raises(UnsupportedError, match=r":2: <xacro:macro> is not expanded"):
+        load_text(tmp_path, text)
+
+
+def test_unphysical_inertia_may_be_taken_as_it_stands_if_the_joint_has_inertia(tmp_path: Path) -> None:
+    """About the joint 1·0.1² - 0.005 = 0.005 kg·m² is left: an estimate about the axis that was split badly."""
+    text = ROBOT.format(body('ixx="-0.005" iyy="-0.005" izz="1e-9"') + joint())
+    with pytest.raises(InputError, match="physical=False"):
+        load_text(tmp_path, text)
+    system = load_text(tmp_path, text, physical=False)
+    assert any("taken as it stands" in note for note in system.notes)
+    np.testing.assert_allclose(mass_matrix(system, np.zeros(1)), [[0.005]], rtol=1e-12)
+    with pytest.raises(InputError, match="joint 'pivot': inertia about its axis is negative"):
+        load_text(tmp_path, ROBOT.format(body('ixx="-0.02" iyy="-0.02" izz="1e-9"') + joint()), physical=False)
+
+
+def test_limits_beyond_any_machine_mean_none(tmp_path: Path) -> None:
+    text = joint('<axis xyz="0 1 0"/><limit lower="-1e9" upper="1e12" effort="inf" velocity="2"/>', kind="revolute")
+    pivot = load_text(tmp_path, ROBOT.format(body() + text)).joint("pivot")
+    assert (pivot.lower, pivot.upper, pivot.effort, pivot.velocity) == (-np.inf, np.inf, np.inf, 2.0)
