@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
-from harness.cases.checks.trajectory import initial_state, pick, step_of, unit_of
+from harness.cases.checks.trajectory import initial_state, step_of, unit_of
+from harness.compare.trajectories import compare, horizon, separation
 from harness.errors import UnsupportedError
 
 
@@ -37,13 +38,8 @@ class ChaoticAgreement:
         time = np.linspace(0.0, self.duration, round(self.duration * self.rate) + 1)
         native = bench.models[NATIVE]
         ours = native.simulate(q0, qd0, time)
-        nudged = native.simulate(q0 + self.nudge, qd0, time)
-        twin = apart(pick(ours, bench.system, "position"), pick(nudged, bench.system, "position"))
-        beyond = twin > self.allowed
-        last = int(np.argmax(beyond)) if beyond.any() else len(time) - 1
-        horizon = float(time[last])
-        growth = lyapunov(time[: last + 1], twin[: last + 1])
-        yield self._line(bench, f"denoc, nudged by {self.nudge:g}", time, twin, horizon)
+        reach = horizon(native, q0, qd0, time, allowed=self.allowed, nudge=self.nudge, seed=bench.seed)
+        yield self._line(bench, f"denoc, nudged by {self.nudge:g}", time, reach.separation, reach.until)
         unit = unit_of(bench.system, list(bench.system.joint_names))
         for name, model in bench.peers():
             try:
@@ -51,26 +47,23 @@ class ChaoticAgreement:
             except UnsupportedError as error:
                 yield bench.skipped(self.quantity, (NATIVE, name), str(error))
                 continue
-            difference = apart(pick(ours, bench.system, "position"), pick(run, bench.system, "position"))
-            inside = difference[: last + 1]
-            largest = float(inside.max()) if np.isfinite(inside).all() else float("nan")
-            left = ~(inside <= self.allowed)
+            found = compare(ours, run, self.allowed, until=reach.until)
             yield bench.row(
                 self.quantity,
                 (NATIVE, name),
-                largest,
+                found.largest,
                 self.allowed,
                 unit=unit,
                 why=f"a nudge of {self.nudge:g} {unit} grows to this by the horizon; integration errors do the same",
-                note=f"chaotic: compared up to the measured horizon of {horizon:.1f} s of {self.duration:g} s "
-                f"(divergence {growth:.1f} 1/s)",
-                first_divergence={"time": float(time[int(np.argmax(left))])} if left.any() else None,
+                note=reach.sentence(),
+                first_divergence=None if found.first is None else asdict(found.first),
             )
-            yield self._line(bench, name, time, difference, horizon)
+            _, apart = separation(ours, run)
+            yield self._line(bench, name, time, apart.max(axis=1), reach.until)
 
     def _line(self, bench: Bench, label: str, time: Array, difference: Array, horizon: float) -> Series:
         # What is exactly equal has no place on a logarithmic axis.
-        shown = np.where(difference > 0.0, difference, np.nan)
+        shown = np.where((difference > 0.0) & np.isfinite(difference), difference, np.nan)
         return Series(
             bench.case.name,
             "divergence",
@@ -84,16 +77,3 @@ class ChaoticAgreement:
             log="y",
             marks={"horizon": horizon},
         )
-
-
-def apart(a: dict[str, Array], b: dict[str, Array]) -> Array:
-    """Largest difference over the signals at each sample, shape (T,)."""
-    return np.max([np.abs(a[key] - b[key]) for key in a], axis=0)
-
-
-def lyapunov(time: Array, difference: Array) -> float:
-    """Slope of the logarithm of a difference over time [1/s], by least squares; 0 if there is nothing to fit."""
-    good = difference > 0.0
-    if good.sum() < 3:
-        return 0.0
-    return float(np.polyfit(time[good], np.log(difference[good]), 1)[0])

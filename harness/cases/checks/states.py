@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series
-from harness.engines.protocol import EngineModel
+from harness.compare import quantities
+from harness.compare.attribution import attribute
+from harness.compare.odd_one_out import vote
+from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import UnsupportedError
 from harness.system import System
 
@@ -57,31 +61,64 @@ class StateAgreement:
         if NATIVE not in values:
             yield bench.skipped(self.quantity, (NATIVE,), reasons.get(NATIVE, "the native engine was left out"))
             return
-        differences = {name: relative(values[NATIVE], value) for name, value in values.items() if name != NATIVE}
+        mass = None
+        if self.quantity in ("acceleration", "mass_matrix"):
+            mass = np.array([bench.models[NATIVE].mass_matrix(q) for q in states.q])
+        measure = partial(difference_of, self.quantity, mass)
+        differences = {name: measure(values[NATIVE], value) for name, value in values.items() if name != NATIVE}
         allowed, note = self.allowed, ""
-        if any(not (d.max() <= allowed) for d in differences.values()) and self.conditioned:
-            explained = rounding(bench.models[NATIVE], states, values[NATIVE])
+        if mass is not None and self.conditioned and _beyond(differences, allowed):
+            explained = rounding(bench.models[NATIVE], states, mass, values[NATIVE])
             if explained > allowed:
                 allowed = explained
                 note = f"ill-conditioned: rounding of the mass matrix and the forces alone explains {explained:.0e}"
-        if any(not (d.max() <= allowed) for d in differences.values()):
-            note = "; ".join(filter(None, [note, odd_one_out(values, allowed)]))
+        if _beyond(differences, allowed):
+            verdict = vote(values, allowed, lambda a, b: float(measure(a, b).max()))
+            note = "; ".join(filter(None, [note, verdict.sentence]))
         for name, difference in differences.items():
-            worst = int(np.argmax(np.where(np.isfinite(difference), difference, np.inf)))
-            divergence = None
+            worst = int(np.argmax(difference))
+            remark, divergence = note, None
             if not difference[worst] <= allowed:
                 divergence = where(bench.system, self.quantity, worst, values[NATIVE][worst], values[name][worst])
+                remark = "; ".join(filter(None, [note, self._blame(bench, name, states)]))
             yield bench.row(
                 self.quantity,
                 (NATIVE, name),
                 float(difference[worst]),
                 allowed,
                 why=self.why,
-                note=note,
+                note=remark,
                 first_divergence=divergence,
             )
         for name, reason in reasons.items():
             yield bench.skipped(self.quantity, (NATIVE, name), reason)
+
+    def _blame(self, bench: Bench, name: str, states: States) -> str:
+        """Which term of the dynamics makes the accelerations differ, or nothing where that cannot be told."""
+        if self.quantity != "acceleration":
+            return ""
+        try:
+            found = attribute(bench.models[NATIVE], bench.models[name], states.q, states.qd, states.tau)
+        except (UnsupportedError, EngineError, np.linalg.LinAlgError):
+            return ""
+        return found.sentence()
+
+
+def _beyond(differences: dict[str, Array], allowed: float) -> bool:
+    return any(not (difference.max() <= allowed) for difference in differences.values())
+
+
+def difference_of(quantity: str, mass: Array | None, a: Array, b: Array) -> Array:
+    """How far two engines' values of a quantity are apart at each state, relative, shape (B,).
+
+    Accelerations in the norm of the mass matrix (B, n, n), its own entries over √(M_ii M_jj), all else over the largest
+    entry of the state: see ``harness.compare.quantities``.
+    """
+    if quantity == "acceleration" and mass is not None:
+        return quantities.accelerations(mass, a, b)
+    if quantity == "mass_matrix" and mass is not None:
+        return quantities.mass_matrices(a.reshape(mass.shape), b.reshape(mass.shape))
+    return quantities.relative(a, b)
 
 
 @dataclass(frozen=True)
@@ -139,50 +176,19 @@ def evaluate(quantity: str, model: EngineModel, states: States) -> Array:
     )
 
 
-def rounding(model: EngineModel, states: States, acceleration: Array) -> float:
+def rounding(model: EngineModel, states: States, mass: Array, acceleration: Array) -> float:
     """Relative error of accelerations that rounding of mass matrix and forces to double precision brings.
 
     First-order componentwise bound √n ε |M⁻¹| (|M| |qdd| + |bias| + |tau|) (Bauer-Skeel; Higham, Accuracy and Stability
     of Numerical Algorithms, §7.2; √n for sums of n roundings, Higham & Mary 2019), twice because each of two engines
-    rounds, at the worst of the states.
+    rounds, in the norm that accelerations are compared in, at the worst of the states.
     """
-    worst = []
+    errors = []
     for k, qdd in enumerate(acceleration):
-        mass = np.asarray(model.mass_matrix(states.q[k]))
-        forces = np.abs(mass) @ np.abs(qdd) + np.abs(model.bias(states.q[k], states.qd[k])) + np.abs(states.tau[k])
-        worst.append(float((np.abs(np.linalg.inv(mass)) @ forces).max() / np.abs(qdd).max()))
-    return 2.0 * float(np.sqrt(states.q.shape[1]) * np.finfo(np.float64).eps) * max(worst)
-
-
-def relative(a: Array, b: Array) -> Array:
-    """Largest difference of each state relative to the state's largest entry, shape (B,).
-
-    The scale is floored at one percent of the largest over all states: near an equilibrium there is nothing to
-    be relative to.
-    """
-    size = np.maximum(np.abs(a).max(axis=1), np.abs(b).max(axis=1))
-    scale = np.maximum(size, 0.01 * size.max())
-    difference = np.abs(a - b).max(axis=1)
-    # Two engines that both say exactly nothing (no gravity, say) agree.
-    return np.where(difference == 0.0, 0.0, difference / np.where(scale > 0.0, scale, 1.0))
-
-
-def odd_one_out(values: dict[str, Array], allowed: float) -> str:
-    """Which engine stands alone against the others that agree among themselves; says so if nobody can tell."""
-    names = list(values)
-    if len(names) < 3:
-        return "two engines disagree; a third one would tell which is the odd one out"
-    agree = {
-        (a, b): bool(relative(values[a], values[b]).max() <= allowed)
-        for i, a in enumerate(names)
-        for b in names[i + 1 :]
-    }
-    for name in names:
-        others = [same for pair, same in agree.items() if name not in pair]
-        mine = [same for pair, same in agree.items() if name in pair]
-        if all(others) and not any(mine):
-            return f"odd one out: {name} (the others agree among themselves)"
-    return "no single odd one out: " + ", ".join(f"{a} and {b} differ" for (a, b), same in agree.items() if not same)
+        forces = np.abs(mass[k]) @ np.abs(qdd) + np.abs(model.bias(states.q[k], states.qd[k])) + np.abs(states.tau[k])
+        errors.append(np.abs(np.linalg.inv(mass[k])) @ forces)
+    unit = 2.0 * np.sqrt(states.q.shape[1]) * np.finfo(np.float64).eps
+    return float(unit * quantities.accelerations(mass, acceleration, acceleration + np.array(errors)).max())
 
 
 def where(system: System, quantity: str, state: int, a: Array, b: Array) -> dict[str, object]:
