@@ -147,7 +147,7 @@ class Analytic:
         reason = self.refuses(system)
         if reason:
             raise UnsupportedError(reason, source=system.source)
-        (body,), fixed = bodies(system)
+        (body,), _ = bodies(system)
         joint = body.joint
         fall = body.rotation.T @ system.gravity  # in the joint's frame at zero
         lost = body.mass * float(system.gravity @ body.xyz)
@@ -158,7 +158,7 @@ class Analytic:
                 inertia=body.mass + joint.armature,
                 gravity_force=-body.mass * float(fall @ joint.axis),
                 low=float("nan"),
-                potential_level=fixed - lost - body.mass * float(fall @ body.com),
+                potential_level=-lost - body.mass * float(fall @ body.com),
             )
         about_origin = body.inertia + point_inertia(body.mass, body.com)
         # The centre of mass moves as c∥ + c⊥ cos q + (axis × c) sin q, so U = level - A cos q - B sin q.
@@ -174,5 +174,5 @@ class Analytic:
             inertia=float(joint.axis @ about_origin @ joint.axis) + joint.armature,
             gravity_force=0.0 if balanced else strength,
             low=float("nan") if balanced else float(np.arctan2(b, a)),
-            potential_level=fixed - lost - body.mass * float(fall @ body.com),
+            potential_level=-lost - body.mass * float(fall @ body.com),
         )

@@ -24,6 +24,7 @@ from harness.engines.checked import (
     sample_times,
     vector,
 )
+from harness.engines.folded import bodies
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import EngineUnavailableError, UnsupportedError
@@ -147,6 +148,7 @@ class MujocoModel:
     model: Any
     data: Any
     order: NDArray[np.intp]
+    fixed_potential: float
 
     def _set(self, q: Array, qd: Array | None = None) -> Any:
         n = len(self.names)
@@ -200,7 +202,8 @@ class MujocoModel:
         mujoco.mj_fwdPosition(self.model, self.data)
         mujoco.mj_energyPos(self.model, self.data)
         mujoco.mj_energyVel(self.model, self.data)
-        return float(self.data.energy[1]), float(self.data.energy[0])
+        # MuJoCo counts what is welded to the world as well.
+        return float(self.data.energy[1]), float(self.data.energy[0]) - self.fixed_potential
 
     def simulate(
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
@@ -300,4 +303,11 @@ class Mujoco:
         order = np.empty(model.nv, dtype=np.intp)
         for k in range(model.njnt):
             order[model.jnt_dofadr[k]] = places[model.joint(k).name]
-        return MujocoModel(names=names, system=system, model=model, data=mujoco.MjData(model), order=order)
+        return MujocoModel(
+            names=names,
+            system=system,
+            model=model,
+            data=mujoco.MjData(model),
+            order=order,
+            fixed_potential=bodies(system)[1],
+        )

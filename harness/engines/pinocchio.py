@@ -100,7 +100,6 @@ class PinocchioModel:
     damping: Array = field(repr=False)
     stiffness: Array = field(repr=False)
     rest: Array = field(repr=False)
-    fixed_potential: float = 0.0
 
     def _passive(self, q: Array, qd: Array) -> Array:
         return -self.damping * qd - self.stiffness * (q - self.rest)
@@ -148,7 +147,7 @@ class PinocchioModel:
         # Pinocchio 4.1 counts the armature of some kinds of joint and forgets it for revolute ones with a general axis.
         kinetic = float(pin.computeKineticEnergy(self.bare, self.data, q[self.order], qd[self.order]))
         kinetic += 0.5 * float(self.armature @ qd**2)
-        return kinetic, potential + spring + self.fixed_potential
+        return kinetic, potential + spring
 
     def simulate(
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
@@ -223,19 +222,4 @@ class Pinocchio:
             damping=np.array([joint.damping for joint in joints]),
             stiffness=np.array([joint.stiffness for joint in joints]),
             rest=np.array([joint.rest_position for joint in joints]),
-            fixed_potential=base_potential(system),
         )
-
-
-def base_potential(system: System) -> float:
-    """Potential energy [J] of the links that fixed joints tie to the base, which Pinocchio does not count."""
-    poses = {system.base: (np.eye(3), np.zeros(3))}
-    total = 0.0
-    for joint, link in zip(system.joints, system.links, strict=True):
-        if joint.movable or joint.parent not in poses:
-            continue
-        rotation, origin = poses[joint.parent]
-        poses[joint.child] = (rotation @ joint.rotation, origin + rotation @ joint.xyz)
-        rotation, origin = poses[joint.child]
-        total -= link.mass * float(system.gravity @ (origin + rotation @ link.com))
-    return total

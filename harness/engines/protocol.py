@@ -52,7 +52,8 @@ class EngineModel(Protocol):
         ...
 
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
-        """Kinetic and potential energy [J]; the potential is zero with every centre of mass at height zero."""
+        """Kinetic and potential energy [J], springs included; the potential is zero with every centre of mass at height
+        zero, and links that cannot move do not count."""
         ...
 
     def simulate(
