@@ -1,0 +1,294 @@
+"""Lanes: many copies of one mechanism advanced at once, each with its own parameters and initial state.
+
+This is the workhorse of fitting and sweeping: a Jacobian is a few extra lanes. See ``LaneModel``.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.denoc import laws
+from harness.denoc.lanes_rows import BASE_SLOTS, INERTIA_SLOTS, PER_JOINT, PLACEMENT_SLOTS
+from harness.errors import InputError, UnsupportedError
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-11
+"""Error allowed in one step [rad, rad/s (1 + |rad/s|)]."""
+
+_log = logging.getLogger(__name__)
+_announced = False
+
+
+@lru_cache(maxsize=1)
+def _method() -> tuple[Array, ...]:
+    """Coefficients of the Dormand-Prince method of order 8, as scipy publishes them."""
+    from scipy.integrate import DOP853
+
+    table = np.zeros((13, 13))
+    table[:12, :12] = DOP853.A[:12, :12]
+    table[12, :12] = DOP853.B
+    fractions = np.append(np.asarray(DOP853.C, dtype=float)[:12], 1.0)
+    arrays = (
+        table, fractions, DOP853.E5, DOP853.E3, DOP853.A_EXTRA, DOP853.C_EXTRA, DOP853.D,
+    )  # fmt: skip
+    return tuple(np.ascontiguousarray(a, dtype=float) for a in arrays)
+
+
+def _kernel() -> Callable[..., None]:
+    """The compiled integrator; says so once if it has to be compiled first."""
+    global _announced
+    from harness.denoc.lanes_integrate import run_groups
+
+    if not _announced:
+        _announced = True
+        if not run_groups.signatures and not _cached(run_groups):
+            _log.warning("compiling the simulation kernels, once (about ten seconds) …")
+    return run_groups
+
+
+def _cached(dispatcher: Any) -> bool:
+    """Whether an earlier process left a compiled version on disk."""
+    try:
+        path = dispatcher.stats.cache_path
+    except AttributeError:
+        return False
+    from pathlib import Path
+
+    return any(Path(path).glob(f"*{dispatcher.py_func.__name__}*.nbi"))
+
+
+def _user_address(function: Callable[..., float] | None) -> tuple[int, Any]:
+    """Address of a user's law ``(q, qd, t, p) -> force`` as plain compiled code, and what keeps it alive."""
+    if function is None:
+        return 0, None
+    from numba import carray, cfunc, njit, types
+
+    law = function if hasattr(function, "py_func") else njit(function)
+    kind = types.float64(types.float64, types.float64, types.float64, types.CPointer(types.float64))
+
+    def call(q: float, qd: float, t: float, pointer: Any) -> float:
+        return law(q, qd, t, carray(pointer, (4,)))
+
+    compiled = cfunc(kind)(call)
+    return int(compiled.address), compiled
+
+
+class LaneModel:
+    """One topology, compiled for many copies at once.
+
+    names: generalized coordinates; n: their number; P: length of a parameter row.
+    slots: index of every parameter in a row by (site, name). Sites and names:
+
+    - ``base``: gravity_x, gravity_y, gravity_z [m/s²]; excitation_amplitude [m/s²], excitation_frequency [Hz],
+      excitation_phase [rad] of the base's acceleration amplitude · sin(2π frequency · time + phase) along the
+      direction excitation_x, excitation_y, excitation_z (not normalised, x by default);
+    - every joint, fixed ones included: x, y, z [m], origin in the parent's link frame; turn_x, turn_y, turn_z [rad], rotation
+      vector that follows the rotation of the joint in the system the model was made from;
+    - every movable joint: the terms of ``laws.SLOTS``;
+    - every link: mass [kg], first_x … [kg·m], inertia_xx … [kg·m²], first and second moments about the
+      link frame's origin (so a point mass m at r adds m, m r and m (|r|² 1 − r rᵀ)).
+
+    law: the user's own joint law ``(q, qd, t, p) -> generalized force`` with four parameters p, compiled on its own; it acts at
+    every joint whose ``user_scale`` slot is not zero.
+    Raises UnsupportedError for systems with flexible links.
+    """
+
+    def __init__(self, system: System, *, law: Callable[..., float] | None = None) -> None:
+        if system.flexible:
+            raise UnsupportedError(
+                f"{system.name}: lanes of flexible links", mend="use System.rigid() or Denoc.simulate"
+            )
+        if not system.movable_joints:
+            raise InputError(f"{system.name}: no movable joint", mend="give at least one revolute or prismatic joint")
+        self.system = system
+        self.names = system.joint_names
+        self.n = len(self.names)
+        slots: dict[tuple[str, str], int] = {("base", name): k for k, name in enumerate(BASE_SLOTS)}
+        at = len(BASE_SLOTS)
+        for joint, link in zip(system.joints, system.links, strict=True):
+            for name in PLACEMENT_SLOTS:
+                slots[joint.name, name] = at
+                at += 1
+            for name in INERTIA_SLOTS:
+                # A link may share its joint's name; their parameters have different ones.
+                slots[link.name, name] = at
+                at += 1
+        self._law_start = at
+        for joint in system.movable_joints:
+            for name in laws.SLOT_NAMES:
+                slots[joint.name, name] = at
+                at += 1
+        self.P = at
+        self.slots = MappingProxyType(slots)
+        self._topology = _topology(system)
+        self._user, self._alive = _user_address(law)
+
+    def slot(self, site: str, name: str) -> int:
+        """Index of one parameter in a row; InputError names what there is if there is no such parameter."""
+        try:
+            return self.slots[site, name]
+        except KeyError:
+            sites = sorted({s for s, _ in self.slots})
+            if site not in sites:
+                raise InputError(f"no site {site!r}", mend=f"one of {', '.join(sites)}") from None
+            names = sorted(k for s, k in self.slots if s == site)
+            raise InputError(f"{site} has no parameter {name!r}", mend=f"one of {', '.join(names)}") from None
+
+    def row(self, system: System | None = None) -> Array:
+        """Parameter row of a system of the same topology (by default the model's own), shape (P,)."""
+        system = self.system if system is None else system
+        mine = [(j.name, j.type.value, j.parent, j.child) for j in self.system.joints]
+        if [(j.name, j.type.value, j.parent, j.child) for j in system.joints] != mine:
+            raise InputError(f"{system.name}: not the joints of {self.system.name}", mend="make a LaneModel of its own")
+        row = np.zeros(self.P)
+        row[0:3] = system.gravity
+        row[self.slot("base", "excitation_x")] = 1.0
+        at = len(BASE_SLOTS)
+        for joint, link, nominal in zip(system.joints, system.links, self.system.joints, strict=True):
+            if not np.allclose(joint.axis, nominal.axis, rtol=0.0, atol=1e-12):
+                raise InputError(
+                    f"joint {joint.name}: another axis than in the model", mend="turn the joint frame instead"
+                )
+            row[at : at + 3] = joint.xyz
+            if not np.array_equal(joint.rotation, nominal.rotation):
+                row[at + 3 : at + 6] = _rotation_vector(nominal.rotation.T @ joint.rotation)
+            row[at + 6] = link.mass
+            row[at + 7 : at + 10] = link.mass * link.com
+            c = link.com
+            second = link.inertia + link.mass * (c @ c * np.eye(3) - np.outer(c, c))
+            row[at + 10 : at + 16] = second[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+            at += PER_JOINT
+        for joint in system.movable_joints:
+            for name, value in (
+                ("armature", joint.armature),
+                ("damping", joint.damping),
+                ("coulomb_torque", joint.friction),
+                ("stiffness", joint.stiffness),
+                ("rest_angle", joint.rest_position),
+            ):
+                row[self.slot(joint.name, name)] = value
+        return row
+
+    def simulate(
+        self,
+        rows: Array,
+        q0: Array,
+        qd0: Array,
+        time: Array,
+        *,
+        tau: Array | None = None,
+        hold: str = "linear",
+        step: float | None = None,
+        tolerance: float = TOLERANCE,
+        threads: int = 1,
+    ) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of every copy at the sample times, each of shape (B, T, n).
+
+        rows: parameter rows, (B, P) or (P,); q0, qd0: initial positions and velocities [rad, rad/s or m, m/s], (B, n) or (n,).
+        time: sample times [s], increasing, not necessarily even, (T,); the motion starts at time[0].
+        tau: applied generalized forces at the sample times, (T, n) or (B, T, n); between samples they run
+            straight (``hold="linear"``) or keep the earlier value (``hold="zero"``).
+        step: longest step [s]; within it the step follows the error estimate held under ``tolerance``.
+        threads: threads to spread the copies over. A copy's result depends neither on that nor on the other copies.
+        A copy whose motion cannot be followed (not a number, negative inertia) is nan from there on.
+        Acceleration at a jump is the one after it.
+        Raises InputError for arrays that do not fit.
+        """
+        rows = np.atleast_2d(np.asarray(rows, dtype=np.float64))
+        q0 = np.atleast_2d(np.asarray(q0, dtype=np.float64))
+        qd0 = np.atleast_2d(np.asarray(qd0, dtype=np.float64))
+        time = np.ascontiguousarray(time, dtype=np.float64)
+        n = self.n
+        copies = max(len(rows), len(q0), len(qd0))
+        for what, array, columns in (("rows", rows, self.P), ("q0", q0, n), ("qd0", qd0, n)):
+            if array.ndim != 2 or array.shape[1] != columns or len(array) not in (1, copies):
+                raise InputError(f"{what} has shape {array.shape}", mend=f"expected ({copies}, {columns})")
+        if time.ndim != 1 or len(time) < 1 or not np.all(np.isfinite(time)) or np.any(np.diff(time) <= 0.0):
+            raise InputError("sample times do not increase", mend="sort them and drop duplicates")
+        if hold not in ("linear", "zero"):
+            raise InputError(f"hold={hold!r}", mend="linear or zero")
+        longest = 0.25 if step is None else float(step)
+        if not longest > 0.0:
+            raise InputError(f"step={step!r}", mend="a positive time in seconds")
+        rows = np.ascontiguousarray(np.broadcast_to(rows, (copies, self.P)))
+        start = np.concatenate([np.broadcast_to(q0, (copies, n)), np.broadcast_to(qd0, (copies, n))], axis=1)
+        driven, effort = 0, np.zeros((1, 1, n))
+        if tau is not None:
+            effort = np.ascontiguousarray(tau, dtype=np.float64)
+            if effort.ndim == 2:
+                effort = effort[None]
+            if effort.shape not in ((1, len(time), n), (copies, len(time), n)):
+                raise InputError(f"tau has shape {np.shape(tau)}", mend=f"expected ({len(time)}, {n}) or ({copies}, …)")
+            driven = 2 if len(effort) > 1 else 1
+            effort = np.ascontiguousarray(effort)
+        # The shaking of the base bounds a copy's step: the error estimate could step over whole periods.
+        shaken = rows[:, self.slot("base", "excitation_amplitude")] != 0.0
+        frequency = np.abs(rows[:, self.slot("base", "excitation_frequency")])
+        limits = np.where(shaken & (frequency * longest > 0.125), 0.125 / np.maximum(frequency, 1e-300), longest)
+        shape = (copies, len(time), n)
+        position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
+        run = _kernel()
+
+        def part(first: int, last: int) -> None:
+            run(
+                first, last, rows, start, *self._topology, self._law_start, self._user,
+                time, effort, driven, int(hold == "linear"), limits, tolerance, *_method(),
+                position, velocity, acceleration,
+            )  # fmt: skip
+
+        groups = -(-copies // 8)
+        threads = min(threads, groups)
+        if threads <= 1:
+            part(0, groups)
+        else:
+            # Many small parts, since groups differ in how long they take.
+            edges = np.linspace(0, groups, min(groups, 4 * threads) + 1).astype(int)
+            with ThreadPoolExecutor(threads) as pool:
+                list(pool.map(part, edges[:-1].tolist(), edges[1:].tolist()))
+        return position, velocity, acceleration
+
+
+def _rotation_vector(rotation: Array) -> Array:
+    """Rotation vector [rad] of a rotation matrix, shape (3,)."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_matrix(rotation).as_rotvec())
+
+
+def _topology(system: System) -> tuple[Any, ...]:
+    """Index arrays that the kernels read: above, body, parent, child, prismatic, prefix, axes, nominal rotations."""
+    carrier = {joint.child: k for k, joint in enumerate(system.joints)}
+    above = np.array([carrier.get(joint.parent, -1) for joint in system.joints], dtype=np.int64)
+    body = np.full(len(system.joints), -1, dtype=np.int64)
+    parent: list[int] = []
+    prismatic: list[int] = []
+    for k, joint in enumerate(system.joints):
+        up = -1 if above[k] < 0 else int(body[above[k]])
+        if joint.movable:
+            body[k] = len(parent)
+            parent.append(up)
+            prismatic.append(int(joint.prismatic))
+        else:
+            body[k] = up
+    child = np.full(len(parent), -1, dtype=np.int64)
+    prefix = np.zeros(len(parent), dtype=np.int64)
+    for i, p in enumerate(parent):
+        if p >= 0 and child[p] < 0:
+            child[p] = i
+        else:
+            prefix[i] = 1
+    axes = np.array([joint.axis for joint in system.joints], dtype=np.float64)
+    nominal = np.array([joint.rotation for joint in system.joints], dtype=np.float64)
+    return (
+        above, body, np.array(parent, dtype=np.int64), child, np.array(prismatic, dtype=np.int64), prefix, axes, nominal,
+    )  # fmt: skip

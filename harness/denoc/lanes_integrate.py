@@ -1,0 +1,725 @@
+"""Eight copies in time: the Dormand-Prince method of order 8 with a step of its own in every lane, and events located in time.
+
+A lane's step is cut where its motion changes its kind: a joint with dry friction comes to rest (it then sticks if
+friction can hold it, else slides the other way), a held joint breaks loose, a stop is met or left. The instant is found on
+the method's dense output of order 7, and the lane goes on from there; lanes wait for nobody, and the result of a
+lane does not depend on which others run beside it.
+
+Method: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, DOP853 (coefficients as scipy publishes them).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from harness.denoc import laws as law
+from harness.denoc.lanes_rows import prepare_lane
+from harness.denoc.lanes_tree import (
+    BODY,
+    BRISTLE,
+    BRISTLE_RATE,
+    CONSTANTS,
+    CONTACT,
+    DIRECTION,
+    FREE,
+    GROUP,
+    HOLD,
+    JOINT,
+    LIMIT,
+    QD,
+    QDD,
+    REACTION,
+    REACTION_START,
+    SHAKE,
+    TAU,
+    TAU_SLOPE,
+    TAU_TIME,
+    TIME,
+    Q,
+    accelerations,
+)
+from harness.denoc.lanes_vector import load, magnitude, spread, store
+
+STAGES = 12
+KEPT = 16  # slopes kept: the stages, the one at the end, three for the dense output
+DEGREE = 7  # of the dense output
+LOOKS = 8  # places in a step where signs are checked
+ALMOST = 1e-9  # relative slack between sticking and breaking loose, so that rounding cannot make them alternate
+LONGEST = 2_000_000  # steps after which a lane is given up
+
+# Per-lane bookkeeping, in vectors of eight lanes.
+CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, SUSPECT, LOADED = range(13)
+LEDGER = 13
+
+
+@njit(cache=True, error_model="numpy")
+def _slopes(
+    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
+    user: int, shaken: int, loaded: int, dry: int, state: Any, slopes: Any, at: int, ledger: Any,
+) -> None:  # fmt: skip
+    """Time derivative of ``state`` (positions, velocities, bristles) at the workspace's time, to ``slopes[at:]``."""
+    joints = n * BODY * 8
+    for i in range(n):
+        j = joints + i * JOINT * 8
+        store(ws, j + Q * 8, load(state, i * 8))
+        store(ws, j + QD * 8, load(state, (n + i) * 8))
+        if width > 2 * n:
+            store(ws, j + BRISTLE * 8, load(state, (2 * n + i) * 8))
+    accelerations(parent, prismatic, prefix, flags, constants, laws, ws, n, user, shaken, loaded)
+    for i in range(n):
+        j = joints + i * JOINT * 8
+        store(slopes, at + i * 8, load(ws, j + QD * 8))
+        store(slopes, at + (n + i) * 8, load(ws, j + QDD * 8))
+        if width > 2 * n:
+            store(slopes, at + (2 * n + i) * 8, load(ws, j + BRISTLE_RATE * 8))
+    if dry:
+        for i in range(n):
+            if flags[i] & law.HAS_DRY:
+                j = joints + i * JOINT * 8
+                for lane in range(8):
+                    if ws[j + FREE * 8 + lane] == 0.0:
+                        limit = ws[j + LIMIT * 8 + lane]
+                        if abs(ws[j + HOLD * 8 + lane]) > limit * (1.0 + ALMOST):
+                            ledger[SUSPECT * 8 + lane] = 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def _polynomials(state: Any, after: Any, slopes: Any, dense: Any, ledger: Any, width: int, weights: Any) -> None:
+    """Coefficients of the dense output in powers of the step's fraction, to ``dense[(power · width + row) · 8]``."""
+    h = load(ledger, USED * 8)
+    for f in range(width):
+        y = load(state, f * 8)
+        first = load(slopes, f * 8)
+        last = load(slopes, (STAGES * width + f) * 8)
+        f0 = load(after, f * 8) - y
+        f1 = h * first - f0
+        f2 = f0 + f0 - h * (first + last)
+        f3 = spread(0.0)
+        f4 = f3
+        f5 = f3
+        f6 = f3
+        for s in range(KEPT):
+            if weights[0, s] != 0.0 or weights[3, s] != 0.0:
+                k = load(slopes, (s * width + f) * 8)
+                f3 = f3 + weights[0, s] * k
+                f4 = f4 + weights[1, s] * k
+                f5 = f5 + weights[2, s] * k
+                f6 = f6 + weights[3, s] * k
+        f3 = h * f3
+        f4 = h * f4
+        f5 = h * f5
+        f6 = h * f6
+        c0 = f5 + f4
+        c1 = f6 - f5
+        c2 = -f6
+        d0 = f3 + f2
+        d1 = c0 - f3
+        d2 = c1 - c0
+        d3 = c2 - c1
+        d4 = -c2
+        store(dense, f * 8, y)
+        store(dense, (width + f) * 8, f1 + f0)
+        store(dense, (2 * width + f) * 8, d0 - f1)
+        store(dense, (3 * width + f) * 8, d1 - d0)
+        store(dense, (4 * width + f) * 8, d2 - d1)
+        store(dense, (5 * width + f) * 8, d3 - d2)
+        store(dense, (6 * width + f) * 8, d4 - d3)
+        store(dense, (7 * width + f) * 8, -d4)
+
+
+@njit(cache=True, error_model="numpy")
+def _at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
+    """One row of the dense output in one lane, at the fraction x of the step."""
+    value = dense[(DEGREE * width + row) * 8 + lane]
+    for power in range(DEGREE - 1, -1, -1):
+        value = value * x + dense[(power * width + row) * 8 + lane]
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def _slope_at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
+    """Derivative of one row of the dense output with respect to the step's fraction."""
+    value = DEGREE * dense[(DEGREE * width + row) * 8 + lane]
+    for power in range(DEGREE - 1, 0, -1):
+        value = value * x + power * dense[(power * width + row) * 8 + lane]
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def _watched(dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, x: float) -> float:
+    """A function that is positive while a joint's mode holds: kind 0 its velocity along the sliding direction, kind 1 the stop."""
+    if kind == 0:
+        return sense * _at(dense, width, n + i, lane, x)
+    q = _at(dense, width, i, lane, x)
+    v = _at(dense, width, n + i, lane, x)
+    return sense * law.stop_gap(laws, i * law.WIDTH * 8, lane, q, v)
+
+
+@njit(cache=True, error_model="numpy")
+def _root(
+    dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, low: float, high: float
+) -> float:
+    """Where a watched function turns negative within low … high (bisection, then the Illinois rule)."""
+    f_low = _watched(dense, laws, n, width, i, lane, kind, sense, low)
+    f_high = _watched(dense, laws, n, width, i, lane, kind, sense, high)
+    side = 0
+    for _ in range(80):
+        if high - low < 1e-15:
+            break
+        middle = 0.5 * (low + high)
+        if f_high != f_low:
+            guess = (low * f_high - high * f_low) / (f_high - f_low)
+            if low < guess < high:
+                middle = guess
+        f = _watched(dense, laws, n, width, i, lane, kind, sense, middle)
+        if f < 0.0:
+            high = middle
+            f_high = f
+            if side == -1:
+                f_low *= 0.5
+            side = -1
+        elif f > 0.0:
+            low = middle
+            f_low = f
+            if side == 1:
+                f_high *= 0.5
+            side = 1
+        else:
+            return middle
+    return high
+
+
+@njit(cache=True, error_model="numpy")
+def _first_event(
+    dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int, lane: int, joints: int
+) -> tuple[float, int, int]:
+    """Earliest change of mode in one lane's step: (fraction, joint, kind); fraction 2 if there is none.
+
+    A fraction of 0 means that the mode is already contradicted where the step began.
+    """
+    best = 2.0
+    which = -1
+    what = -1
+    for i in range(n):
+        j = joints + i * JOINT * 8 + lane
+        for kind in range(2):
+            if kind == 0:
+                if flags[i] & law.HAS_SIGN == 0 or ws[j + FREE * 8] == 0.0 or ws[j + DIRECTION * 8] == 0.0:
+                    continue
+                sense = ws[j + DIRECTION * 8]
+            else:
+                start = i * law.WIDTH * 8 + lane
+                if flags[i] & law.HAS_STOP == 0 or (
+                    laws[start + law.STOP_STIFFNESS * 8] == 0.0 and laws[start + law.STOP_DAMPING * 8] == 0.0
+                ):
+                    continue
+                sense = 1.0 if ws[j + CONTACT * 8] > 0.0 else -1.0
+            looks = LOOKS if kind == 0 else 2 * LOOKS
+            low = 0.0
+            began = _watched(dense, laws, n, width, i, lane, kind, sense, 0.0) > 0.0
+            for look in range(1, looks + 1):
+                x = look / looks
+                if x > best:
+                    break
+                if _watched(dense, laws, n, width, i, lane, kind, sense, x) < 0.0:
+                    where = 0.0
+                    if look > 1 or began:
+                        where = _root(dense, laws, n, width, i, lane, kind, sense, low, x)
+                    if where < best:
+                        best = where
+                        which = i
+                        what = kind
+                    break
+                low = x
+    return best, which, what
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def run_group(
+    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
+    user: int, shaken: int, loaded: int,
+    time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
+    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any,
+    state: Any, after: Any, slopes: Any, dense: Any, ledger: Any, next_sample: Any,
+    lanes: int, first_lane: int, position: Any, velocity: Any, acceleration: Any,
+) -> None:  # fmt: skip
+    """Advance a group of up to eight lanes over all of ``time`` and write the samples.
+
+    state: initial state, lane-contiguous, rows positions, velocities, bristles; effort: (1 or B, T, n);
+    driven: 0 none, 1 one effort for all, 2 one a lane; hold: 1 linear between samples, 0 held.
+    """
+    joints = n * BODY * 8
+    group = joints + n * JOINT * 8
+    samples = time.shape[0]
+    end = time[samples - 1]
+    dry = 0
+    signed = 0
+    stops = 0
+    for i in range(n):
+        if flags[i] & law.HAS_DRY:
+            dry = 1
+        if flags[i] & law.HAS_SIGN:
+            signed = 1
+        if flags[i] & law.HAS_STOP:
+            stops = 1
+    eventful = signed or stops
+    for lane in range(8):
+        ledger[CLOCK * 8 + lane] = time[0]
+        ledger[STEP * 8 + lane] = min(longest[first_lane + min(lane, lanes - 1)], 2e-3)
+        ledger[STALL * 8 + lane] = 0.0
+        ledger[DIRTY * 8 + lane] = 1.0
+        ledger[ALIVE * 8 + lane] = 1.0 if lane < lanes else 0.0
+        ledger[UNTIL * 8 + lane] = end
+        ledger[LOADED * 8 + lane] = 0.0
+        next_sample[lane] = 0
+        for i in range(n):
+            j = joints + i * JOINT * 8 + lane
+            start = i * law.WIDTH * 8
+            ws[j + FREE * 8] = 1.0
+            ws[j + DIRECTION * 8] = 0.0
+            ws[j + CONTACT * 8] = 0.0
+            ws[j + BRISTLE * 8] = 0.0
+            ws[j + BRISTLE_RATE * 8] = 0.0
+            ws[j + REACTION_START * 8] = 0.0
+            ws[j + REACTION * 8] = 0.0
+            ws[j + TAU * 8] = 0.0
+            ws[j + TAU_SLOPE * 8] = 0.0
+            used = law.terms_in_use(laws, start + lane, 8)
+            v = state[(n + i) * 8 + lane]
+            if used & law.HAS_LOAD:
+                ledger[LOADED * 8 + lane] = 1.0
+            if used & law.HAS_SIGN:
+                ws[j + DIRECTION * 8] = -1.0 if v < 0.0 else 1.0
+                if v == 0.0 and used & law.HAS_DRY:
+                    ws[j + FREE * 8] = 0.0
+                    ws[j + DIRECTION * 8] = 0.0
+            if used & law.HAS_STOP and law.stop_gap(laws, start, lane, state[i * 8 + lane], v) > 0.0:
+                ws[j + CONTACT * 8] = 1.0
+    for f in range(width):
+        store(slopes, f * 8, spread(0.0))
+    for _ in range(LONGEST):
+        # Where a lane stands on a break of the effort, the next segment begins.
+        anyone = 0
+        dirty = 0
+        for lane in range(lanes):
+            if ledger[ALIVE * 8 + lane] == 0.0:
+                continue
+            t = ledger[CLOCK * 8 + lane]
+            k = next_sample[lane]
+            if driven and k < samples - 1 and t >= time[k] and (k == 0 or ledger[UNTIL * 8 + lane] <= t):
+                source = first_lane + lane if driven == 2 else 0
+                ws[group + TAU_TIME * 8 + lane] = time[k]
+                ledger[UNTIL * 8 + lane] = time[k + 1]
+                for i in range(n):
+                    j = joints + i * JOINT * 8 + lane
+                    ws[j + TAU * 8] = effort[source, k, i]
+                    if hold:
+                        ws[j + TAU_SLOPE * 8] = (effort[source, k + 1, i] - effort[source, k, i]) / (
+                            time[k + 1] - time[k]
+                        )
+                if k == 0 or hold == 0:
+                    ledger[DIRTY * 8 + lane] = 1.0
+            if ledger[DIRTY * 8 + lane] != 0.0:
+                dirty = 1
+            anyone = 1
+        if anyone == 0:
+            break
+        if dirty:
+            # Settle the modes at this instant: who sticks, who slides which way.
+            for lane in range(lanes):
+                ledger[GRIPPED * 8 + lane] = 0.0
+            for _ in range(4 * n + 4):
+                store(ws, group + TIME * 8, load(ledger, CLOCK * 8))
+                _slopes(
+                    parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, 0,
+                    state, slopes, width * 8 * KEPT, ledger,
+                )  # fmt: skip
+                changed = 0
+                if dry:
+                    for lane in range(lanes):
+                        if ledger[DIRTY * 8 + lane] == 0.0:
+                            continue
+                        worst = 0.0
+                        loose = -1
+                        for i in range(n):
+                            j = joints + i * JOINT * 8 + lane
+                            if ws[j + FREE * 8] == 0.0:
+                                limit = ws[j + LIMIT * 8] * (1.0 + 2.0 * ALMOST)
+                                over = abs(ws[j + HOLD * 8]) - limit
+                                if over > worst:
+                                    worst = over
+                                    loose = i
+                        if loose >= 0:
+                            j = joints + loose * JOINT * 8 + lane
+                            ws[j + FREE * 8] = 1.0
+                            ws[j + DIRECTION * 8] = -1.0 if ws[j + HOLD * 8] > 0.0 else 1.0
+                            changed = 1
+                        elif ledger[GRIPPED * 8 + lane] < 2.0 * n:
+                            # Letting another joint go may turn round one that was let go before.
+                            for i in range(n):
+                                j = joints + i * JOINT * 8 + lane
+                                if (
+                                    flags[i] & law.HAS_DRY
+                                    and ws[j + FREE * 8] != 0.0
+                                    and ws[j + DIRECTION * 8] != 0.0
+                                    and state[(n + i) * 8 + lane] == 0.0
+                                    and ws[j + LIMIT * 8] > 0.0
+                                    and ws[j + DIRECTION * 8] * ws[j + QDD * 8] < -1e-9 * abs(ws[j + LIMIT * 8])
+                                ):
+                                    ws[j + FREE * 8] = 0.0
+                                    ws[j + DIRECTION * 8] = 0.0
+                                    ledger[GRIPPED * 8 + lane] += 1.0
+                                    changed = 1
+                                    break
+                if changed == 0:
+                    break
+            for lane in range(lanes):
+                if ledger[DIRTY * 8 + lane] != 0.0:
+                    ledger[DIRTY * 8 + lane] = 0.0
+                    for f in range(width):
+                        slopes[f * 8 + lane] = slopes[(KEPT * width + f) * 8 + lane]
+                    for i in range(n):
+                        j = joints + i * JOINT * 8 + lane
+                        ws[j + REACTION_START * 8] = ws[j + REACTION * 8]
+        # Samples that lie just where a lane stands; steps.
+        anyone = 0
+        for lane in range(8):
+            ledger[USED * 8 + lane] = 0.0
+            ledger[CUT * 8 + lane] = 0.0
+            ledger[SUSPECT * 8 + lane] = 0.0
+            if ledger[ALIVE * 8 + lane] == 0.0:
+                continue
+            t = ledger[CLOCK * 8 + lane]
+            while next_sample[lane] < samples and time[next_sample[lane]] <= t:
+                k = next_sample[lane]
+                for i in range(n):
+                    position[first_lane + lane, k, i] = state[i * 8 + lane]
+                    velocity[first_lane + lane, k, i] = state[(n + i) * 8 + lane]
+                    acceleration[first_lane + lane, k, i] = slopes[(n + i) * 8 + lane]
+                next_sample[lane] = k + 1
+            if next_sample[lane] >= samples:
+                ledger[ALIVE * 8 + lane] = 0.0
+                continue
+            h = min(ledger[STEP * 8 + lane], longest[first_lane + lane])
+            left = ledger[UNTIL * 8 + lane] - t
+            if h >= left * (1.0 - 1e-9):
+                h = left
+                ledger[CUT * 8 + lane] = 1.0
+            elif 2.0 * h > left:
+                h = 0.5 * left
+            ledger[USED * 8 + lane] = h
+            anyone = 1
+        if anyone == 0:
+            continue
+        # The stages.
+        clock = load(ledger, CLOCK * 8)
+        steps = load(ledger, USED * 8)
+        for s in range(1, STAGES + 1):
+            for f in range(width):
+                total = spread(0.0)
+                for earlier in range(s):
+                    a = table[s, earlier]
+                    if a != 0.0:
+                        total = total + a * load(slopes, (earlier * width + f) * 8)
+                store(after, f * 8, load(state, f * 8) + steps * total)
+            store(ws, group + TIME * 8, clock + fractions[s] * steps)
+            _slopes(
+                parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, dry,
+                after, slopes, s * width * 8, ledger,
+            )  # fmt: skip
+        sum_5 = spread(0.0)
+        sum_3 = spread(0.0)
+        for f in range(width):
+            error_5 = spread(0.0)
+            error_3 = spread(0.0)
+            for s in range(STAGES + 1):
+                k = load(slopes, (s * width + f) * 8)
+                error_5 = error_5 + errors_5[s] * k
+                error_3 = error_3 + errors_3[s] * k
+            scale = spread(1.0 / tolerance)
+            if n <= f < 2 * n:
+                scale = scale / (1.0 + magnitude(load(state, f * 8)))
+            error_5 = error_5 * scale
+            error_3 = error_3 * scale
+            sum_5 = sum_5 + error_5 * error_5
+            sum_3 = sum_3 + error_3 * error_3
+        store(ledger, ERROR_5 * 8, sum_5)
+        store(ledger, ERROR_3 * 8, sum_3)
+        wanted = eventful
+        for lane in range(lanes):
+            if ledger[ALIVE * 8 + lane] == 0.0:
+                continue
+            e5 = ledger[ERROR_5 * 8 + lane]
+            e3 = ledger[ERROR_3 * 8 + lane]
+            error = 0.0
+            if not (e5 == 0.0 and e3 == 0.0):
+                error = ledger[USED * 8 + lane] * e5 / ((e5 + 0.01 * e3) * (2.0 * n)) ** 0.5
+            h = ledger[USED * 8 + lane]
+            if error < 1.0:
+                factor = 6.0 if error < 1e-7 else min(6.0, 0.9 * error**-0.125)
+                ledger[ERROR_5 * 8 + lane] = 1.0
+                if ledger[CUT * 8 + lane] == 0.0 or factor * h > ledger[STEP * 8 + lane]:
+                    ledger[STEP * 8 + lane] = factor * h
+            else:
+                ledger[ERROR_5 * 8 + lane] = 0.0
+                factor = 0.2
+                if error < 1e30:
+                    factor = max(0.2, 0.9 * error**-0.125)
+                ledger[STEP * 8 + lane] = factor * h
+                if not (factor * h > 1e-13 * (1.0 + abs(ledger[CLOCK * 8 + lane]))):
+                    # Not a number, or stiffer than any step: given up, its samples stay what they were (nan).
+                    ledger[ALIVE * 8 + lane] = 0.0
+                    ledger[ERROR_5 * 8 + lane] = 0.0
+            if ledger[CUT * 8 + lane] == 0.0 or time[next_sample[lane]] < ledger[UNTIL * 8 + lane]:
+                wanted = 1
+        if wanted:
+            for e in range(3):
+                s = STAGES + 1 + e
+                # ``after`` keeps the end of the step; the extra stages borrow the rows behind it.
+                for f in range(width):
+                    total = spread(0.0)
+                    for earlier in range(s):
+                        a = extra[e, earlier]
+                        if a != 0.0:
+                            total = total + a * load(slopes, (earlier * width + f) * 8)
+                    store(after, (width + f) * 8, load(state, f * 8) + steps * total)
+                store(ws, group + TIME * 8, clock + extra_fractions[e] * steps)
+                _slopes(
+                    parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, dry,
+                    after[width * 8 :], slopes, s * width * 8, ledger,
+                )  # fmt: skip
+            _polynomials(state, after, slopes, dense, ledger, width, weights)
+        # Held joints that may break loose: look along the step with the forces themselves.
+        broken = 0
+        if dry:
+            for lane in range(lanes):
+                if ledger[ALIVE * 8 + lane] != 0.0 and ledger[ERROR_5 * 8 + lane] != 0.0 and ledger[SUSPECT * 8 + lane]:
+                    broken = 1
+                else:
+                    ledger[SUSPECT * 8 + lane] = 0.0
+        if broken:
+            _break_loose(
+                parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded,
+                after, slopes, dense, ledger, lanes,
+            )  # fmt: skip
+        # Commit lane by lane.
+        for lane in range(lanes):
+            if ledger[ALIVE * 8 + lane] == 0.0 or ledger[ERROR_5 * 8 + lane] == 0.0:
+                continue
+            h_lane = ledger[USED * 8 + lane]
+            t = ledger[CLOCK * 8 + lane]
+            until = 2.0
+            which = -1
+            what = -1
+            if eventful and (ledger[STALL * 8 + lane] < 4.0 or h_lane > 1e-7):
+                until, which, what = _first_event(dense, laws, ws, flags, n, width, lane, joints)
+            breaks = ledger[SUSPECT * 8 + lane]
+            if broken and 0.0 < breaks <= 1.0 and breaks < until:
+                until = breaks
+                which = int(ledger[GRIPPED * 8 + lane])
+                what = 2
+            if what >= 0 and until * h_lane <= 1e-14 * (1.0 + abs(t)) and what != 2:
+                # Contradicted at once: settle the modes again, and if that does not help go in small steps.
+                ledger[STALL * 8 + lane] += 1.0
+                if ledger[STALL * 8 + lane] > 2.0:
+                    ledger[STEP * 8 + lane] = h_lane / 16.0
+                until = 0.0
+            elif what < 0 or until > 1e-3:
+                ledger[STALL * 8 + lane] = 0.0
+            reach = t + h_lane
+            if ledger[CUT * 8 + lane] != 0.0:
+                reach = ledger[UNTIL * 8 + lane]
+            if what >= 0:
+                reach = t + until * h_lane
+            k = next_sample[lane]
+            while k < samples and time[k] < reach:
+                x = (time[k] - t) / h_lane
+                for i in range(n):
+                    position[first_lane + lane, k, i] = _at(dense, width, i, lane, x)
+                    velocity[first_lane + lane, k, i] = _at(dense, width, n + i, lane, x)
+                    acceleration[first_lane + lane, k, i] = _slope_at(dense, width, n + i, lane, x) / h_lane
+                k += 1
+            next_sample[lane] = k
+            ledger[CLOCK * 8 + lane] = reach
+            if what < 0:
+                for f in range(width):
+                    state[f * 8 + lane] = after[f * 8 + lane]
+                    slopes[f * 8 + lane] = slopes[(STAGES * width + f) * 8 + lane]
+                if ledger[LOADED * 8 + lane] != 0.0:
+                    ledger[DIRTY * 8 + lane] = 1.0
+                continue
+            for f in range(width):
+                state[f * 8 + lane] = _at(dense, width, f, lane, until)
+            ledger[DIRTY * 8 + lane] = 1.0
+            for i in range(n):
+                if ws[joints + i * JOINT * 8 + FREE * 8 + lane] == 0.0:
+                    state[(n + i) * 8 + lane] = 0.0
+            j = joints + which * JOINT * 8 + lane
+            if what == 0:
+                used = law.terms_in_use(laws, which * law.WIDTH * 8 + lane, 8)
+                state[(n + which) * 8 + lane] = 0.0
+                if used & law.HAS_DRY:
+                    ws[j + FREE * 8] = 0.0
+                    ws[j + DIRECTION * 8] = 0.0
+                else:
+                    ws[j + DIRECTION * 8] = -ws[j + DIRECTION * 8]
+            elif what == 1:
+                ws[j + CONTACT * 8] = 1.0 - ws[j + CONTACT * 8]
+            else:
+                ws[j + FREE * 8] = 1.0
+                ws[j + DIRECTION * 8] = -1.0 if ws[j + HOLD * 8] > 0.0 else 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def _excess(ws: Any, joints: int, n: int, lane: int) -> tuple[float, int]:
+    """How far the most strained held joint of a lane is beyond its limit (negative within), and which it is."""
+    worst = -1e300
+    which = 0
+    for i in range(n):
+        j = joints + i * JOINT * 8 + lane
+        if ws[j + FREE * 8] == 0.0:
+            over = abs(ws[j + HOLD * 8]) - ws[j + LIMIT * 8] * (1.0 + ALMOST)
+            if over > worst:
+                worst = over
+                which = i
+    return worst, which
+
+
+@njit(cache=True, error_model="numpy")
+def _break_loose(
+    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
+    user: int, shaken: int, loaded: int, after: Any, slopes: Any, dense: Any, ledger: Any, lanes: int,
+) -> None:  # fmt: skip
+    """Find when held joints break loose within the step.
+
+    On return SUSPECT holds the fraction of the step (2 if the joints hold), GRIPPED the joint, and the workspace's HOLD
+    of that joint the force at that instant.
+    """
+    joints = n * BODY * 8
+    group = joints + n * JOINT * 8
+    trial = after[2 * width * 8 :]
+    # SUSPECT: 1 searching … ; low, high and values lie in the trial rows behind the state.
+    low = after[3 * width * 8 :]
+    for lane in range(8):
+        low[lane] = 0.0  # lower end
+        low[8 + lane] = 1.0 / LOOKS  # place looked at
+        low[16 + lane] = 3.0  # upper end, 3: not yet found
+        low[24 + lane] = 0.0  # force there
+        low[32 + lane] = 0.0  # excess at the lower end
+        low[40 + lane] = 0.0  # excess at the upper end
+        low[48 + lane] = 0.0 if ledger[SUSPECT * 8 + lane] > 0.0 else 1.0  # finished
+        ledger[GRIPPED * 8 + lane] = 0.0
+        if low[48 + lane] != 0.0:
+            ledger[SUSPECT * 8 + lane] = 2.0
+    for round_ in range(LOOKS + 60):
+        going = 0
+        for lane in range(8):
+            x = low[8 + lane]
+            for f in range(width):
+                trial[f * 8 + lane] = _at(dense, width, f, lane, x)
+            ws[group + TIME * 8 + lane] = ledger[CLOCK * 8 + lane] + x * ledger[USED * 8 + lane]
+        _slopes(
+            parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, 0,
+            trial, slopes, width * 8 * KEPT, ledger,
+        )  # fmt: skip
+        for lane in range(lanes):
+            if low[48 + lane] != 0.0:
+                continue
+            x = low[8 + lane]
+            over, which = _excess(ws, joints, n, lane)
+            if over > 0.0:
+                low[16 + lane] = x
+                low[40 + lane] = over
+                low[24 + lane] = ws[joints + which * JOINT * 8 + HOLD * 8 + lane]
+                ledger[GRIPPED * 8 + lane] = which
+            else:
+                low[lane] = x
+                low[32 + lane] = over
+            if low[16 + lane] > 2.0:
+                if x >= 1.0:
+                    low[48 + lane] = 1.0
+                    ledger[SUSPECT * 8 + lane] = 2.0
+                    continue
+                low[8 + lane] = min(1.0, x + 1.0 / LOOKS)
+            else:
+                a = low[lane]
+                b = low[16 + lane]
+                if b - a < 1e-13 or (over >= 0.0 and over < 1e-12 * abs(low[24 + lane])):
+                    low[48 + lane] = 1.0
+                    ledger[SUSPECT * 8 + lane] = b
+                    continue
+                middle = 0.5 * (a + b)
+                fa = low[32 + lane]
+                fb = low[40 + lane]
+                if round_ % 3 != 0 and fa < 0.0:
+                    middle = (a * fb - b * fa) / (fb - fa)
+                    # Lean to the far side, so that both ends close in.
+                    middle = min(max(middle + 1e-3 * (b - a) * (1.0 if round_ % 3 == 1 else -1.0), a), b)
+                low[8 + lane] = middle
+            going = 1
+        if going == 0:
+            break
+    for lane in range(lanes):
+        if low[48 + lane] == 0.0:
+            ledger[SUSPECT * 8 + lane] = low[16 + lane] if low[16 + lane] <= 1.0 else 2.0
+        if ledger[SUSPECT * 8 + lane] <= 1.0:
+            which = int(ledger[GRIPPED * 8 + lane])
+            ws[joints + which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def run_groups(
+    first: int, last: int, rows: Any, start: Any,
+    above: Any, body: Any, parent: Any, child: Any, prismatic: Any, prefix: Any, axes: Any, nominal: Any, law_start: int,
+    user: int, time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
+    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any,
+    position: Any, velocity: Any, acceleration: Any,
+) -> None:  # fmt: skip
+    """Advance the groups first … last − 1 of eight rows each; ``start``: positions then velocities, (B, 2 n)."""
+    n = parent.shape[0]
+    copies = rows.shape[0]
+    most = 3 * n
+    constants = np.zeros(n * CONSTANTS * 8)
+    laws = np.zeros(n * law.WIDTH * 8)
+    ws = np.zeros((n * (BODY + JOINT) + GROUP) * 8)
+    state = np.zeros(most * 8)
+    after = np.zeros((3 * most + 8) * 8)
+    slopes = np.zeros((KEPT + 1) * most * 8)
+    dense = np.zeros((DEGREE + 1) * most * 8)
+    ledger = np.zeros(LEDGER * 8)
+    next_sample = np.zeros(8, dtype=np.int64)
+    flags = np.zeros(n, dtype=np.int64)
+    shake = ws[(n * (BODY + JOINT) + SHAKE) * 8 :]
+    for g in range(first, last):
+        lanes = min(8, copies - 8 * g)
+        flags[:] = 0
+        shaken = 0
+        for lane in range(8):
+            source = 8 * g + min(lane, lanes - 1)
+            prepare_lane(
+                rows[source], lane, above, body, parent, child, axes, nominal, n, law_start, constants, laws, shake
+            )
+            for i in range(n):
+                flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
+                state[i * 8 + lane] = start[source, i]
+                state[(n + i) * 8 + lane] = start[source, n + i]
+                state[(2 * n + i) * 8 + lane] = 0.0
+            if rows[source, 3] != 0.0:
+                shaken = 1
+        width = 2 * n
+        loaded = 0
+        for i in range(n):
+            if flags[i] & law.HAS_DAHL:
+                width = 3 * n
+            if flags[i] & law.HAS_LOAD:
+                loaded = 1
+        run_group(
+            parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded,
+            time, effort, driven, hold, longest, tolerance,
+            table, fractions, errors_5, errors_3, extra, extra_fractions, weights,
+            state, after, slopes, dense, ledger, next_sample,
+            lanes, 8 * g, position, velocity, acceleration,
+        )  # fmt: skip

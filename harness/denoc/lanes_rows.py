@@ -1,0 +1,236 @@
+"""From a parameter row to the constants of the recursion: fixed joints merged, frames turned so that joint axes are z."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from harness.denoc import laws as law
+from harness.denoc.lanes_tree import ALPHA, CONSTANTS, DELTA, FIRST, GAMMA, MASS, SECOND, R
+
+BASE_SLOTS = (
+    "gravity_x",
+    "gravity_y",
+    "gravity_z",
+    "excitation_amplitude",
+    "excitation_frequency",
+    "excitation_phase",
+    "excitation_x",
+    "excitation_y",
+    "excitation_z",
+)
+PLACEMENT_SLOTS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
+INERTIA_SLOTS = (
+    "mass",
+    "first_x",
+    "first_y",
+    "first_z",
+    "inertia_xx",
+    "inertia_yy",
+    "inertia_zz",
+    "inertia_xy",
+    "inertia_xz",
+    "inertia_yz",
+)
+PER_JOINT = len(PLACEMENT_SLOTS) + len(INERTIA_SLOTS)
+
+
+@njit(cache=True, error_model="numpy")
+def _multiply(a: Any, b: Any, out: Any) -> None:
+    """out = a b for 3 × 3 matrices."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@njit(cache=True, error_model="numpy")
+def _rotation(x: float, y: float, z: float, out: Any) -> None:
+    """Rotation matrix of a rotation vector [rad] (Rodrigues)."""
+    square = x * x + y * y + z * z
+    if square < 1e-8:
+        a = 1.0 - square / 6.0
+        b = 0.5 - square / 24.0
+    else:
+        angle = math.sqrt(square)
+        a = math.sin(angle) / angle
+        b = (1.0 - math.cos(angle)) / square
+    c = 1.0 - b * square
+    out[0, 0] = c + b * x * x
+    out[1, 1] = c + b * y * y
+    out[2, 2] = c + b * z * z
+    out[0, 1] = b * x * y - a * z
+    out[1, 0] = b * x * y + a * z
+    out[0, 2] = b * x * z + a * y
+    out[2, 0] = b * x * z - a * y
+    out[1, 2] = b * y * z - a * x
+    out[2, 1] = b * y * z + a * x
+
+
+@njit(cache=True, error_model="numpy")
+def _add_inertia(row: Any, at: int, turn: Any, shift: Any, total: Any) -> None:
+    """Add a link's ten inertial parameters to a body's, the link lying at (turn, shift) in the body's link frame."""
+    m = row[at]
+    h = np.empty(3)
+    tensor = np.empty((3, 3))
+    for i in range(3):
+        h[i] = turn[i, 0] * row[at + 1] + turn[i, 1] * row[at + 2] + turn[i, 2] * row[at + 3]
+        tensor[i, i] = row[at + 4 + i]
+    tensor[0, 1] = row[at + 7]
+    tensor[1, 0] = row[at + 7]
+    tensor[0, 2] = row[at + 8]
+    tensor[2, 0] = row[at + 8]
+    tensor[1, 2] = row[at + 9]
+    tensor[2, 1] = row[at + 9]
+    half = np.empty((3, 3))
+    _multiply(turn, tensor, half)
+    dot = h[0] * shift[0] + h[1] * shift[1] + h[2] * shift[2]
+    square = shift[0] ** 2 + shift[1] ** 2 + shift[2] ** 2
+    total[0] += m
+    for i in range(3):
+        total[1 + i] += h[i] + m * shift[i]
+    for c in range(6):
+        i = c if c < 3 else (0 if c < 5 else 1)
+        j = c if c < 3 else (1 if c == 3 else 2)
+        value = half[i, 0] * turn[j, 0] + half[i, 1] * turn[j, 1] + half[i, 2] * turn[j, 2]
+        value -= shift[i] * h[j] + h[i] * shift[j] + m * shift[i] * shift[j]
+        if i == j:
+            value += 2.0 * dot + m * square
+        total[4 + c] += value
+
+
+@njit(cache=True, error_model="numpy")
+def prepare_lane(
+    row: Any, lane: int, above: Any, body: Any, parent: Any, child: Any, axes: Any, nominal: Any, n: int, law_start: int,
+    constants: Any, laws: Any, shake: Any,
+) -> None:  # fmt: skip
+    """Write one row's constants into one lane of a group.
+
+    above: joint that carries each joint's parent link, −1 for the base, shape (joints,);
+    body: movable-joint number of the body that each joint's child belongs to, −1 for the base, shape (joints,);
+    parent: body that carries each body, −1 for the base, shape (n,); child: a body's first child body or −1, shape (n,);
+    axes: joint axes, shape (joints, 3); nominal: joint rotations, shape (joints, 3, 3).
+    """
+    joints = above.shape[0]
+    turn = np.zeros((joints, 3, 3))  # pose of each link in its body's link frame
+    shift = np.zeros((joints, 3))
+    mount = np.zeros((n, 3, 3))  # pose of each body's link frame in the parent body's link frame, at zero position
+    offset = np.zeros((n, 3))
+    total = np.zeros((n, 10))
+    local = np.empty((3, 3))
+    placed = np.empty((3, 3))
+    axis = np.zeros((n, 3))
+    for j in range(joints):
+        at = 9 + j * PER_JOINT
+        _rotation(row[at + 3], row[at + 4], row[at + 5], local)
+        _multiply(nominal[j], local, placed)
+        up = above[j]
+        whole = np.empty((3, 3))
+        move = np.empty(3)
+        if up < 0:
+            whole[:, :] = placed
+            for i in range(3):
+                move[i] = row[at + i]
+        else:
+            _multiply(turn[up], placed, whole)
+            for i in range(3):
+                move[i] = shift[up, i] + (
+                    turn[up, i, 0] * row[at] + turn[up, i, 1] * row[at + 1] + turn[up, i, 2] * row[at + 2]
+                )
+        here = body[j]
+        above_here = -1 if up < 0 else body[up]
+        if here >= 0 and (here != above_here):
+            mount[here] = whole
+            offset[here] = move
+            axis[here] = axes[j]
+            for i in range(3):
+                turn[j, i, i] = 1.0
+        else:
+            turn[j] = whole
+            shift[j] = move
+        if here >= 0:
+            _add_inertia(row, at + 6, turn[j], shift[j], total[here])
+    # Body frames: z along the axis, x across the axes of the body and its first child.
+    frames = np.zeros((n, 3, 3))  # link frame to body frame
+    for i in range(n):
+        z = axis[i]
+        x = np.zeros(3)
+        if child[i] >= 0:
+            c = child[i]
+            zc = np.zeros(3)
+            for a in range(3):
+                zc[a] = mount[c, a, 0] * axis[c, 0] + mount[c, a, 1] * axis[c, 1] + mount[c, a, 2] * axis[c, 2]
+            x[0] = z[1] * zc[2] - z[2] * zc[1]
+            x[1] = z[2] * zc[0] - z[0] * zc[2]
+            x[2] = z[0] * zc[1] - z[1] * zc[0]
+        if x[0] ** 2 + x[1] ** 2 + x[2] ** 2 < 1e-16:
+            least = 0
+            for a in range(1, 3):
+                if abs(z[a]) < abs(z[least]):
+                    least = a
+            x[:] = 0.0
+            x[least] = 1.0
+        for _ in range(2):
+            along = x[0] * z[0] + x[1] * z[1] + x[2] * z[2]
+            for a in range(3):
+                x[a] -= along * z[a]
+            size = math.sqrt(x[0] ** 2 + x[1] ** 2 + x[2] ** 2)
+            for a in range(3):
+                x[a] /= size
+        frames[i, 0] = x
+        frames[i, 1, 0] = z[1] * x[2] - z[2] * x[1]
+        frames[i, 1, 1] = z[2] * x[0] - z[0] * x[2]
+        frames[i, 1, 2] = z[0] * x[1] - z[1] * x[0]
+        frames[i, 2] = z
+    relative = np.empty((3, 3))
+    for i in range(n):
+        p = parent[i]
+        _multiply(mount[i], frames[i].T, local)
+        if p >= 0:
+            _multiply(frames[p], local, relative)
+        else:
+            relative[:, :] = local
+        # relative = turn about z by gamma · about x by alpha · about z by delta
+        gamma = 0.0
+        if (p < 0 or child[p] != i) and relative[0, 2] ** 2 + relative[1, 2] ** 2 > 1e-16:
+            gamma = math.atan2(relative[0, 2], -relative[1, 2])
+        cg = math.cos(gamma)
+        sg = math.sin(gamma)
+        for a in range(3):
+            first = cg * relative[0, a] + sg * relative[1, a]
+            relative[1, a] = cg * relative[1, a] - sg * relative[0, a]
+            relative[0, a] = first
+        alpha = math.atan2(-relative[1, 2], relative[2, 2])
+        delta = math.atan2(-relative[0, 1], relative[0, 0])
+        k = i * CONSTANTS * 8 + lane
+        constants[k + ALPHA * 8] = math.cos(alpha)
+        constants[k + (ALPHA + 1) * 8] = math.sin(alpha)
+        constants[k + DELTA * 8] = math.cos(delta)
+        constants[k + (DELTA + 1) * 8] = math.sin(delta)
+        constants[k + GAMMA * 8] = cg
+        constants[k + (GAMMA + 1) * 8] = sg
+        r = np.empty(3)
+        for a in range(3):
+            if p >= 0:
+                r[a] = frames[p, a, 0] * offset[i, 0] + frames[p, a, 1] * offset[i, 1] + frames[p, a, 2] * offset[i, 2]
+            else:
+                r[a] = offset[i, a]
+        constants[k + R * 8] = cg * r[0] + sg * r[1]
+        constants[k + (R + 1) * 8] = cg * r[1] - sg * r[0]
+        constants[k + (R + 2) * 8] = r[2]
+        turned = np.zeros(10)
+        _add_inertia(total[i], 0, frames[i], np.zeros(3), turned)
+        constants[k + MASS * 8] = turned[0]
+        for a in range(3):
+            constants[k + (FIRST + a) * 8] = turned[1 + a]
+        for a in range(6):
+            constants[k + (SECOND + a) * 8] = turned[4 + a]
+        for a in range(law.WIDTH):
+            laws[(i * law.WIDTH + a) * 8 + lane] = row[law_start + i * law.WIDTH + a]
+    for a in range(3):
+        shake[a * 8 + lane] = row[a]
+        shake[(5 + a) * 8 + lane] = row[3] * row[6 + a]
+    shake[3 * 8 + lane] = 2.0 * math.pi * row[4]
+    shake[4 * 8 + lane] = row[5]

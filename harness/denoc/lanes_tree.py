@@ -1,0 +1,609 @@
+"""Accelerations of eight copies of a rigid tree at once: articulated-body elimination with free and held joints.
+
+The recursion is the U D Uᵀ elimination of the generalized inertia matrix in its O(n) form (the DeNOC forward
+dynamics). Bodies are re-framed so that every joint axis is z and, along a first child, a constant turn about x
+leads from one body to the next; spatial vectors are (angular, linear) about the body's origin in body axes.
+A joint that dry friction holds is not eliminated: its row stays in the articulated inertia, its acceleration is zero,
+and the force that holds it is what is left of its equation.
+
+Everything lies in one flat array a group of eight lanes, lane-contiguous; an offset below counts such vectors.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+
+from harness.denoc import laws as law
+from harness.denoc.lanes_vector import (
+    address_of,
+    call_at,
+    choose,
+    load,
+    magnitude,
+    sine_cosine,
+    spread,
+    square_root,
+    store,
+)
+
+# One body's constants, in vectors of eight lanes.
+R, ALPHA, DELTA, GAMMA, MASS, FIRST, SECOND = 0, 3, 5, 7, 9, 10, 13
+CONSTANTS = 19
+
+# One body's workspace.
+OMEGA, VELOCITY, TURN, ANGULAR, MIXED, LINEAR, BIAS, COLUMN, FORCE, INVERSE, ACCELERATION = (
+    0, 3, 6, 8, 14, 23, 29, 35, 41, 42, 43,
+)  # fmt: skip
+BODY = 49
+
+# One joint's state and results.
+Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, BRISTLE, BRISTLE_RATE, REACTION, HOLD, LIMIT, TAU_SLOPE, REACTION_START = (
+    range(14)
+)
+JOINT = 14
+
+# What the group shares: time, start of the effort's segment, base acceleration parameters, scratch.
+# (SHAKE: gravity x, y, z, angular frequency, phase, amplitude along x, y, z)
+TIME, TAU_TIME, SHAKE, SCRATCH = 0, 1, 2, 10
+GROUP = 12
+
+
+@njit(error_model="numpy", forceinline=True)
+def turn_forward(c: Any, s: Any, x: Any, y: Any) -> Any:
+    """Coordinates of a vector after the axes turned by an angle of cosine c and sine s (parent to child)."""
+    return c * x + s * y, c * y - s * x
+
+
+@njit(error_model="numpy", forceinline=True)
+def turn_symmetric(c: Any, s: Any, xx: Any, yy: Any, zz: Any, xy: Any, xz: Any, yz: Any) -> Any:
+    """A symmetric tensor turned back about z (child to parent)."""
+    cross = (c * s) * (xy + xy)
+    cc = c * c
+    ss = s * s
+    return (
+        cc * xx + ss * yy - cross,
+        ss * xx + cc * yy + cross,
+        zz,
+        (c * s) * (xx - yy) + (cc - ss) * xy,
+        c * xz - s * yz,
+        s * xz + c * yz,
+    )
+
+
+@njit(error_model="numpy", forceinline=True)
+def turn_general(
+    c: Any, s: Any, xx: Any, xy: Any, xz: Any, yx: Any, yy: Any, yz: Any, zx: Any, zy: Any, zz: Any
+) -> Any:
+    """A general tensor turned back about z (child to parent)."""
+    axx = c * xx - s * yx
+    axy = c * xy - s * yy
+    axz = c * xz - s * yz
+    ayx = s * xx + c * yx
+    ayy = s * xy + c * yy
+    ayz = s * xz + c * yz
+    return (
+        c * axx - s * axy,
+        s * axx + c * axy,
+        axz,
+        c * ayx - s * ayy,
+        s * ayx + c * ayy,
+        ayz,
+        c * zx - s * zy,
+        s * zx + c * zy,
+        zz,
+    )
+
+
+@njit(error_model="numpy", forceinline=True)
+def shift_tensors(
+    x: Any, y: Any, z: Any,
+    axx: Any, ayy: Any, azz: Any, axy: Any, axz: Any, ayz: Any,
+    bxx: Any, bxy: Any, bxz: Any, byx: Any, byy: Any, byz: Any, bzx: Any, bzy: Any, bzz: Any,
+    mxx: Any, myy: Any, mzz: Any, mxy: Any, mxz: Any, myz: Any,
+) -> Any:  # fmt: skip
+    """Angular and mixed parts of an articulated inertia, taken about a point that lies at −(x, y, z).
+
+    B' = B + T M and A' = A − B T + T B'ᵀ with T v = (x, y, z) × v.
+    """
+    cxx = bxx + (y * mxz - z * mxy)
+    cxy = bxy + (y * myz - z * myy)
+    cxz = bxz + (y * mzz - z * myz)
+    cyx = byx + (z * mxx - x * mxz)
+    cyy = byy + (z * mxy - x * myz)
+    cyz = byz + (z * mxz - x * mzz)
+    czx = bzx + (x * mxy - y * mxx)
+    czy = bzy + (x * myy - y * mxy)
+    czz = bzz + (x * myz - y * mxz)
+    return (
+        axx + (y * bxz - z * bxy) + (y * cxz - z * cxy),
+        ayy + (z * byx - x * byz) + (z * cyx - x * cyz),
+        azz + (x * bzy - y * bzx) + (x * czy - y * czx),
+        axy + (z * bxx - x * bxz) + (y * cyz - z * cyy),
+        axz + (x * bxy - y * bxx) + (y * czz - z * czy),
+        ayz + (x * byy - y * byx) + (z * czx - x * czz),
+        cxx, cxy, cxz, cyx, cyy, cyz, czx, czy, czz,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _outward(parent: Any, prismatic: Any, prefix: Any, constants: Any, ws: Any, n: int) -> None:
+    """Velocities of all bodies and their bias wrenches; articulated inertias start as the bodies' own."""
+    joints = n * BODY * 8
+    for i in range(n):
+        b = i * BODY * 8
+        k = i * CONSTANTS * 8
+        j = joints + i * JOINT * 8
+        q = load(ws, j + Q * 8)
+        qd = load(ws, j + QD * 8)
+        c = load(constants, k + DELTA * 8)
+        s = load(constants, k + DELTA * 8 + 8)
+        if prismatic[i] == 0:
+            sq, cq = sine_cosine(q)
+            c, s = cq * c - sq * s, sq * c + cq * s
+        store(ws, b + TURN * 8, c)
+        store(ws, b + TURN * 8 + 8, s)
+        if parent[i] >= 0:
+            p = parent[i] * BODY * 8
+            wx = load(ws, p + OMEGA * 8)
+            wy = load(ws, p + OMEGA * 8 + 8)
+            wz = load(ws, p + OMEGA * 8 + 16)
+            vx = load(ws, p + VELOCITY * 8)
+            vy = load(ws, p + VELOCITY * 8 + 8)
+            vz = load(ws, p + VELOCITY * 8 + 16)
+            if prefix[i] != 0:
+                cg = load(constants, k + GAMMA * 8)
+                sg = load(constants, k + GAMMA * 8 + 8)
+                wx, wy = turn_forward(cg, sg, wx, wy)
+                vx, vy = turn_forward(cg, sg, vx, vy)
+            rx = load(constants, k + R * 8)
+            ry = load(constants, k + R * 8 + 8)
+            rz = load(constants, k + R * 8 + 16)
+            vx = vx + (wy * rz - wz * ry)
+            vy = vy + (wz * rx - wx * rz)
+            vz = vz + (wx * ry - wy * rx)
+            ca = load(constants, k + ALPHA * 8)
+            sa = load(constants, k + ALPHA * 8 + 8)
+            wy, wz = turn_forward(ca, sa, wy, wz)
+            vy, vz = turn_forward(ca, sa, vy, vz)
+            wx, wy = turn_forward(c, s, wx, wy)
+            vx, vy = turn_forward(c, s, vx, vy)
+        else:
+            zero = spread(0.0)
+            wx, wy, wz, vx, vy, vz = zero, zero, zero, zero, zero, zero
+        if prismatic[i] == 0:
+            wz = wz + qd
+        else:
+            vx = vx + wy * q
+            vy = vy - wx * q
+            vz = vz + qd
+        store(ws, b + OMEGA * 8, wx)
+        store(ws, b + OMEGA * 8 + 8, wy)
+        store(ws, b + OMEGA * 8 + 16, wz)
+        store(ws, b + VELOCITY * 8, vx)
+        store(ws, b + VELOCITY * 8 + 8, vy)
+        store(ws, b + VELOCITY * 8 + 16, vz)
+        m = load(constants, k + MASS * 8)
+        hx = load(constants, k + FIRST * 8)
+        hy = load(constants, k + FIRST * 8 + 8)
+        hz = load(constants, k + FIRST * 8 + 16)
+        ixx = load(constants, k + SECOND * 8)
+        iyy = load(constants, k + SECOND * 8 + 8)
+        izz = load(constants, k + SECOND * 8 + 16)
+        ixy = load(constants, k + SECOND * 8 + 24)
+        ixz = load(constants, k + SECOND * 8 + 32)
+        iyz = load(constants, k + SECOND * 8 + 40)
+        nx = ixx * wx + ixy * wy + ixz * wz + (hy * vz - hz * vy)
+        ny = ixy * wx + iyy * wy + iyz * wz + (hz * vx - hx * vz)
+        nz = ixz * wx + iyz * wy + izz * wz + (hx * vy - hy * vx)
+        fx = m * vx + (wy * hz - wz * hy)
+        fy = m * vy + (wz * hx - wx * hz)
+        fz = m * vz + (wx * hy - wy * hx)
+        a = b + BIAS * 8
+        store(ws, a, (wy * nz - wz * ny) + (vy * fz - vz * fy))
+        store(ws, a + 8, (wz * nx - wx * nz) + (vz * fx - vx * fz))
+        store(ws, a + 16, (wx * ny - wy * nx) + (vx * fy - vy * fx))
+        store(ws, a + 24, wy * fz - wz * fy)
+        store(ws, a + 32, wz * fx - wx * fz)
+        store(ws, a + 40, wx * fy - wy * fx)
+        a = b + ANGULAR * 8
+        store(ws, a, ixx)
+        store(ws, a + 8, iyy)
+        store(ws, a + 16, izz)
+        store(ws, a + 24, ixy)
+        store(ws, a + 32, ixz)
+        store(ws, a + 40, iyz)
+        zero = spread(0.0)
+        a = b + MIXED * 8
+        store(ws, a, zero)
+        store(ws, a + 8, -hz)
+        store(ws, a + 16, hy)
+        store(ws, a + 24, hz)
+        store(ws, a + 32, zero)
+        store(ws, a + 40, -hx)
+        store(ws, a + 48, -hy)
+        store(ws, a + 56, hx)
+        store(ws, a + 64, zero)
+        a = b + LINEAR * 8
+        store(ws, a, m)
+        store(ws, a + 8, m)
+        store(ws, a + 16, m)
+        store(ws, a + 24, zero)
+        store(ws, a + 32, zero)
+        store(ws, a + 40, zero)
+
+
+@njit(cache=True, error_model="numpy")
+def _user_forces(flags: Any, laws: Any, ws: Any, n: int, user: int, time: int, j: int, i: int) -> Any:
+    """The user's own law, called lane by lane; eight forces in the scratch vector."""
+    scratch = time + (SCRATCH - TIME) * 8
+    for lane in range(8):
+        first = i * law.WIDTH * 8 + lane
+        scale = laws[first + law.USER_SCALE * 8]
+        value = 0.0
+        if scale != 0.0 and user != 0:
+            for p in range(4):
+                ws[scratch + 8 + p] = laws[first + (law.USER_1 + p) * 8]
+            value = scale * call_at(
+                user, ws[j + Q * 8 + lane], ws[j + QD * 8 + lane], ws[time + lane], address_of(ws, scratch + 8)
+            )
+        ws[scratch + lane] = value
+
+
+@njit(cache=True, error_model="numpy")
+def _inward(
+    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, user: int
+) -> None:
+    """Eliminate the free joints from the tips to the base."""
+    joints = n * BODY * 8
+    group = joints + n * JOINT * 8
+    for i in range(n - 1, -1, -1):
+        b = i * BODY * 8
+        k = i * CONSTANTS * 8
+        j = joints + i * JOINT * 8
+        l = i * law.WIDTH * 8
+        q = load(ws, j + Q * 8)
+        qd = load(ws, j + QD * 8)
+        force = load(ws, j + TAU * 8) + load(ws, j + TAU_SLOPE * 8) * (
+            load(ws, group + TIME * 8) - load(ws, group + TAU_TIME * 8)
+        )
+        direction = load(ws, j + DIRECTION * 8)
+        bristle = load(ws, j + BRISTLE * 8)
+        force = force + law.passive_force(
+            laws, l, flags[i], q, qd, direction, load(ws, j + CONTACT * 8), bristle, load(ws, j + REACTION * 8)
+        )
+        if flags[i] & law.HAS_DAHL:
+            store(ws, j + BRISTLE_RATE * 8, law.bristle_rate(laws, l, qd, direction, bristle))
+        if flags[i] & law.HAS_USER:
+            _user_forces(flags, laws, ws, n, user, group + TIME * 8, j, i)
+            force = force + load(ws, group + SCRATCH * 8)
+        a = b + ANGULAR * 8
+        axx = load(ws, a)
+        ayy = load(ws, a + 8)
+        azz = load(ws, a + 16)
+        axy = load(ws, a + 24)
+        axz = load(ws, a + 32)
+        ayz = load(ws, a + 40)
+        a = b + MIXED * 8
+        bxx = load(ws, a)
+        bxy = load(ws, a + 8)
+        bxz = load(ws, a + 16)
+        byx = load(ws, a + 24)
+        byy = load(ws, a + 32)
+        byz = load(ws, a + 40)
+        bzx = load(ws, a + 48)
+        bzy = load(ws, a + 56)
+        bzz = load(ws, a + 64)
+        a = b + LINEAR * 8
+        mxx = load(ws, a)
+        myy = load(ws, a + 8)
+        mzz = load(ws, a + 16)
+        mxy = load(ws, a + 24)
+        mxz = load(ws, a + 32)
+        myz = load(ws, a + 40)
+        a = b + BIAS * 8
+        px = load(ws, a)
+        py = load(ws, a + 8)
+        pz = load(ws, a + 16)
+        fx = load(ws, a + 24)
+        fy = load(ws, a + 32)
+        fz = load(ws, a + 40)
+        armature = load(laws, l + law.ARMATURE * 8)
+        free = load(ws, j + FREE * 8)
+        if prismatic[i] == 0:
+            u1, u2, u3, u4, u5, u6 = axz, ayz, azz, bzx, bzy, bzz
+            inverse = free / (azz + armature)
+            force = force - pz
+        else:
+            u1, u2, u3, u4, u5, u6 = bxz, byz, bzz, mxz, myz, mzz
+            inverse = free / (mzz + armature)
+            force = force - fz
+        a = b + COLUMN * 8
+        store(ws, a, u1)
+        store(ws, a + 8, u2)
+        store(ws, a + 16, u3)
+        store(ws, a + 24, u4)
+        store(ws, a + 32, u5)
+        store(ws, a + 40, u6)
+        store(ws, b + FORCE * 8, force)
+        store(ws, b + INVERSE * 8, inverse)
+        if parent[i] < 0:
+            continue
+        k1 = u1 * inverse
+        k2 = u2 * inverse
+        k3 = u3 * inverse
+        k4 = u4 * inverse
+        k5 = u5 * inverse
+        k6 = u6 * inverse
+        axx = axx - k1 * u1
+        ayy = ayy - k2 * u2
+        azz = azz - k3 * u3
+        axy = axy - k1 * u2
+        axz = axz - k1 * u3
+        ayz = ayz - k2 * u3
+        bxx = bxx - k1 * u4
+        bxy = bxy - k1 * u5
+        bxz = bxz - k1 * u6
+        byx = byx - k2 * u4
+        byy = byy - k2 * u5
+        byz = byz - k2 * u6
+        bzx = bzx - k3 * u4
+        bzy = bzy - k3 * u5
+        bzz = bzz - k3 * u6
+        mxx = mxx - k4 * u4
+        myy = myy - k5 * u5
+        mzz = mzz - k6 * u6
+        mxy = mxy - k4 * u5
+        mxz = mxz - k4 * u6
+        myz = myz - k5 * u6
+        # Bias acceleration of the joint: velocity × axis · rate.
+        wx = load(ws, b + OMEGA * 8)
+        wy = load(ws, b + OMEGA * 8 + 8)
+        if prismatic[i] == 0:
+            vx = load(ws, b + VELOCITY * 8)
+            vy = load(ws, b + VELOCITY * 8 + 8)
+            c1, c2, c4, c5 = wy * qd, -wx * qd, vy * qd, -vx * qd
+            px = px + axx * c1 + axy * c2
+            py = py + axy * c1 + ayy * c2
+            pz = pz + axz * c1 + ayz * c2
+            fx = fx + bxx * c1 + byx * c2
+            fy = fy + bxy * c1 + byy * c2
+            fz = fz + bxz * c1 + byz * c2
+        else:
+            c4, c5 = wy * qd, -wx * qd
+        px = px + bxx * c4 + bxy * c5 + k1 * force
+        py = py + byx * c4 + byy * c5 + k2 * force
+        pz = pz + bzx * c4 + bzy * c5 + k3 * force
+        fx = fx + mxx * c4 + mxy * c5 + k4 * force
+        fy = fy + mxy * c4 + myy * c5 + k5 * force
+        fz = fz + mxz * c4 + myz * c5 + k6 * force
+        if prismatic[i] != 0:
+            zero = spread(0.0)
+            (axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz) = shift_tensors(
+                zero, zero, q,
+                axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz,
+                mxx, myy, mzz, mxy, mxz, myz,
+            )  # fmt: skip
+            px = px - q * fy
+            py = py + q * fx
+        c = load(ws, b + TURN * 8)
+        s = load(ws, b + TURN * 8 + 8)
+        axx, ayy, azz, axy, axz, ayz = turn_symmetric(c, s, axx, ayy, azz, axy, axz, ayz)
+        mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(c, s, mxx, myy, mzz, mxy, mxz, myz)
+        bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(c, s, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz)
+        px, py = c * px - s * py, s * px + c * py
+        fx, fy = c * fx - s * fy, s * fx + c * fy
+        # About x: the same formulas with the axes in the order y, z, x.
+        c = load(constants, k + ALPHA * 8)
+        s = load(constants, k + ALPHA * 8 + 8)
+        ayy, azz, axx, ayz, axy, axz = turn_symmetric(c, s, ayy, azz, axx, ayz, axy, axz)
+        myy, mzz, mxx, myz, mxy, mxz = turn_symmetric(c, s, myy, mzz, mxx, myz, mxy, mxz)
+        byy, byz, byx, bzy, bzz, bzx, bxy, bxz, bxx = turn_general(c, s, byy, byz, byx, bzy, bzz, bzx, bxy, bxz, bxx)
+        py, pz = c * py - s * pz, s * py + c * pz
+        fy, fz = c * fy - s * fz, s * fy + c * fz
+        rx = load(constants, k + R * 8)
+        ry = load(constants, k + R * 8 + 8)
+        rz = load(constants, k + R * 8 + 16)
+        (axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz) = shift_tensors(
+            rx, ry, rz,
+            axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz,
+            mxx, myy, mzz, mxy, mxz, myz,
+        )  # fmt: skip
+        px = px + (ry * fz - rz * fy)
+        py = py + (rz * fx - rx * fz)
+        pz = pz + (rx * fy - ry * fx)
+        if prefix[i] != 0:
+            c = load(constants, k + GAMMA * 8)
+            s = load(constants, k + GAMMA * 8 + 8)
+            axx, ayy, azz, axy, axz, ayz = turn_symmetric(c, s, axx, ayy, azz, axy, axz, ayz)
+            mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(c, s, mxx, myy, mzz, mxy, mxz, myz)
+            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(
+                c, s, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz
+            )
+            px, py = c * px - s * py, s * px + c * py
+            fx, fy = c * fx - s * fy, s * fx + c * fy
+        p = parent[i] * BODY * 8
+        a = p + ANGULAR * 8
+        store(ws, a, load(ws, a) + axx)
+        store(ws, a + 8, load(ws, a + 8) + ayy)
+        store(ws, a + 16, load(ws, a + 16) + azz)
+        store(ws, a + 24, load(ws, a + 24) + axy)
+        store(ws, a + 32, load(ws, a + 32) + axz)
+        store(ws, a + 40, load(ws, a + 40) + ayz)
+        a = p + MIXED * 8
+        store(ws, a, load(ws, a) + bxx)
+        store(ws, a + 8, load(ws, a + 8) + bxy)
+        store(ws, a + 16, load(ws, a + 16) + bxz)
+        store(ws, a + 24, load(ws, a + 24) + byx)
+        store(ws, a + 32, load(ws, a + 32) + byy)
+        store(ws, a + 40, load(ws, a + 40) + byz)
+        store(ws, a + 48, load(ws, a + 48) + bzx)
+        store(ws, a + 56, load(ws, a + 56) + bzy)
+        store(ws, a + 64, load(ws, a + 64) + bzz)
+        a = p + LINEAR * 8
+        store(ws, a, load(ws, a) + mxx)
+        store(ws, a + 8, load(ws, a + 8) + myy)
+        store(ws, a + 16, load(ws, a + 16) + mzz)
+        store(ws, a + 24, load(ws, a + 24) + mxy)
+        store(ws, a + 32, load(ws, a + 32) + mxz)
+        store(ws, a + 40, load(ws, a + 40) + myz)
+        a = p + BIAS * 8
+        store(ws, a, load(ws, a) + px)
+        store(ws, a + 8, load(ws, a + 8) + py)
+        store(ws, a + 16, load(ws, a + 16) + pz)
+        store(ws, a + 24, load(ws, a + 24) + fx)
+        store(ws, a + 32, load(ws, a + 32) + fy)
+        store(ws, a + 40, load(ws, a + 40) + fz)
+
+
+@njit(cache=True, error_model="numpy")
+def _outward_accelerations(
+    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, shaken: int
+) -> float:
+    """Joint accelerations, forces that hold the held joints, reactions across the axes.
+
+    Returns the largest change of a reaction over its size, for the fixed point of load-dependent friction.
+    """
+    joints = n * BODY * 8
+    group = joints + n * JOINT * 8
+    unsettled = 0.0
+    for i in range(n):
+        b = i * BODY * 8
+        k = i * CONSTANTS * 8
+        j = joints + i * JOINT * 8
+        l = i * law.WIDTH * 8
+        q = load(ws, j + Q * 8)
+        qd = load(ws, j + QD * 8)
+        if parent[i] >= 0:
+            p = parent[i] * BODY * 8
+            a = p + ACCELERATION * 8
+            wx = load(ws, a)
+            wy = load(ws, a + 8)
+            wz = load(ws, a + 16)
+            vx = load(ws, a + 24)
+            vy = load(ws, a + 32)
+            vz = load(ws, a + 40)
+        else:
+            # Gravity as an acceleration of the base; so is the shaking of the base itself.
+            zero = spread(0.0)
+            wx, wy, wz = zero, zero, zero
+            g = group + SHAKE * 8
+            vx = -load(ws, g)
+            vy = -load(ws, g + 8)
+            vz = -load(ws, g + 16)
+            if shaken:
+                phase = load(ws, g + 24) * load(ws, group + TIME * 8) + load(ws, g + 32)
+                pulse, _ = sine_cosine(phase)
+                vx = vx + load(ws, g + 40) * pulse
+                vy = vy + load(ws, g + 48) * pulse
+                vz = vz + load(ws, g + 56) * pulse
+        if prefix[i] != 0:
+            c = load(constants, k + GAMMA * 8)
+            s = load(constants, k + GAMMA * 8 + 8)
+            wx, wy = turn_forward(c, s, wx, wy)
+            vx, vy = turn_forward(c, s, vx, vy)
+        if parent[i] >= 0:
+            rx = load(constants, k + R * 8)
+            ry = load(constants, k + R * 8 + 8)
+            rz = load(constants, k + R * 8 + 16)
+            vx = vx + (wy * rz - wz * ry)
+            vy = vy + (wz * rx - wx * rz)
+            vz = vz + (wx * ry - wy * rx)
+        c = load(constants, k + ALPHA * 8)
+        s = load(constants, k + ALPHA * 8 + 8)
+        wy, wz = turn_forward(c, s, wy, wz)
+        vy, vz = turn_forward(c, s, vy, vz)
+        c = load(ws, b + TURN * 8)
+        s = load(ws, b + TURN * 8 + 8)
+        wx, wy = turn_forward(c, s, wx, wy)
+        vx, vy = turn_forward(c, s, vx, vy)
+        ox = load(ws, b + OMEGA * 8)
+        oy = load(ws, b + OMEGA * 8 + 8)
+        if prismatic[i] == 0:
+            wx = wx + oy * qd
+            wy = wy - ox * qd
+            vx = vx + load(ws, b + VELOCITY * 8 + 8) * qd
+            vy = vy - load(ws, b + VELOCITY * 8) * qd
+        else:
+            vx = vx + wy * q + oy * qd
+            vy = vy - wx * q - ox * qd
+        a = b + COLUMN * 8
+        push = (
+            load(ws, a) * wx
+            + load(ws, a + 8) * wy
+            + load(ws, a + 16) * wz
+            + load(ws, a + 24) * vx
+            + load(ws, a + 32) * vy
+            + load(ws, a + 40) * vz
+        ) - load(ws, b + FORCE * 8)
+        qdd = -load(ws, b + INVERSE * 8) * push
+        store(ws, j + QDD * 8, qdd)
+        if prismatic[i] == 0:
+            wz = wz + qdd
+        else:
+            vz = vz + qdd
+        a = b + ACCELERATION * 8
+        store(ws, a, wx)
+        store(ws, a + 8, wy)
+        store(ws, a + 16, wz)
+        store(ws, a + 24, vx)
+        store(ws, a + 32, vy)
+        store(ws, a + 40, vz)
+        if flags[i] & law.HAS_DRY:
+            reaction = load(ws, j + REACTION * 8)
+            if flags[i] & law.HAS_LOAD:
+                a = b + MIXED * 8
+                m = b + LINEAR * 8
+                fx = (
+                    load(ws, a) * wx + load(ws, a + 24) * wy + load(ws, a + 48) * wz
+                    + load(ws, m) * vx + load(ws, m + 24) * vy + load(ws, m + 32) * vz
+                    + load(ws, b + BIAS * 8 + 24)
+                )  # fmt: skip
+                fy = (
+                    load(ws, a + 8) * wx + load(ws, a + 32) * wy + load(ws, a + 56) * wz
+                    + load(ws, m + 24) * vx + load(ws, m + 8) * vy + load(ws, m + 40) * vz
+                    + load(ws, b + BIAS * 8 + 32)
+                )  # fmt: skip
+                update = square_root(fx * fx + fy * fy)
+                change = magnitude(update - reaction) - 1e-13 * update
+                # A settled lane keeps its value, so that its result does not depend on how long others iterate.
+                update = choose(change, update, reaction)
+                change = choose(load(laws, l + law.MU_RADIUS * 8), change, -1.0)
+                store(ws, group + SCRATCH * 8, change)
+                for lane in range(8):
+                    if ws[group + SCRATCH * 8 + lane] > 0.0:
+                        unsettled = 1.0
+                reaction = update
+                store(ws, j + REACTION * 8, reaction)
+            store(ws, j + HOLD * 8, push)
+            store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, reaction))
+    return unsettled
+
+
+@njit(cache=True, error_model="numpy")
+def accelerations(
+    parent: Any,
+    prismatic: Any,
+    prefix: Any,
+    flags: Any,
+    constants: Any,
+    laws: Any,
+    ws: Any,
+    n: int,
+    user: int,
+    shaken: int,
+    loaded: int,
+) -> None:
+    """Accelerations of all lanes of a group from the state in the workspace, left there."""
+    if loaded:
+        joints = n * BODY * 8
+        for i in range(n):
+            j = joints + i * JOINT * 8
+            store(ws, j + REACTION * 8, load(ws, j + REACTION_START * 8))
+    for _ in range(60 if loaded else 1):
+        _outward(parent, prismatic, prefix, constants, ws, n)
+        _inward(parent, prismatic, prefix, flags, constants, laws, ws, n, user)
+        unsettled = _outward_accelerations(parent, prismatic, prefix, flags, constants, laws, ws, n, shaken)
+        if unsettled == 0.0:
+            break

@@ -1,0 +1,198 @@
+"""Everything that acts at a joint, as one compiled law with a fixed row of parameter slots; zero switches a term off.
+
+Generalized force on the joint, on the right-hand side of the equations of motion, with v = joint velocity::
+
+    + constant_torque + cogging_amplitude · sin(cogging_periods · q + cogging_phase)
+    − damping · v − quadratic_drag · v |v|
+    − stiffness · (q − rest_angle) − cubic_stiffness · q³
+    − dry(v),   |dry| = F_c + (F_s − F_c) exp(−(v / v_s)²) + mu_radius · R     while it slides
+                |dry| ≤ max(F_s, F_c) + mu_radius · R                          while it sticks
+    − dahl_stiffness · z,   dz/dt = v (1 − sign(v) · dahl_stiffness · z / dahl_torque)
+    − contact,  contact = k δ + d dδ/dt where that pushes, δ = how far the joint is beyond the stop
+    + user_scale · user(q, v, t, user_1 … user_4)
+
+R is the magnitude of the force that the joint transmits across its axis (the reaction, which depends on the
+accelerations and so on the friction itself; solved to a fixed point). A stop lies at ``stop_angle`` and bounds the
+side its sign points to. ``armature`` is inertia about the axis (the paper's hub inertia I_h).
+
+Sources: Stribeck's law in the exponential form of Bo and Pavelescu (Wear 82, 1982); P. Dahl, A solid friction
+model (Aerospace Corporation TOR-0158, 1968); the one-sided spring-damper stop that only pushes is the compliant
+contact of Kelvin and Voigt with adhesion cut off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from numba import njit
+
+from harness.denoc.lanes_vector import choose, exponential, load, sine_cosine
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One parameter of a lane row: its name, SI unit (of a revolute joint) and meaning."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+SLOTS = (
+    Slot("armature", "kg·m²", "inertia about the joint axis, hub inertia"),
+    Slot("damping", "N·m·s/rad", "viscous coefficient"),
+    Slot("coulomb_torque", "N·m", "dry friction at speed"),
+    Slot("static_torque", "N·m", "dry friction at rest; below coulomb_torque it counts as equal to it"),
+    Slot("stribeck_velocity", "rad/s", "speed over which static falls to Coulomb friction"),
+    Slot("quadratic_drag", "N·m·s²/rad²", "drag torque over v |v|"),
+    Slot("mu_radius", "m", "friction coefficient times bearing radius; prismatic: friction coefficient [1]"),
+    Slot("dahl_torque", "N·m", "level that Dahl friction saturates at"),
+    Slot("dahl_stiffness", "N·m/rad", "Dahl friction's initial stiffness"),
+    Slot("stiffness", "N·m/rad", "linear spring"),
+    Slot("rest_angle", "rad", "where the linear spring is slack"),
+    Slot("cubic_stiffness", "N·m/rad³", "spring torque over q³"),
+    Slot("constant_torque", "N·m", "constant torque along the positive axis"),
+    Slot("cogging_amplitude", "N·m", "amplitude of the torque periodic in the angle"),
+    Slot("cogging_periods", "1/rev", "its periods in a revolution"),
+    Slot("cogging_phase", "rad", "its phase at q = 0"),
+    Slot("stop_angle", "rad", "where a stop begins; its sign tells the side it bounds"),
+    Slot("stop_stiffness", "N·m/rad", "stiffness of the stop"),
+    Slot("stop_damping", "N·m·s/rad", "damping of the stop; a stop pushes and never pulls"),
+    Slot("user_scale", "1", "factor on the user's own law"),
+    Slot("user_1", "SI", "first parameter of the user's own law"),
+    Slot("user_2", "SI", "second parameter of the user's own law"),
+    Slot("user_3", "SI", "third parameter of the user's own law"),
+    Slot("user_4", "SI", "fourth parameter of the user's own law"),
+)
+SLOT_NAMES = tuple(slot.name for slot in SLOTS)
+WIDTH = len(SLOTS)
+
+ARMATURE = SLOT_NAMES.index("armature")
+DAMPING = SLOT_NAMES.index("damping")
+COULOMB = SLOT_NAMES.index("coulomb_torque")
+STATIC = SLOT_NAMES.index("static_torque")
+STRIBECK = SLOT_NAMES.index("stribeck_velocity")
+DRAG = SLOT_NAMES.index("quadratic_drag")
+MU_RADIUS = SLOT_NAMES.index("mu_radius")
+DAHL_TORQUE = SLOT_NAMES.index("dahl_torque")
+DAHL_STIFFNESS = SLOT_NAMES.index("dahl_stiffness")
+STIFFNESS = SLOT_NAMES.index("stiffness")
+REST = SLOT_NAMES.index("rest_angle")
+CUBIC = SLOT_NAMES.index("cubic_stiffness")
+CONSTANT = SLOT_NAMES.index("constant_torque")
+COGGING_AMPLITUDE = SLOT_NAMES.index("cogging_amplitude")
+COGGING_PERIODS = SLOT_NAMES.index("cogging_periods")
+COGGING_PHASE = SLOT_NAMES.index("cogging_phase")
+STOP_ANGLE = SLOT_NAMES.index("stop_angle")
+STOP_STIFFNESS = SLOT_NAMES.index("stop_stiffness")
+STOP_DAMPING = SLOT_NAMES.index("stop_damping")
+USER_SCALE = SLOT_NAMES.index("user_scale")
+USER_1 = SLOT_NAMES.index("user_1")
+
+# Which terms any lane of a group uses; the others are skipped. A skipped term is exactly zero in every lane.
+HAS_DRY, HAS_STRIBECK, HAS_LOAD, HAS_DAHL, HAS_COGGING, HAS_STOP, HAS_USER, HAS_SIGN = 1, 2, 4, 8, 16, 32, 64, 128
+
+
+@njit(cache=True, error_model="numpy")
+def terms_in_use(parameters: Any, start: int, stride: int) -> int:
+    """Bit set (HAS_…) of the terms that one joint's slots switch on."""
+    flags = 0
+    coulomb = parameters[start + COULOMB * stride]
+    static = parameters[start + STATIC * stride]
+    if coulomb != 0.0 or static != 0.0 or parameters[start + MU_RADIUS * stride] != 0.0:
+        flags |= HAS_DRY | HAS_SIGN
+    if static > coulomb:
+        flags |= HAS_STRIBECK
+    if parameters[start + MU_RADIUS * stride] != 0.0:
+        flags |= HAS_LOAD
+    if parameters[start + DAHL_TORQUE * stride] * parameters[start + DAHL_STIFFNESS * stride] > 0.0:
+        flags |= HAS_DAHL | HAS_SIGN
+    if parameters[start + DRAG * stride] != 0.0:
+        flags |= HAS_SIGN
+    if parameters[start + COGGING_AMPLITUDE * stride] != 0.0:
+        flags |= HAS_COGGING
+    if parameters[start + STOP_STIFFNESS * stride] != 0.0 or parameters[start + STOP_DAMPING * stride] != 0.0:
+        flags |= HAS_STOP
+    if parameters[start + USER_SCALE * stride] != 0.0:
+        flags |= HAS_USER
+    return flags
+
+
+@njit(error_model="numpy", forceinline=True)
+def sliding_friction(laws: Any, start: int, flags: int, v: Any, reaction: Any) -> Any:
+    """Magnitude of dry friction at velocity v, lanes of slots lying eight apart from ``start`` on."""
+    level = load(laws, start + COULOMB * 8)
+    if flags & HAS_STRIBECK:
+        static = load(laws, start + STATIC * 8)
+        speed = load(laws, start + STRIBECK * 8)
+        ratio = v / choose(speed, speed, 1e-12)
+        square = ratio * ratio
+        extra = choose(static - level, static - level, 0.0)
+        level = level + extra * exponential(-choose(700.0 - square, square, 700.0))
+    if flags & HAS_LOAD:
+        level = level + load(laws, start + MU_RADIUS * 8) * reaction
+    return level
+
+
+@njit(error_model="numpy", forceinline=True)
+def sticking_limit(laws: Any, start: int, reaction: Any) -> Any:
+    """The greatest force that dry friction can hold at rest."""
+    coulomb = load(laws, start + COULOMB * 8)
+    static = load(laws, start + STATIC * 8)
+    return choose(static - coulomb, static, coulomb) + load(laws, start + MU_RADIUS * 8) * reaction
+
+
+@njit(error_model="numpy", forceinline=True)
+def passive_force(
+    laws: Any, start: int, flags: int, q: Any, v: Any, direction: Any, contact: Any, bristle: Any, reaction: Any
+) -> Any:
+    """All terms of the law but the user's own one, on the right-hand side.
+
+    laws: slots lane-contiguous, eight lanes a slot; start: of the joint's slots; flags: HAS_… of the group.
+    direction: +1 or −1 sliding, 0 at rest; contact: 1 while the stop pushes; bristle: Dahl's z;
+    reaction: magnitude of the reaction force across the axis.
+    """
+    force = (
+        load(laws, start + CONSTANT * 8)
+        - load(laws, start + DAMPING * 8) * v
+        - load(laws, start + STIFFNESS * 8) * (q - load(laws, start + REST * 8))
+        - load(laws, start + CUBIC * 8) * (q * q * q)
+    )
+    if flags & HAS_SIGN:
+        force = force - load(laws, start + DRAG * 8) * (v * v) * direction
+    if flags & HAS_DRY:
+        force = force - sliding_friction(laws, start, flags, v, reaction) * direction
+    if flags & HAS_DAHL:
+        torque = load(laws, start + DAHL_TORQUE * 8)
+        stiffness = load(laws, start + DAHL_STIFFNESS * 8)
+        force = force - choose(torque * stiffness, stiffness, 0.0) * bristle
+    if flags & HAS_COGGING:
+        s, _ = sine_cosine(load(laws, start + COGGING_PERIODS * 8) * q + load(laws, start + COGGING_PHASE * 8))
+        force = force + load(laws, start + COGGING_AMPLITUDE * 8) * s
+    if flags & HAS_STOP:
+        angle = load(laws, start + STOP_ANGLE * 8)
+        side = choose(-angle, -1.0 + 0.0 * angle, 1.0 + 0.0 * angle)
+        push = load(laws, start + STOP_STIFFNESS * 8) * (side * (q - angle))
+        push = push + load(laws, start + STOP_DAMPING * 8) * (side * v)
+        force = force - side * push * contact
+    return force
+
+
+@njit(error_model="numpy", forceinline=True)
+def bristle_rate(laws: Any, start: int, v: Any, direction: Any, bristle: Any) -> Any:
+    """Rate of Dahl's internal displacement z; zero where the joint has no such friction."""
+    torque = load(laws, start + DAHL_TORQUE * 8)
+    stiffness = load(laws, start + DAHL_STIFFNESS * 8)
+    ratio = stiffness / choose(torque, torque, 1.0)
+    return choose(torque * stiffness, v * (1.0 - direction * ratio * bristle), 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def stop_gap(laws: Any, start: int, lane: int, q: float, v: float) -> float:
+    """Positive exactly while one lane's stop pushes: the lesser of how far the joint is beyond it and the push."""
+    angle = laws[start + STOP_ANGLE * 8 + lane]
+    side = -1.0 if angle < 0.0 else 1.0
+    depth = side * (q - angle)
+    push = laws[start + STOP_STIFFNESS * 8 + lane] * depth + laws[start + STOP_DAMPING * 8 + lane] * side * v
+    return min(depth, push)
