@@ -14,6 +14,8 @@ _HOME = {
     "pinocchio": ("harness.engines.pinocchio", "Pinocchio"),
     "mujoco": ("harness.engines.mujoco", "Mujoco"),
     "exudyn": ("harness.engines.exudyn_rigid", "Exudyn"),
+    "exudyn_ancf": ("harness.engines.exudyn_ancf", "Ancf"),
+    "exudyn_ffrf": ("harness.engines.exudyn_ffrf", "Ffrf"),
     "analytic": ("harness.engines.analytic", "Analytic"),
 }
 
