@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
@@ -219,6 +220,85 @@ _add(
         "damping": 0.1 * f * d["rigid"] * s.gravity_moment / _rate(s),
     },
     _stop,
+)  # fmt: skip
+
+
+def _axis(scene: Scene) -> str:
+    return " ".join(repr(float(x)) for x in scene.rig.axis)
+
+
+def _soft_joint(scene: Scene, k: int, p: Parameters) -> None:
+    # The drive side keeps armature, damping and encoder; the link follows it through the spring.
+    joint = scene.rig.joints[k]
+    scene.inserts[k] = (
+        f'<joint name="{joint}_inserted" type="hinge" axis="{_axis(scene)}" stiffness="{float(p["stiffness"])!r}" '
+        f'damping="{float(p["damping"])!r}"/>'
+    )
+
+
+_add(
+    "joint_flexibility", "joint", lambda rng, s, a: {"ratio": rng.uniform(0.01, 0.05)},
+    lambda f, d, s, a: {
+        "stiffness": 8.0 * s.gravity_moment / f,
+        "damping": 2 * d["ratio"] * float(np.sqrt(8.0 * s.gravity_moment / f * s.inertia_about_joint)),
+    },
+    _soft_joint, needs_drive=True, needs_armature=True, joints=(1,),
+)  # fmt: skip
+
+
+def _play(scene: Scene, k: int, p: Parameters) -> None:
+    joint, s = scene.rig.joints[k], scene.rig.segments[k]
+    scene.inserts[k] = f'<joint name="{joint}_inserted" type="hinge" axis="{_axis(scene)}"/>'
+    dof = scene.dof(joint) + 1
+    half = p["gap"] / 2
+    # Steel teeth: far stiffer than anything else in the rig, and they lose most of a blow's energy.
+    rate = 2 * np.pi * 50.0
+    stiffness = s.inertia_about_joint * rate**2
+    damping = 2 * 0.4 * s.inertia_about_joint * rate
+
+    def teeth(t: float, q: Array, v: Array) -> Array:
+        force = np.zeros(len(v))
+        depth = abs(q[dof]) - half
+        if depth > 0.0:
+            side = np.sign(q[dof])
+            force[dof] = -side * max(stiffness * depth + damping * side * v[dof], 0.0)
+        return force
+
+    scene.torques.append(teeth)
+
+
+_add(
+    "backlash", "joint", _nothing, lambda f, d, s, a: {"gap": 0.05 * f}, _play,
+    needs_drive=True, needs_armature=True, joints=(1,),
+)  # fmt: skip
+
+
+def _bend(scene: Scene, k: int, p: Parameters) -> None:
+    joint = scene.rig.joints[k]
+    rate = 2 * np.pi * p["frequency"]
+    at = 0.35
+
+    def element(stiffness: float, damping: float) -> tuple[float, str]:
+        return at, (
+            f'<joint name="{joint}_bend" type="hinge" axis="{_axis(scene)}" stiffness="{float(stiffness)!r}" '
+            f'damping="{float(damping)!r}"/>'
+        )
+
+    # With the hub free and gravity left out, one frequency remains: ω² = k · (M⁻¹) of the bend.
+    scene.splits[k] = element(0.0, 0.0)
+    truth = scene.truth()
+    mujoco.mj_forward(truth.model, truth.data)
+    mass = np.zeros((truth.n, truth.n))
+    mujoco.mj_fullM(truth.model, truth.data, mass)
+    bend = truth.dof[f"{joint}_bend"]
+    mobility = np.linalg.inv(mass)[bend, bend]
+    scene.splits[k] = element(rate**2 / mobility, 2 * p["damping_ratio"] * rate / mobility)
+
+
+_add(
+    "link_flexibility", "link", lambda rng, s, a: {"ratio": rng.uniform(0.005, 0.03)},
+    lambda f, d, s, a: {"frequency": 4.0 * _rate(s) / (2 * np.pi) / np.sqrt(f), "damping_ratio": d["ratio"]},
+    _bend, needs_drive=True, joints=(1,),
 )  # fmt: skip
 
 

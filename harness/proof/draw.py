@@ -28,6 +28,7 @@ FAMILIES = (
     {"sensor_delay", "sensor_lowpass", "sensor_highpass"},
     {"base_tilt", "base_excitation"},
     {"sensor_nonlinearity", "cubic_stiffness", "sensor_gain"},
+    {"joint_flexibility", "backlash", "link_flexibility", "base_compliance", "base_excitation"},
 )
 
 
@@ -118,6 +119,9 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
     chosen = [CONCEALMENTS[name] for name in names]
     two = rng.random() < 0.3 and kind != "outside" and all(2 in c.joints for c in chosen)
     rig = draw_rig(rng, 2 if two else 1)
+    if any(c.needs_armature for c in chosen):
+        motor = [replace(s, armature=float(rng.uniform(0.05, 0.3)) * s.inertia_about_joint) for s in rig.segments]
+        rig = replace(rig, segments=tuple(motor))
     driven = any(c.needs_drive for c in chosen) or rng.random() < 0.2
     runs, top = _draw_runs(rng, rig, driven)
     sensor = _draw_sensor(rng)

@@ -82,6 +82,7 @@ class Scene:
     inserts: dict[int, str] = field(default_factory=dict)
     base: str = ""
     extra: dict[int, str] = field(default_factory=dict)
+    splits: dict[int, tuple[float, str]] = field(default_factory=dict)
     signal: dict[str, list[Callable[[Signal], Signal]]] = field(default_factory=dict)
     command: list[Callable[[Signal], Signal]] = field(default_factory=list)
 
@@ -102,7 +103,8 @@ class Scene:
             breaks=tuple(self.breaks),
             kicks=dict(self.kicks),
         )
-        return Truth(mechanism_xml(self.rig, inserts=self.inserts, base=self.base, extra=self.extra), hidden)
+        xml = mechanism_xml(self.rig, inserts=self.inserts, base=self.base, extra=self.extra, splits=self.splits)
+        return Truth(xml, hidden)
 
     def dof(self, joint: str) -> int:
         """Index of the joint's degree of freedom in the true mechanism (a moving base and inserted hinges come between)."""
@@ -111,6 +113,8 @@ class Scene:
             order.append(s.joint)
             if k in self.inserts:
                 order.append(f"{s.joint}_inserted")
+            if k in self.splits:
+                order.append(f"{s.joint}_bend")
             if k in self.extra and "<joint" in self.extra[k]:
                 order.append(f"{s.joint}_extra")
         return order.index(joint)

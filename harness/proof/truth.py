@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -59,21 +60,27 @@ class Hidden:
 
 def as_floats(s: Segment) -> Segment:
     """The segment with plain floats, whose ``repr`` MJCF understands."""
-    numbers = asdict(s)
-    return Segment(**{name: value if isinstance(value, str) else float(value) for name, value in numbers.items()})
+    plain: dict[str, Any] = {k: v if isinstance(v, str) else float(v) for k, v in asdict(s).items()}
+    return Segment(**plain)
 
 
 def mechanism_xml(
-    rig: Rig, *, inserts: dict[int, str] | None = None, base: str = "", extra: dict[int, str] | None = None
+    rig: Rig,
+    *,
+    inserts: dict[int, str] | None = None,
+    base: str = "",
+    extra: dict[int, str] | None = None,
+    splits: dict[int, tuple[float, str]] | None = None,
 ) -> str:
     """MJCF of the rig.
 
     inserts: joints put between a segment's hinge and its body (spring hinges), by segment index.
     base: joints of a moving base with its inertia.
     extra: further elements (hidden bodies) inside a segment's body.
+    splits: a joint part-way down a segment, as (fraction of its length, joint element): a link that bends there.
     """
     ax = " ".join(repr(float(a)) for a in rig.axis)
-    inserts, extra = inserts or {}, extra or {}
+    inserts, extra, splits = inserts or {}, extra or {}, splits or {}
     inner = ""
     for k in reversed(range(len(rig.segments))):
         s = rig.segments[k]
@@ -85,6 +92,9 @@ def mechanism_xml(
         )
         hinge = f'<joint name="{s.joint}" type="hinge" axis="{ax}" damping="{s.damping!r}" armature="{s.armature!r}"/>'
         body = inertial + extra.get(k, "") + inner
+        if k in splits:
+            fraction, bend = splits[k]
+            body = _split(s, fraction, bend, extra.get(k, "") + inner)
         if k in inserts:
             body = (
                 f'{hinge}<inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>'
@@ -99,6 +109,23 @@ def mechanism_xml(
         '<mujoco><compiler angle="radian" inertiafromgeom="false" boundmass="0" boundinertia="0"/>'
         f'<option gravity="0 0 {-rig.gravity!r}"><flag contact="disable" constraint="disable"/></option>'
         f"<worldbody>{inner}</worldbody></mujoco>"
+    )
+
+
+def _split(s: Segment, fraction: float, bend: str, rest: str) -> str:
+    """The inside of a segment cut in two: a uniform upper piece and all the rest of its inertia below the bend."""
+    at = fraction * s.length
+    mass = 0.6 * fraction * s.mass
+    below = s.mass - mass
+    com = (s.mass * s.com - mass * at / 2) / below
+    inertia = s.inertia + s.mass * s.com**2 - mass * at**2 / 3 - below * com**2
+    upper = mass * at**2 / 12
+    return (
+        f'<inertial pos="0 0 {-at / 2!r}" mass="{mass!r}" diaginertia="{upper!r} {upper!r} {upper!r}"/>'
+        f'<body name="{s.link}_outer" pos="0 0 {-at!r}">{bend}'
+        f'<inertial pos="0 0 {-(com - at)!r}" mass="{below!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>'
+        f'<body name="{s.link}_end" pos="0 0 {at!r}"><inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>'
+        f"{rest}</body></body>"
     )
 
 

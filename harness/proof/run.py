@@ -1,0 +1,204 @@
+"""Runs a proof: conceal, publish digests, diagnose without the answers, unseal, score."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.errors import InputError
+from harness.parallel import parallel_map
+from harness.proof.concealments import CONCEALMENTS
+from harness.proof.draw import draw_case
+from harness.proof.outside import OUTSIDE
+from harness.proof.score import CaseScore, Summary, score_case, summarise
+from harness.proof.seal import seal, unseal
+from harness.proof.visibility import DETECTION_LIMIT
+from harness.proof.write import write_case
+
+QUICK = {"single": 16, "pair": 5, "triple": 2, "clean": 10, "outside": 7}
+FULL = {"single": 180, "pair": 44, "triple": 12, "clean": 110, "outside": 60}
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Task:
+    """One case to draw: kind, number within the kind, and the effect it must conceal (empty: drawn)."""
+
+    kind: str
+    index: int
+    effect: str = ""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A finished proof."""
+
+    seed: int
+    scores: tuple[CaseScore, ...]
+    summary: Summary
+    peers: Mapping[str, Any]
+
+    def to_json(self) -> dict[str, Any]:
+        """The proof as ``denoc.proof/1``."""
+        s = self.summary
+
+        def pair(name: str) -> list[int]:
+            share = getattr(s, name)
+            return [share.hits, share.of]
+
+        shares = (
+            "named_single", "named_single_exactly", "named_pairs", "named_triples", "clean_false", "outside_told",
+            "at_floor", "side_right", "site_right", "false_anywhere", "failed",
+        )  # fmt: skip
+        return {
+            "schema": "denoc.proof/1",
+            "seed": self.seed,
+            "cases": len(self.scores),
+            **{name: pair(name) for name in shares},
+            "coverage95": s.coverage95.value if s.coverage95.of else None,
+            "coverage95_count": pair("coverage95"),
+            "wilson95": {name: list(getattr(s, name).interval) for name in (*shares, "coverage95")},
+            "confusion": s.confusion,
+            "parameter_error": s.parameter_error,
+            "detection": {k: [[d, hit] for d, hit in v] for k, v in s.detection.items()},
+            "peers": dict(self.peers),
+            "scores": [asdict(score) for score in self.scores],
+        }
+
+
+def tasks(counts: Mapping[str, int]) -> list[Task]:
+    """The cases of a proof; singles and outside kinds go round robin over all effects, so that none is left out."""
+    rows: list[Task] = []
+    for kind, count in counts.items():
+        names = {"single": list(CONCEALMENTS), "outside": list(OUTSIDE)}.get(kind, [""])
+        rows += [Task(kind, i, names[i % len(names)]) for i in range(count)]
+    return rows
+
+
+def scaled(cases: int) -> dict[str, int]:
+    """The full proof's mix, scaled to a number of cases."""
+    total = sum(FULL.values())
+    return {kind: max(1, round(count * cases / total)) for kind, count in FULL.items()}
+
+
+def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
+    """Draw a case, write what diagnosis may see, seal the answer; (name, digest)."""
+    shuffled = _shuffled(task, seed)
+    case = draw_case(task.kind, seed, task.index, effects=(shuffled,) if shuffled else ())
+    write_case(case, out / "cases" / case.name, np.random.default_rng([seed, task.index, len(task.kind)]))
+    return case.name, seal(case, out / "sealed")
+
+
+def _shuffled(task: Task, seed: int) -> str:
+    """Round robin from a place that the seed chooses, so that a quick proof tries other effects each time."""
+    if not task.effect:
+        return ""
+    names = list(CONCEALMENTS if task.kind == "single" else OUTSIDE)
+    order = np.random.default_rng([seed, len(names)]).permutation(len(names))
+    return names[int(order[names.index(task.effect)])]
+
+
+def diagnose_folder(folder: Path) -> dict[str, Any]:
+    """What diagnosis says of a folder that holds a model and recordings; an error is an answer too."""
+    import harness
+
+    start = time.perf_counter()
+    runs = sorted(folder.glob("run*.csv"))
+    try:
+        found = harness.diagnose([str(r) for r in runs], model=str(folder / "model.toml")).to_json()
+    except (InputError, ArithmeticError, ValueError, RuntimeError) as error:
+        found = {"error": f"{type(error).__name__}: {error}"}
+    found["seconds"] = time.perf_counter() - start
+    return found
+
+
+def prove(
+    out: Path,
+    *,
+    seed: int | None = None,
+    counts: Mapping[str, int] = QUICK,
+    workers: int | None = None,
+    dask: str | None = None,
+    peers: bool = True,
+    progress: Progress | None = None,
+) -> Proof:
+    """The blind proof.
+
+    out: folder of the proof; one that holds an interrupted proof is resumed (with its own seed and mix).
+    seed: fresh if None. counts: number of cases by kind. progress: called with (stage, done, of).
+    Raises InputError if ``out`` holds another proof or tampered answers.
+    """
+    out = Path(out)
+    plan_file = out / "plan.json"
+    if plan_file.exists():
+        plan = json.loads(plan_file.read_text(encoding="utf-8"))
+        if seed is not None and seed != plan["seed"]:
+            raise InputError(
+                f"holds a proof with seed {plan['seed']}, not {seed}",
+                source=out,
+                mend="give another --out or no --seed",
+            )
+        seed, counts = int(plan["seed"]), plan["counts"]
+    else:
+        seed = secrets.randbelow(2**31) if seed is None else seed
+        out.mkdir(parents=True, exist_ok=True)
+        _write(plan_file, {"seed": seed, "counts": dict(counts)})
+    todo = tasks(counts)
+    digests_file = out / "digests.json"
+    if not digests_file.exists():
+        ticks = _ticker(progress, "conceal", len(todo))
+        named = parallel_map(
+            partial(conceal, seed=seed, out=out), todo, workers=workers, dask=dask, done=lambda i, r: ticks()
+        )
+        _write(digests_file, dict(named))
+    digests = json.loads(digests_file.read_text(encoding="utf-8"))
+    found_folder = out / "found"
+    found_folder.mkdir(exist_ok=True)
+    missing = [name for name in digests if not (found_folder / f"{name}.json").exists()]
+    ticks = _ticker(progress, "diagnose", len(digests), len(digests) - len(missing))
+
+    def save(index: int, found: dict[str, Any]) -> None:
+        _write(found_folder / f"{missing[index]}.json", found)
+        ticks()
+
+    parallel_map(diagnose_folder, [out / "cases" / name for name in missing], workers=workers, dask=dask, done=save)
+    scores = []
+    for name, published in digests.items():
+        answer = unseal(name, out / "sealed", published)
+        found = json.loads((found_folder / f"{name}.json").read_text(encoding="utf-8"))
+        scores.append(score_case(name, answer, found))
+    versus: dict[str, Any] = {}
+    if peers:
+        from harness.proof.peers import compare_peers
+
+        versus = compare_peers(out, scores, workers=workers, dask=dask, progress=progress)
+    proof = Proof(seed, tuple(scores), summarise(scores, DETECTION_LIMIT), versus)
+    _write(out / "proof.json", proof.to_json())
+    return proof
+
+
+def _ticker(progress: Progress | None, stage: str, of: int, done: int = 0) -> Callable[[], None]:
+    count = done
+
+    def tick() -> None:
+        nonlocal count
+        count += 1
+        if progress is not None:
+            progress(stage, count, of)
+
+    return tick
+
+
+def _write(path: Path, data: Any) -> None:
+    partial_file = path.with_suffix(".partial")
+    partial_file.write_text(json.dumps(data, indent=1, allow_nan=True), encoding="utf-8")
+    partial_file.replace(path)

@@ -1,0 +1,60 @@
+"""Sealing: the answers are written apart and their digests published before any diagnosis starts.
+
+Layout of a proof in ``out``: ``cases/<name>/`` holds model and recordings, all that the diagnosing process is given;
+``digests.json`` maps every case to the SHA-256 of its sealed answer; ``sealed/<name>.json`` holds the answer with a random
+salt, so that the digest cannot be guessed from a list of effects; ``found/<name>.json`` is what diagnosis said.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+from pathlib import Path
+from typing import Any
+
+from harness.errors import InputError
+from harness.proof.draw import Case
+from harness.proof.visibility import DETECTION_LIMIT
+
+
+def answer(case: Case) -> dict[str, Any]:
+    """The answer of a case as plain data."""
+    return {
+        "kind": case.kind,
+        "planted": [{"effect": p.effect, "site": p.site, "parameters": dict(p.parameters)} for p in case.planted],
+        "visibility": list(case.visibility),
+        "detection_limit": DETECTION_LIMIT,
+        "joints": list(case.rig.joints),
+        "noise_std": case.scene.sensor.std,
+        "quantisation": case.scene.sensor.step,
+        "colour": case.scene.sensor.colour,
+        "rate": case.scene.sensor.rate,
+    }
+
+
+def digest(text: str) -> str:
+    """SHA-256 of a sealed answer."""
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()
+
+
+def seal(case: Case, folder: Path) -> str:
+    """Write the sealed answer and return its digest."""
+    text = json.dumps({"salt": secrets.token_hex(16), **answer(case)}, indent=1)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{case.name}.json"
+    partial = path.with_suffix(".partial")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(path)
+    return digest(text)
+
+
+def unseal(name: str, folder: Path, published: str) -> dict[str, Any]:
+    """The answer of a case; InputError if it is not the one whose digest was published."""
+    path = folder / f"{name}.json"
+    text = path.read_text(encoding="utf-8")
+    if digest(text) != published:
+        raise InputError(
+            "the sealed answer was changed after its digest was published", source=path, mend="run the proof afresh"
+        )
+    return json.loads(text)
