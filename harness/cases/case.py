@@ -169,8 +169,8 @@ class Bench:
         """A row whose verdict is whether ``difference`` is within ``allowed``; what is not a number never passes."""
         difference = float(difference)
         passes = math.isfinite(difference) and difference <= allowed
-        if not math.isfinite(difference) and not note:
-            note = "the difference is not a finite number"
+        if not math.isfinite(difference):
+            note = "; ".join(filter(None, ["the difference is not a finite number", note]))
         return Row(
             self.case.name,
             quantity,

@@ -94,14 +94,23 @@ class StateAgreement:
             yield bench.skipped(self.quantity, (NATIVE, name), reason)
 
     def _blame(self, bench: Bench, name: str, states: States) -> str:
-        """Which term of the dynamics makes the accelerations differ, or nothing where that cannot be told."""
         if self.quantity != "acceleration":
             return ""
-        try:
-            found = attribute(bench.models[NATIVE], bench.models[name], states.q, states.qd, states.tau)
-        except (UnsupportedError, EngineError, np.linalg.LinAlgError):
-            return ""
-        return found.sentence()
+        return blame(bench, name, states.q, states.qd, states.tau, self.allowed)
+
+
+def blame(bench: Bench, name: str, q: Array, qd: Array, tau: Array, allowed: float = 1e-10) -> str:
+    """Which term of the native dynamics differs from another engine's, or nothing where that cannot be told.
+
+    q, qd, tau: states to ask at, shape (B, n).
+    """
+    try:
+        found = attribute(bench.models[name], bench.models[NATIVE], q, qd, tau, allowed=max(allowed, 1e-10))
+    except (UnsupportedError, EngineError, np.linalg.LinAlgError):
+        return ""
+    if not found.blames:
+        return "" if found.difference > allowed else "the accelerations agree, so it is the integration"
+    return f"{NATIVE} against {name}: {found.sentence()}"
 
 
 def _beyond(differences: dict[str, Array], allowed: float) -> bool:

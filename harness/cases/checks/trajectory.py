@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
+from harness.cases.checks.states import blame
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
 
@@ -77,6 +78,9 @@ class TrajectoryAgreement:
             first = int(np.argmax(left)) if left.any() else len(time) - 1
             worst = common[int(np.argmax(np.nan_to_num(apart[:, first], nan=np.inf)))]
             divergence = {"time": float(time[first]), "signal": worst}
+        note = f"over {self.duration:g} s"
+        if divergence is not None and bench.models[name].names == bench.models[NATIVE].names:
+            note = "; ".join(filter(None, [note, self._blame(bench, name, first)]))
         unit = "1" if self.relative else unit_of(bench.system, common)
         return bench.row(
             self.quantity,
@@ -86,8 +90,19 @@ class TrajectoryAgreement:
             unit=unit,
             why=self.why,
             first_divergence=divergence,
-            note=f"over {self.duration:g} s",
+            note=note,
         )
+
+    def _blame(self, bench: Bench, name: str, sample: int) -> str:
+        """Which term is to blame, asked along the native motion up to where the two part."""
+        q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
+        time = np.linspace(0.0, self.duration, round(self.duration * self.rate) + 1)[: max(sample, 1) + 1]
+        run = bench.models[NATIVE].simulate(q0, qd0, time, step=step_of(NATIVE, self.step))
+        chosen = np.unique(np.linspace(0, len(time) - 1, 8).round().astype(int))
+        q, qd = run.position[chosen], run.velocity[chosen]
+        if not (np.isfinite(q).all() and np.isfinite(qd).all()):
+            return ""
+        return blame(bench, name, q, qd, np.zeros_like(q))
 
     def _lines(self, bench: Bench, name: str, time: Array, signal: dict[str, Array]) -> Iterable[Series]:
         for key, values in signal.items():

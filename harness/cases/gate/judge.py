@@ -1,0 +1,111 @@
+"""A run held against the accepted figures."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from harness.cases.case import Row
+from harness.cases.gate.accepted import Accepted, Entry
+from harness.cases.results import Results
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One row of the run, or of the reference where the run has none.
+
+    accepted: accepted difference. change: difference minus accepted. reason: why the gate closes; empty if it does not.
+    """
+
+    key: str
+    row: Row | None
+    accepted: float | None = None
+    change: float | None = None
+    reason: str = ""
+
+    @property
+    def ok(self) -> bool:
+        return not self.reason
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Every row's judgement; versions_changed: name to (accepted with, run with)."""
+
+    rows: tuple[Judged, ...]
+    versions_changed: Mapping[str, tuple[str, str]]
+
+    @property
+    def ok(self) -> bool:
+        return bool(self.rows) and all(row.ok for row in self.rows)
+
+    @property
+    def failed(self) -> tuple[Judged, ...]:
+        return tuple(row for row in self.rows if not row.ok)
+
+
+def judge(results: Results, accepted: Accepted) -> Judgement:
+    """Hold a run against the accepted figures.
+
+    A row closes the gate if it fails; if it is not finite; if it was never accepted, or accepted and now missing; if
+    its limit or unit changed; and if it grew by more than its quantity's share of what is allowed. Exact digits are not
+    compared: they differ between processors.
+    """
+    twice = [key for key, count in Counter(row.key for row in results.rows).items() if count > 1]
+    judged = [_judge(row, accepted.rows.get(row.key), accepted, row.key in twice) for row in results.rows]
+    seen = {row.key for row in results.rows}
+    judged += [
+        Judged(key, None, entry.difference, reason=_missing(key, results))
+        for key, entry in accepted.rows.items()
+        if key not in seen
+    ]
+    before = accepted.history[0].get("versions", {}) if accepted.history else {}
+    changed = {
+        name: (str(version), str(results.versions.get(name, "missing")))
+        for name, version in before.items()
+        if results.versions.get(name) != version
+    }
+    return Judgement(tuple(judged), changed)
+
+
+def _judge(row: Row, entry: Entry | None, accepted: Accepted, twice: bool) -> Judged:
+    if twice:
+        return Judged(row.key, row, reason="two rows have this name, so that one would hide behind the other")
+    if entry is None:
+        reason = "failed, and was never accepted" if row.verdict == "fail" else "new: not among the accepted figures"
+        return Judged(row.key, row, reason=reason)
+    known = entry.difference
+    if row.verdict == "skipped":
+        if entry.verdict == "skipped":
+            return Judged(row.key, row)
+        return Judged(row.key, row, known, reason=f"is skipped now: {row.note}")
+    if row.difference is None or not math.isfinite(row.difference):
+        return Judged(row.key, row, known, reason="the difference is not a finite number")
+    change = None if known is None else row.difference - known
+    reason = ""
+    if row.verdict != "pass" or row.allowed is None or not row.difference <= row.allowed:
+        reason = f"left the line: {row.difference:.2e} where {row.allowed or 0.0:.0e} is allowed"
+    elif entry.allowed is None or known is None:
+        reason = "was skipped when the figures were accepted"
+    elif row.unit != entry.unit:
+        reason = f"is in {row.unit}, and was accepted in {entry.unit}"
+    elif row.allowed > entry.allowed * (1.0 + 1e-9) and row.difference > entry.allowed:
+        reason = f"passes only because its limit was loosened from {entry.allowed:.1e} to {row.allowed:.1e}"
+    else:
+        room = accepted.share(row.quantity) * entry.allowed
+        if row.difference > known + room:
+            reason = f"grew from {known:.2e} to {row.difference:.2e}, by more than {room:.1e}"
+    return Judged(row.key, row, known, change, reason)
+
+
+def _missing(key: str, results: Results) -> str:
+    case, quantity, engines = key.split("/")[0], key.split("/")[-2], key.split("/")[-1].split("+")
+    cases = {row.case for row in results.rows}
+    if key.rsplit("/", 2)[0] not in cases:
+        return f"missing: the case {case} did not run"
+    for row in results.rows:
+        if row.case == key.rsplit("/", 2)[0] and row.verdict == "skipped" and set(row.engines) & set(engines[-1:]):
+            return f"missing: {engines[-1]} was skipped: {row.note}"
+    return f"missing: the run has no {quantity} between {' and '.join(engines)} any more"

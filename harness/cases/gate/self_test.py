@@ -1,0 +1,114 @@
+"""The gate tried on defects planted in the native engine: each must be caught, and called by its name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.cases.case import NATIVE, Bench, Case, Row
+from harness.cases.checks import StateAgreement, TrajectoryAgreement
+from harness.cases.checks.states import random_states
+from harness.cases.gate.defects import DEFECTS, Defect, SpoiledEngine
+from harness.cases.run import run_case
+from harness.compare.attribution import attribute
+from harness.engines import registry
+from harness.engines.protocol import Engine
+from harness.errors import EngineUnavailableError, InputError
+from harness.system import System, random_chain
+
+WHY = "as for every mechanism of this size in the suite"
+
+
+def system() -> System:
+    """Five joints in general position, with armature and damping, so that every term has something to say."""
+    return random_chain(5, seed=5, prismatic=0.2, armature=True, damping=True)
+
+
+CASE = Case(
+    name="self_test",
+    title="Random chain of five joints",
+    source="independent engines",
+    system=system,
+    checks=(
+        StateAgreement("acceleration", 1e-12, WHY),
+        StateAgreement("mass_matrix", 1e-12, WHY),
+        StateAgreement("bias", 1e-12, WHY),
+        TrajectoryAgreement(1e-8, WHY, duration=1.0, rate=50.0, step=2e-4),
+    ),
+    group="self_test",
+)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One planted defect: whether a row failed because of it, whether it was called by its name, and what was said."""
+
+    defect: str
+    caught: bool
+    named: bool
+    said: str
+
+
+@dataclass(frozen=True)
+class SelfTest:
+    """All trials; ``clean``: whether the same case without a defect passes."""
+
+    clean: bool
+    trials: tuple[Trial, ...]
+
+    @property
+    def ok(self) -> bool:
+        return self.clean and all(trial.caught and trial.named for trial in self.trials)
+
+    def as_dict(self) -> dict[str, Any]:
+        """``planted``, ``caught`` and ``named`` are counts."""
+        return {
+            "planted": len(self.trials),
+            "caught": sum(trial.caught for trial in self.trials),
+            "named": sum(trial.named for trial in self.trials),
+            "clean_passes": self.clean,
+            "defects": [vars(trial) for trial in self.trials],
+        }
+
+
+def self_test() -> SelfTest:
+    """Plant every defect in turn; raises InputError if no engine is installed that could notice."""
+    native, judge = registry.engine(NATIVE), _independent()
+    clean = all(row.verdict != "fail" for row in _rows(native, judge))
+    return SelfTest(clean, tuple(_try(defect, native, judge) for defect in DEFECTS))
+
+
+def _independent() -> Engine:
+    for name in ("pinocchio", "mujoco"):
+        try:
+            engine = registry.engine(name)
+            engine.version()
+            return engine
+        except EngineUnavailableError:
+            continue
+    raise InputError("the gate's self-test needs an independent engine", mend="install pin or mujoco: see denoc doctor")
+
+
+def _rows(native: Any, judge: Engine) -> tuple[Row, ...]:
+    return run_case(CASE, {NATIVE: native, judge.name: judge}).rows
+
+
+def _try(defect: Defect, native: Engine, judge: Engine) -> Trial:
+    spoiled = SpoiledEngine(native, defect)
+    failed = [row for row in _rows(spoiled, judge) if row.verdict == "fail"]
+    said = "; ".join(dict.fromkeys(row.note for row in failed if row.note))
+    named = bool(failed) and _blamed(spoiled, judge) == defect.term and defect.words in said
+    return Trial(defect.name, bool(failed), named, said)
+
+
+def _blamed(spoiled: SpoiledEngine, judge: Engine) -> str:
+    """The term that attribution puts first, or nothing."""
+    true = system()
+    wrong, right = spoiled.build(true), judge.build(true)
+    states = random_states(Bench(CASE, true, {judge.name: right}), 8, 1.0, 1.0, 0.0)
+    if not np.isfinite(wrong.forward_dynamics(states.q[0], states.qd[0], states.tau[0])).all():
+        return ""
+    found = attribute(right, wrong, states.q, states.qd, states.tau, allowed=1e-10)
+    return found.culprit.term if found.culprit is not None else ""
