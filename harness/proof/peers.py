@@ -73,6 +73,7 @@ def sysid_claims(folder: Path) -> dict[str, Any]:
         parameters.add(sysid.Parameter(f"{joint}:viscous_damping", j.damping + 1e-4 * scale, 0.0, scale, modifier=damp))
         parameters.add(sysid.Parameter(f"{joint}:quadratic_drag", 1e-4 * scale, 0.0, scale, modifier=drag))
         parameters.add(sysid.Parameter(f"{joint}:coulomb_friction", 1e-4 * scale, 0.0, scale, modifier=rub))
+    parameters.move_off_bounds()
     nominal = np.array([b for joint in system.joint_names for b in (system.joint(joint).damping, 0.0, 0.0)])
     model = spec.compile()
     names, states, controls, data = [], [], [], []

@@ -1,0 +1,128 @@
+"""Scoring, sealing and drawing of the blind proof."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from harness.errors import InputError
+from harness.proof.concealments import CONCEALMENTS
+from harness.proof.draw import draw_case
+from harness.proof.outside import OUTSIDE
+from harness.proof.run import FULL, QUICK, tasks
+from harness.proof.score import Share, score_case, summarise
+from harness.proof.seal import seal, unseal
+from harness.proof.visibility import distance
+from harness.proof.write import write_case
+
+
+def told(*effects: str, verdict: str = "explained", classes: tuple[str, ...] = ()) -> dict:
+    """A diagnosis that names these effects at joint ``pivot``."""
+    findings = [
+        {
+            "effect": e,
+            "site": "pivot",
+            "parameters": {"torque": {"value": 1.0, "std": 0.1, "ci95": [0.8, 1.2], "unit": "N*m"}},
+            "indistinguishable_from": list(classes),
+        }
+        for e in effects
+    ]
+    fit = [{"augmented": {"heldout_rmse": 1.1e-3}, "noise_floor": 1e-3}]
+    return {"verdict": verdict, "findings": findings, "mismatch": [], "fit": fit}
+
+
+def hidden(*effects: str, kind: str = "single", value: float = 1.1, d: float = 50.0) -> dict:
+    planted = [{"effect": e, "site": "pivot", "parameters": {"torque": value}} for e in effects]
+    return {"kind": kind, "planted": planted, "visibility": [d] * max(len(effects), 1)}
+
+
+def test_exact_class_missed_and_false() -> None:
+    exact = score_case("a", hidden("coulomb_friction"), told("coulomb_friction"))
+    assert exact.exact and exact.in_class and not exact.false and not exact.missed
+    assert exact.parameters[0][2:4] == (1.1, 1.0)
+    by_class = score_case("b", hidden("base_tilt"), told("sensor_offset", classes=("base_tilt@base",)))
+    assert not by_class.exact and by_class.in_class
+    wrong = score_case("c", hidden("base_tilt"), told("coulomb_friction"))
+    assert wrong.missed == (("base_tilt", "pivot"),) and wrong.false == (("coulomb_friction", "pivot"),)
+    extra = score_case("d", hidden("coulomb_friction"), told("coulomb_friction", "viscous_damping"))
+    assert not extra.in_class and extra.false == (("viscous_damping", "pivot"),)
+    failed = score_case("e", hidden("coulomb_friction"), {"error": "boom"})
+    assert failed.verdict == "error" and failed.missed
+
+
+def test_summary_counts_what_it_says() -> None:
+    scores = [
+        score_case("s1", hidden("coulomb_friction"), told("coulomb_friction")),
+        score_case("s2", hidden("coulomb_friction"), told("viscous_damping")),
+        score_case("weak", hidden("coulomb_friction", d=6.0), told(verdict="consistent")),
+        score_case("c1", {"kind": "clean", "planted": [], "visibility": []}, told(verdict="consistent")),
+        score_case("c2", {"kind": "clean", "planted": [], "visibility": []}, told("base_tilt")),
+        score_case("o1", hidden("gust", kind="outside"), told(verdict="unexplained")),
+        score_case("o2", hidden("gust", kind="outside"), told("coulomb_friction")),
+    ]
+    summary = summarise(scores, 5.0)
+    assert summary.named_single == Share(1, 2)  # the weak one is below twice the detection limit
+    assert summary.clean_false == Share(1, 2)
+    assert summary.outside_told == Share(1, 2)
+    assert summary.coverage95 == Share(1, 1)
+    assert summary.at_floor == Share(2, 2)
+    assert summary.confusion["coulomb_friction"] == {"coulomb_friction": 1, "viscous_damping": 1, "consistent": 1}
+    assert summary.confusion["nothing"] == {"consistent": 1, "base_tilt": 1}
+
+
+def test_wilson_interval_matches_the_formula() -> None:
+    # Wilson (1927): centre (p + z²/2n)/(1 + z²/n), half-width z sqrt(p(1-p)/n + z²/4n²)/(1 + z²/n).
+    n, hits, z = 40, 38, 1.959963984540054
+    p = hits / n
+    centre = (p + z**2 / (2 * n)) / (1 + z**2 / n)
+    half = z * np.sqrt(p * (1 - p) / n + z**2 / (4 * n**2)) / (1 + z**2 / n)
+    assert Share(hits, n).interval == pytest.approx((centre - half, centre + half), abs=1e-9)
+
+
+def test_tampering_with_a_sealed_answer_is_noticed(tmp_path: Path) -> None:
+    case = draw_case("clean", 3, 0)
+    published = seal(case, tmp_path)
+    assert unseal(case.name, tmp_path, published)["kind"] == "clean"
+    path = tmp_path / f"{case.name}.json"
+    path.write_text(path.read_text().replace("clean", "single"))
+    with pytest.raises(InputError, match="changed after its digest"):
+        unseal(case.name, tmp_path, published)
+
+
+def test_the_case_folder_tells_nothing_but_model_and_recordings(tmp_path: Path) -> None:
+    case = draw_case("single", 5, 0, effects=("base_tilt",), target=60.0)
+    write_case(case, tmp_path / "case", np.random.default_rng(0))
+    names = sorted(p.name for p in (tmp_path / "case").iterdir())
+    assert names[0] == "model.toml" and all(n.startswith("run") for n in names[1:]) and len(names) >= 3
+    for path in (tmp_path / "case").iterdir():
+        assert "tilt" not in path.read_text()
+    assert 30.0 < case.visibility[0] < 120.0
+    frame = pd.read_csv(tmp_path / "case" / "run1.csv")
+    assert frame["time"].is_monotonic_increasing and frame.notna().all().all()
+
+
+def test_drawing_is_repeatable_and_seeds_differ() -> None:
+    a, b, c = (draw_case("clean", seed, 4) for seed in (11, 11, 12))
+    assert a.rig == b.rig != c.rig
+
+
+def test_distance_projects_nuisances_out() -> None:
+    # A difference that lies in the nuisance space has no distance; an orthogonal one keeps its norm.
+    nuisance = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
+    free = np.array([np.inf, np.inf])
+    assert distance(np.array([3.0, -2.0, 0.0]), nuisance, free) == pytest.approx(0.0, abs=1e-12)
+    assert distance(np.array([3.0, -2.0, 4.0]), nuisance, free) == pytest.approx(4.0)
+    # With a prior of 1σ, a difference of size x along the nuisance costs x²/(1 + 1) (ridge regression).
+    assert distance(np.array([3.0, 0.0, 0.0]), nuisance, np.array([1.0, np.inf])) == pytest.approx(3.0 / np.sqrt(2.0))
+
+
+def test_the_mix_of_cases_is_what_is_promised() -> None:
+    assert sum(FULL.values()) >= 400 and FULL["pair"] >= 40 and FULL["triple"] >= 10 and FULL["clean"] >= 100
+    assert sum(QUICK.values()) >= 40
+    assert len(OUTSIDE) >= 12
+    full = tasks(FULL)
+    assert {t.effect for t in full if t.kind == "single"} == set(CONCEALMENTS)
+    assert {t.effect for t in full if t.kind == "outside"} == set(OUTSIDE)
+    json.dumps([t.__dict__ if hasattr(t, "__dict__") else str(t) for t in full])

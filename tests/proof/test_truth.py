@@ -1,0 +1,89 @@
+"""The concealing engine against closed forms and against MuJoCo's own integrator."""
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+from harness.proof.rigs import Rig, Segment
+from harness.proof.truth import DryFriction, Hidden, Truth, mechanism_xml
+
+LENGTH, MASS = 0.5, 0.8
+
+
+def rod(**changes: float) -> Rig:
+    """A uniform rod on a frictionless pivot."""
+    data = {
+        "length": LENGTH, "mass": MASS, "com": LENGTH / 2, "inertia": MASS * LENGTH**2 / 12, "damping": 0.0, "armature": 0.0,
+    }  # fmt: skip
+    return Rig((Segment("pivot", "rod", **(data | changes)),), (0.0, 1.0, 0.0), tolerance=0.01)
+
+
+def small_rate() -> float:
+    return float(np.sqrt(1.5 * 9.81 / LENGTH))
+
+
+@pytest.mark.parametrize("degrees", [30, 90, 150])
+def test_period_is_the_elliptic_integral(degrees: float) -> None:
+    # Physical pendulum: T/T0 = (2/π) K(sin²(θ0/2)).
+    start = np.radians(degrees)
+    period = 2 * np.pi / small_rate() * 2 / np.pi * ellipk(np.sin(start / 2) ** 2)
+    q, v = Truth(mechanism_xml(rod()), Hidden()).release(
+        np.array([start]), np.zeros(1), np.array([0.0, period, 3 * period])
+    )
+    assert q[1:, 0] == pytest.approx(start, abs=1e-7)
+    assert np.abs(v[1:]).max() < 1e-5
+
+
+def test_dry_friction_takes_the_same_energy_from_every_half_swing_and_then_holds() -> None:
+    # Energy theorem: between two rests, m g c (cos q1 - cos q2) is the work of the friction, torque · |q2 - q1|.
+    torque = 0.03
+    hidden = Hidden(dry=[DryFriction(0, lambda v, n, q: torque, lambda n, q: torque)])
+    time = np.arange(0.0, 30.0, 1e-3)
+    q, v = Truth(mechanism_xml(rod()), hidden).release(np.array([1.0]), np.zeros(1), time)
+    turns = np.flatnonzero(np.diff(np.sign(v[:, 0])) != 0)
+    moment = MASS * 9.81 * LENGTH / 2
+    peaks = [1.0]
+    for i in turns:
+        if abs(v[i, 0]) < 0.02 and abs(q[i, 0] - peaks[-1]) > 0.01:
+            peaks.append(float(q[i, 0]))
+    assert len(peaks) > 8
+    for a, b in zip(peaks[:-1], peaks[1:], strict=True):
+        # The peak is read off a 1 ms grid, where cos q is known to about (1 ms · acceleration)² · tan q.
+        assert moment * (np.cos(b) - np.cos(a)) == pytest.approx(torque * abs(b - a), abs=2e-5)
+    # It rests where gravity is within the friction, and stays exactly there.
+    assert abs(moment * np.sin(q[-1, 0])) <= torque
+    assert np.ptp(q[-3000:, 0]) == 0.0
+
+
+def test_drag_polynomial_agrees_with_mujocos_own() -> None:
+    linear, square = 0.002, 0.004
+    xml = mechanism_xml(rod())
+    planted = Truth(xml, Hidden(torques=[lambda t, q, v: -linear * v, lambda t, q, v: -square * v * np.abs(v)]))
+    time = np.arange(0.0, 5.0, 0.01)
+    q, _ = planted.release(np.array([2.0]), np.zeros(1), time)
+    model = mujoco.MjModel.from_xml_string(
+        xml.replace('damping="0.0"', f'damping="{linear} {square}"').replace(
+            "<option ", '<option integrator="RK4" timestep="0.0005" '
+        )
+    )
+    data = mujoco.MjData(model)
+    data.qpos[0] = 2.0
+    path = []
+    for k in range(len(time)):
+        while data.time < time[k] - 1e-9:
+            mujoco.mj_step(model, data)
+        path.append(data.qpos[0])
+    assert q[:, 0] == pytest.approx(np.array(path), abs=1e-7)
+
+
+def test_load_dependent_friction_holds_against_the_weight() -> None:
+    # At rest the bearing carries m g: friction torque up to mu_radius · m g holds the rod at asin(mu_radius / c).
+    mu_radius = 0.05
+    hidden = Hidden(dry=[DryFriction(0, lambda v, n, q: mu_radius * n, lambda n, q: mu_radius * n)])
+    truth = Truth(mechanism_xml(rod()), hidden)
+    limit = float(np.arcsin(mu_radius / (LENGTH / 2)))
+    held, _ = truth.release(np.array([limit * 0.98]), np.zeros(1), np.linspace(0, 2, 21))
+    slipped, _ = truth.release(np.array([limit * 1.05]), np.zeros(1), np.linspace(0, 2, 21))
+    assert np.ptp(held) == 0.0
+    assert np.ptp(slipped) > 1e-3
