@@ -67,7 +67,7 @@ def test_summary_counts_what_it_says() -> None:
     assert summary.clean_false == Share(1, 2)
     assert summary.outside_told == Share(1, 2)
     assert summary.coverage95 == Share(1, 1)
-    assert summary.at_floor == Share(2, 2)
+    assert summary.at_floor == Share(3, 3)  # s1, s2 and the false c2; outside kinds are not asked to reach the floor
     assert summary.confusion["coulomb_friction"] == {"coulomb_friction": 1, "viscous_damping": 1, "consistent": 1}
     assert summary.confusion["nothing"] == {"consistent": 1, "base_tilt": 1}
 

@@ -1,5 +1,7 @@
 """The concealing engine against closed forms and against MuJoCo's own integrator."""
 
+from itertools import pairwise
+
 import mujoco
 import numpy as np
 import pytest
@@ -48,7 +50,7 @@ def test_dry_friction_takes_the_same_energy_from_every_half_swing_and_then_holds
         if abs(v[i, 0]) < 0.02 and abs(q[i, 0] - peaks[-1]) > 0.01:
             peaks.append(float(q[i, 0]))
     assert len(peaks) > 8
-    for a, b in zip(peaks[:-1], peaks[1:], strict=True):
+    for a, b in pairwise(peaks):
         # The peak is read off a 1 ms grid, where cos q is known to about (1 ms · acceleration)² · tan q.
         assert moment * (np.cos(b) - np.cos(a)) == pytest.approx(torque * abs(b - a), abs=2e-5)
     # It rests where gravity is within the friction, and stays exactly there.
