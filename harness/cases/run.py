@@ -20,7 +20,8 @@ from harness.parallel import parallel_map
 from harness.system import System
 from harness.system.suggest import did_you_mean
 
-ANALYTIC = "analytic"
+# Engines for a special kind of mechanism: that they refuse all others is no news.
+SPECIAL = ("analytic", "exudyn_ancf", "exudyn_ffrf")
 
 Progress = Callable[[int, int, str], None]
 
@@ -164,8 +165,8 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
             rows.append(_broken(bench, "all", (name,), error))
             continue
         refusals[name] = reason
-        if name == ANALYTIC:
-            continue  # closed forms are for one coordinate; that they have none for a robot is no news
+        if name in SPECIAL and not system.flexible:
+            continue
         rows.append(bench.skipped("all", (NATIVE, name) if name != NATIVE else (NATIVE,), reason))
     bench = Bench(case, system, models, refusals)
     for check in case.checks:
