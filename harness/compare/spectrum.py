@@ -258,10 +258,10 @@ def _fitted(t: Array, x: Array, degree: int) -> tuple[Array, Array, float, float
     centre, width = 0.5 * float(t[0] + t[-1]), 0.5 * float(t[-1] - t[0])
     degree = min(degree, len(t) - 2)
     basis = np.vander((t - centre) / width, degree + 1, increasing=True)
-    coefficients: Array = np.linalg.lstsq(basis, x, rcond=None)[0]
+    coefficients = np.asarray(np.linalg.lstsq(basis, x, rcond=None)[0], dtype=np.float64)
     residual = x - basis @ coefficients
     variance = float(residual @ residual) / max(1, len(t) - degree - 1)
-    covariance: Array = variance * np.linalg.inv(basis.T @ basis)
+    covariance = np.asarray(variance * np.linalg.inv(basis.T @ basis), dtype=np.float64)
     return coefficients, covariance, centre, width
 
 
