@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc import rigid, rigid_entry
 from harness.denoc.binding import NOT_FINITE, NOT_PLAIN, entry, make_header
+from harness.denoc.elastic import pack_beams
 from harness.denoc.rows import EXTERNAL, POSITION, TURN
 from harness.denoc.tree import Tree, compile_tree
 from harness.errors import InputError
@@ -36,6 +37,7 @@ class Denoc:
         "_kernels",
         "_model",
         "_zero",
+        "beams",
         "n",
         "names",
         "system",
@@ -53,14 +55,25 @@ class Denoc:
         self.names = system.coordinate_names
         self.n = tree.n
         self.tree: Tree = tree
-        self._elastic = np.zeros(0)
+        self._elastic, self.beams = pack_beams(tree)
         self._header = make_header(tree.bodies, tree.n, tree.rows, tree.topology, self._elastic)
         self._model = int(self._header.ctypes.data)
         self._zero = np.zeros(tree.n)
-        self._kernels: Any = rigid
-        self._arguments: tuple[Any, ...] = (tree.bodies, tree.rows, tree.topology)
-        self._forward = entry(rigid_entry.forward_dynamics, 4)
-        self._inverse = entry(rigid_entry.inverse_dynamics, 4)
+        self._kernels: Any
+        self._arguments: tuple[Any, ...]
+        if system.flexible:
+            # Compiled only where a link bends: a rigid robot does not wait for it.
+            from harness.denoc import flexible, flexible_entry
+
+            self._kernels = flexible
+            self._arguments = (tree.bodies, tree.rows, tree.topology, self._elastic)
+            self._forward = entry(flexible_entry.forward_dynamics, 4)
+            self._inverse = entry(flexible_entry.inverse_dynamics, 4)
+        else:
+            self._kernels = rigid
+            self._arguments = (tree.bodies, tree.rows, tree.topology)
+            self._forward = entry(rigid_entry.forward_dynamics, 4)
+            self._inverse = entry(rigid_entry.inverse_dynamics, 4)
 
     def __reduce__(self) -> tuple[type[Denoc], tuple[System]]:
         # Addresses of arrays do not survive a trip to another process.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc.rows import (
     ACCELERATION,
@@ -149,7 +149,7 @@ def _add_inertia(row: Array, link: Link, rotation: Array, origin: Array) -> None
 
 
 def _check(joint: Joint, link: Link) -> None:
-    numbers = {
+    numbers: dict[str, ArrayLike] = {
         "origin": joint.xyz,
         "rotation": joint.rotation,
         "axis": joint.axis,
@@ -164,6 +164,7 @@ def _check(joint: Joint, link: Link) -> None:
             raise InputError(f"joint {joint.name!r}: {name} is not finite", mend="give finite numbers in SI units")
     if joint.movable and not np.linalg.norm(joint.axis) > 1e-9:
         raise InputError(f"joint {joint.name!r}: axis has no length", mend="give a direction, such as [0, 0, 1]")
-    for name, value in {"mass": link.mass, "centre of mass": link.com, "inertia": link.inertia}.items():
+    body: dict[str, ArrayLike] = {"mass": link.mass, "centre of mass": link.com, "inertia": link.inertia}
+    for name, value in body.items():
         if not np.isfinite(value).all():
             raise InputError(f"link {link.name!r}: {name} is not finite", mend="give finite numbers in SI units")
