@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 
 from harness.engines.checked import held_forces, sample_times, vector, vectors
+from harness.engines.expressed import express, refusal
 from harness.engines.folded import bodies
 from harness.engines.oscillator import oscillate
 from harness.engines.pendulum import swing
@@ -136,17 +137,18 @@ class Analytic:
     def refuses(self, system: System) -> str | None:
         if system.flexible:
             return "closed forms here have no elastic links"
-        if len(system.joint_names) != 1:
-            return f"closed forms exist for one coordinate, the system has {len(system.joint_names)}"
-        if system.attachments:
-            return f"closed forms leave out the effect {system.attachments[0].effect}"
-        return None
+        reason = refusal("the closed form", system, forces=False)
+        if reason:
+            return reason
+        n = len(express(system).system.joint_names)
+        return None if n == 1 else f"closed forms exist for one coordinate, the system has {n}"
 
     def build(self, system: System) -> AnalyticModel:
         """The constants of the one equation of motion; raises UnsupportedError if the system is refused."""
         reason = self.refuses(system)
         if reason:
             raise UnsupportedError(reason, source=system.source)
+        system = express(system).system
         (body,), _ = bodies(system)
         joint = body.joint
         fall = body.rotation.T @ system.gravity  # in the joint's frame at zero

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from harness.effects.catalogue import effect
 from harness.engines.checked import held_forces, positive_step, sample_times, vector, vectors
-from harness.engines.protocol import Array
-from harness.errors import UnsupportedError
+from harness.engines.expressed import Expressed, express
+from harness.engines.protocol import Array, EngineError
+from harness.errors import InputError, UnsupportedError
 from harness.system import System, Trajectory
 
 
@@ -20,14 +22,24 @@ class NativeModel:
     names: tuple[str, ...]
     system: System
     model: Any
+    expressed: Expressed
+
+    def _forces(self, q: Array, qd: Array) -> Array | float:
+        # Joint coordinates alone have laws; elastic ones lie between them.
+        if not self.expressed.forces.any:
+            return 0.0
+        places = [self.names.index(name) for name in self.system.joint_names]
+        total = np.zeros(len(self.names))
+        total[places] = self.expressed.forces(q[places], qd[places])
+        return total
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
         q, qd, tau = vectors(len(self.names), q=q, qd=qd, tau=tau)
-        return np.asarray(self.model.forward_dynamics(q, qd, tau))
+        return np.asarray(self.model.forward_dynamics(q, qd, tau + self._forces(q, qd)))
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
         q, qd, qdd = vectors(len(self.names), q=q, qd=qd, qdd=qdd)
-        return np.asarray(self.model.inverse_dynamics(q, qd, qdd))
+        return np.asarray(self.model.inverse_dynamics(q, qd, qdd)) - self._forces(q, qd)
 
     def mass_matrix(self, q: Array) -> Array:
         return np.asarray(self.model.mass_matrix(vector("q", q, len(self.names))))
@@ -47,13 +59,35 @@ class NativeModel:
     def simulate(
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
     ) -> Trajectory:
-        """RK4 with steps of at most ``step`` [s], or the adaptive method if it is None."""
+        """RK4 with steps of at most ``step`` [s], or the adaptive method if it is None.
+
+        Systems with joint laws beyond damping, springs and dry friction run in the lanes, which always adapt their step.
+        """
         n = len(self.names)
         q0, qd0 = vectors(n, q0=q0, qd0=qd0)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
+        if self.expressed.laws:
+            return self._simulate_laws(q0, qd0, time, forces, positive_step(step))
         trajectory: Trajectory = self.model.simulate(q0, qd0, time, tau=forces, step=positive_step(step))
         return trajectory
+
+    def _simulate_laws(self, q0: Array, qd0: Array, time: Array, tau: Array | None, step: float | None) -> Trajectory:
+        from harness.denoc.lanes import LaneModel
+
+        lanes = LaneModel(self.system)
+        row = lanes.row(self.system)[None]
+        for attachment in self.expressed.laws:
+            law = effect(attachment.effect)
+            assert law.law is not None  # `refuses` lets nothing else pass
+            law.law.write(row, lanes, attachment.site, law.values(attachment.parameters)[None])
+        if self.expressed.shaking is not None:
+            for axis, part in zip("xyz", self.expressed.shaking.direction, strict=True):
+                row[0, lanes.slot("base", f"excitation_{axis}")] = part
+        position, velocity, _ = lanes.simulate(row, q0, qd0, time - time[0], tau=tau, hold="zero", step=step)
+        if not np.all(np.isfinite(position)):
+            raise EngineError("denoc: the motion is not finite any more")
+        return Trajectory(time=time, names=self.names, position=position[0], velocity=velocity[0])
 
     def frequencies(self, q: Array) -> Array:
         return np.asarray(self.model.frequencies(vector("q", q, len(self.names))))
@@ -73,6 +107,13 @@ class Native:
     def refuses(self, system: System) -> str | None:
         if not system.coordinate_names:
             return "the system has no movable joint and no elastic link"
+        try:
+            beyond = express(system).beyond
+        except InputError as error:
+            return str(error)
+        for attachment in beyond:
+            if effect(attachment.effect).law is None:
+                return f"the native dynamics has no law for the effect {attachment.effect} at {attachment.site}"
         return None
 
     def build(self, system: System) -> NativeModel:
@@ -82,4 +123,6 @@ class Native:
             raise UnsupportedError(reason, source=system.source)
         from harness.denoc import Denoc
 
-        return NativeModel(names=system.coordinate_names, system=system, model=Denoc(system))
+        expressed = express(system)
+        system = expressed.system
+        return NativeModel(names=system.coordinate_names, system=system, model=Denoc(system), expressed=expressed)

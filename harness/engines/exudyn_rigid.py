@@ -19,6 +19,7 @@ from harness.engines.checked import (
     vector,
     vectors,
 )
+from harness.engines.expressed import JointForces, express, refusal
 from harness.engines.exudyn_run import exudyn_package, quiet, settings
 from harness.engines.folded import bodies
 from harness.engines.protocol import Array, EngineError
@@ -57,9 +58,10 @@ class ExudynModel:
     damping: Array
     stiffness: Array
     rest: Array
+    forces: JointForces
 
     def _passive(self, q: Array, qd: Array) -> Array:
-        return -self.damping * qd - self.stiffness * (q - self.rest)
+        return -self.damping * qd - self.stiffness * (q - self.rest) + self.forces(q, qd)
 
     def _set(self, q: Array, qd: Array) -> None:
         kinds = exudyn_package().ConfigurationType
@@ -156,8 +158,9 @@ class ExudynModel:
         return stored[0][1:, 1:], stored[1][1:, 1:]
 
     def frequencies(self, q: Array) -> Array:
-        stiffness = jacobian(self.gravity, vector("q", q, len(self.names)))
-        return frequencies(self.mass_matrix(q), stiffness + np.diag(self.stiffness))
+        q = vector("q", q, len(self.names))
+        stiffness = jacobian(lambda x: self.gravity(x) - self._passive(x, np.zeros_like(x)), q)
+        return frequencies(self.mass_matrix(q), stiffness)
 
 
 def _stretches(time: Array, forces: Array | None) -> list[tuple[int, int]]:
@@ -175,14 +178,15 @@ def _stretches(time: Array, forces: Array | None) -> list[tuple[int, int]]:
     return runs
 
 
-def exudyn_tree(system: System) -> tuple[Any, Any, Any]:
+def exudyn_tree(system: System, forces: JointForces | None = None) -> tuple[Any, Any, Any]:
     """(mbs, tree, node) of the rigid system, not yet assembled.
 
     Conventions, all of them: Exudyn's joints turn about z of their frame, so every body's frame is turned by
     ``aligned(axis)``; offsets are in the parent's (turned) frame and come before the rotation; inertias are about the
     centre of mass in the turned frame. Links that fixed joints tie together are one body. Damping and springs are its
     joint controllers with target ``rest`` and target velocity zero. Armature is a second object on the same
-    coordinates with a diagonal mass matrix. Gravity is free fall in both. The order of coordinates is ours.
+    coordinates with a diagonal mass matrix. Joint laws are its force user function. Gravity is free fall in both. The
+    order of coordinates is ours.
     """
     exudyn = exudyn_package()
     from exudyn.itemInterface import NodeGenericODE2, ObjectGenericODE2, ObjectKinematicTree
@@ -193,6 +197,10 @@ def exudyn_tree(system: System) -> tuple[Any, Any, Any]:
     joints = [part.joint for part in parts]
     n = len(parts)
     mbs = exudyn.SystemContainer().AddSystem()
+    laws = {}
+    if forces is not None and forces.any:
+        # Exudyn calls with (mbs, t, item number, q, q_t).
+        laws = {"forceUserFunction": lambda _mbs, _t, _item, q, qd: forces(np.array(q), np.array(qd))}
     node = mbs.AddNode(
         NodeGenericODE2(
             referenceCoordinates=np.zeros(n),
@@ -224,6 +232,7 @@ def exudyn_tree(system: System) -> tuple[Any, Any, Any]:
             jointVelocityOffsetVector=np.zeros(n),
             jointPControlVector=np.array([joint.stiffness for joint in joints]),
             jointDControlVector=np.array([joint.damping for joint in joints]),
+            **laws,
         )
     )
     armature = np.array([joint.armature for joint in joints])
@@ -249,9 +258,7 @@ class Exudyn:
             return "the system has no movable joint"
         if n > LARGEST:
             return f"{n} coordinates: Exudyn's kinematic trees are for up to {LARGEST}"
-        if system.attachments:
-            return f"Exudyn cannot express the effect {system.attachments[0].effect}"
-        return None
+        return refusal("Exudyn", system)
 
     def build(self, system: System) -> ExudynModel:
         """The system in Exudyn; raises UnsupportedError with the reason if it is refused."""
@@ -261,7 +268,9 @@ class Exudyn:
         exudyn = exudyn_package()
         from exudyn.itemInterface import SensorNode
 
-        mbs, tree, node = exudyn_tree(system)
+        expressed = express(system)
+        system = expressed.system
+        mbs, tree, node = exudyn_tree(system, expressed.forces)
         kinds = exudyn.OutputVariableType
         position, velocity = (
             mbs.AddSensor(SensorNode(nodeNumber=node, storeInternal=True, writeToFile=False, outputVariableType=kind))
@@ -279,4 +288,5 @@ class Exudyn:
             damping=np.array([joint.damping for joint in joints]),
             stiffness=np.array([joint.stiffness for joint in joints]),
             rest=np.array([joint.rest_position for joint in joints]),
+            forces=expressed.forces,
         )

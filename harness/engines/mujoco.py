@@ -24,6 +24,7 @@ from harness.engines.checked import (
     sample_times,
     vector,
 )
+from harness.engines.expressed import JointForces, Shaking, express, refusal
 from harness.engines.folded import bodies
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
@@ -65,13 +66,14 @@ def principal(inertia: Array) -> tuple[Array, Array]:
     return moments, quaternion(axes)
 
 
-def mujoco_spec(system: System, step: float = DEFAULT_STEP) -> Any:
+def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces | None = None) -> Any:
     """The rigid system as an ``MjSpec``; inertias too small for MuJoCo's compiler stand in as SMALLEST.
 
     Conventions, all of them: the link frame is MuJoCo's body frame, and the joint sits at its origin with our axis;
     body ``pos`` and ``quat`` are our ``xyz`` and ``rotation``; angles are radians; inertias are given about the centre
     of mass by principal moments and axes. ``springref`` is our rest position and ``ref`` stays zero, so that
-    positions mean the same. Free fall is ``option.gravity``. MuJoCo numbers joints depth first; ``MujocoModel.order``
+    positions mean the same. Quadratic drag is the second coefficient of ``damping``, a cubic spring the third of
+    ``stiffness``. Free fall is ``option.gravity``. MuJoCo numbers joints depth first; ``MujocoModel.order``
     maps by name.
     """
     mujoco = _mujoco()
@@ -86,10 +88,11 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP) -> Any:
     spec.option.timestep = step
     spec.option.gravity = np.array(system.gravity)
     spec.option.disableflags = int(_silent_flags(mujoco))
-    bodies = {system.base: spec.worldbody}
+    places = {name: k for k, name in enumerate(system.joint_names)}
+    carriers = {system.base: spec.worldbody}
     for joint, link in zip(system.joints, system.links, strict=True):
         moments, axes = principal(np.asarray(link.inertia))
-        body = bodies[joint.parent].add_body(
+        body = carriers[joint.parent].add_body(
             name=joint.child,
             pos=np.array(joint.xyz),
             quat=quaternion(joint.rotation),
@@ -100,17 +103,19 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP) -> Any:
             iquat=axes,
             explicitinertial=True,
         )
-        bodies[joint.child] = body
+        carriers[joint.child] = body
         if joint.movable:
             kind = mujoco.mjtJoint.mjJNT_SLIDE if joint.prismatic else mujoco.mjtJoint.mjJNT_HINGE
+            k = places[joint.name]
+            drag, cubic = (0.0, 0.0) if forces is None else (forces.drag[k], forces.cubic[k])
             body.add_joint(
                 name=joint.name,
                 type=kind,
                 pos=np.zeros(3),
                 axis=np.array(joint.axis),
-                damping=np.array([joint.damping, 0.0, 0.0]),
-                stiffness=np.array([joint.stiffness, 0.0, 0.0]),
-                springref=joint.rest_position,
+                damping=np.array([joint.damping, drag, 0.0]),
+                stiffness=np.array([joint.stiffness, 0.0, cubic]),
+                springref=joint.rest_position if joint.stiffness else 0.0,
                 armature=joint.armature,
                 frictionloss=joint.friction,
             )
@@ -123,11 +128,11 @@ def _silent_flags(mujoco: Any) -> Any:
     return off.mjDSBL_CONSTRAINT | off.mjDSBL_CONTACT | off.mjDSBL_LIMIT | off.mjDSBL_EQUALITY | off.mjDSBL_AUTORESET
 
 
-def mujoco_model(system: System, step: float = DEFAULT_STEP) -> Any:
+def mujoco_model(system: System, step: float = DEFAULT_STEP, forces: JointForces | None = None) -> Any:
     """The rigid system as a compiled ``MjModel`` with exactly our masses and inertias; UnsupportedError if refused."""
     mujoco = _mujoco()
     try:
-        model = mujoco_spec(system, step).compile()
+        model = mujoco_spec(system, step, forces).compile()
     except ValueError as error:
         reason = " ".join(str(error).split())
         raise UnsupportedError(f"MuJoCo refuses the system: {reason}", source=system.source) from None
@@ -149,12 +154,18 @@ class MujocoModel:
     data: Any
     order: NDArray[np.intp]
     fixed_potential: float
+    forces: JointForces
+    shaking: Shaking | None
 
     def _set(self, q: Array, qd: Array | None = None) -> Any:
         n = len(self.names)
         self.data.qpos[:] = vector("q", q, n)[self.order]
         self.data.qvel[:] = 0.0 if qd is None else vector("qd", qd, n)[self.order]
         return _mujoco()
+
+    def _extra(self, q: Array, qd: Array) -> Array:
+        """What MuJoCo's joints have no words for: constant torques, cogging, stops."""
+        return self.forces.constant + self.forces.rest(q, qd)
 
     def _out(self, value: Array) -> Array:
         result = np.empty(len(self.names))
@@ -163,7 +174,7 @@ class MujocoModel:
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
         mujoco = self._set(q, qd)
-        self.data.qfrc_applied[:] = vector("tau", tau, len(self.names))[self.order]
+        self.data.qfrc_applied[:] = (vector("tau", tau, len(self.names)) + self._extra(q, qd))[self.order]
         mujoco.mj_forward(self.model, self.data)
         return finite_result("mujoco", "forward dynamics", self._out(self.data.qacc))
 
@@ -171,7 +182,7 @@ class MujocoModel:
         mujoco = self._set(q, qd)
         self.data.qacc[:] = vector("qdd", qdd, len(self.names))[self.order]
         mujoco.mj_inverse(self.model, self.data)
-        return self._out(self.data.qfrc_inverse)
+        return self._out(self.data.qfrc_inverse) - self._extra(q, qd)
 
     def mass_matrix(self, q: Array) -> Array:
         mujoco = self._set(q)
@@ -218,15 +229,15 @@ class MujocoModel:
         self._set(q0, qd0)
         position, velocity = np.empty((time.size, n)), np.empty((time.size, n))
         energy = np.empty(time.size)
-        with self._friction(mujoco), _unlogged(mujoco):
+        with self._friction(mujoco), self._laws(mujoco), _unlogged(mujoco):
             for k, now in enumerate(time):
                 if k:
                     span = now - time[k - 1]
                     # A hair of slack, so that a sample spacing equal to the step is one step in spite of rounding.
                     count = max(1, int(np.ceil(span / largest * (1.0 - 1e-9))))
                     self.model.opt.timestep = span / count
-                    if forces is not None:
-                        self.data.qfrc_applied[:] = forces[k - 1][self.order]
+                    applied = self.forces.constant if forces is None else forces[k - 1] + self.forces.constant
+                    self.data.qfrc_applied[:] = applied[self.order]
                     mujoco.mj_step(self.model, self.data, nstep=count)
                     self._check(mujoco, now)
                 position[k] = self._out(self.data.qpos)
@@ -257,9 +268,32 @@ class MujocoModel:
         finally:
             self.model.opt.disableflags = kept
 
+    @contextmanager
+    def _laws(self, mujoco: Any) -> Iterator[None]:
+        """Cogging, stops and the shaking base, evaluated at every stage of every step by MuJoCo's callback."""
+        if not self.forces.irregular and self.shaking is None:
+            yield
+            return
+        still = self.model.opt.gravity.copy()
+        self.data.time = 0.0
+
+        def passive(model: Any, data: Any) -> None:
+            data.qfrc_passive[:] += self.forces.rest(self._out(data.qpos), self._out(data.qvel))[self.order]
+            if self.shaking is not None:
+                # In the base's own axes everything falls the other way. MuJoCo applies gravity after this call.
+                model.opt.gravity[:] = still - self.shaking(data.time)
+
+        mujoco.set_mjcb_passive(passive)
+        try:
+            yield
+        finally:
+            mujoco.set_mjcb_passive(None)
+            self.model.opt.gravity[:] = still
+
     def frequencies(self, q: Array) -> Array:
-        springs = self._out(np.asarray(self.model.jnt_stiffness).reshape(self.model.nv, -1)[:, 0])
-        stiffness = jacobian(self.gravity, vector("q", q, len(self.names)))
+        q = vector("q", q, len(self.names))
+        springs = np.array([joint.stiffness for joint in self.system.movable_joints])
+        stiffness = jacobian(lambda x: self.gravity(x) - self.forces(x, np.zeros_like(x)), q)
         return frequencies(self.mass_matrix(q), stiffness + np.diag(springs))
 
 
@@ -287,8 +321,13 @@ class Mujoco:
             return "MuJoCo has no elastic links"
         if not system.joint_names:
             return "the system has no movable joint"
-        if system.attachments:
-            return f"MuJoCo cannot express the effect {system.attachments[0].effect}"
+        reason = refusal("MuJoCo", system, shaking=True)
+        if reason:
+            return reason
+        expressed = express(system)
+        for joint, cubic in zip(expressed.system.movable_joints, expressed.forces.cubic, strict=True):
+            if cubic and joint.stiffness and joint.rest_position:
+                return f"MuJoCo's cubic spring has the rest position of the linear one, joint {joint.name} has two"
         return None
 
     def build(self, system: System) -> MujocoModel:
@@ -297,7 +336,9 @@ class Mujoco:
         if reason:
             raise UnsupportedError(reason, source=system.source)
         mujoco = _mujoco()
-        model = mujoco_model(system)
+        expressed = express(system)
+        system = expressed.system
+        model = mujoco_model(system, forces=expressed.forces)
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
         order = np.empty(model.nv, dtype=np.intp)
@@ -310,4 +351,6 @@ class Mujoco:
             data=mujoco.MjData(model),
             order=order,
             fixed_potential=bodies(system)[1],
+            forces=expressed.forces,
+            shaking=expressed.shaking,
         )

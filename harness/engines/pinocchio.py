@@ -1,6 +1,7 @@
 """Pinocchio: articulated-body and recursive Newton-Euler algorithms, built through its API, not through files.
 
-Pinocchio knows ``armature`` and no other joint property, so damping and springs are put on the right-hand side here.
+Pinocchio knows ``armature`` and no other joint property, so damping, springs and the joint laws of attached
+effects are put on the right-hand side here.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ from harness.engines.checked import (
     vector,
     vectors,
 )
+from harness.engines.expressed import JointForces, express, refusal
 from harness.engines.march import march
 from harness.engines.protocol import Array
-from harness.engines.small_motion import frequencies
+from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import EngineUnavailableError, UnsupportedError
 from harness.system import Joint, Link, System, Trajectory
 
@@ -100,9 +102,10 @@ class PinocchioModel:
     damping: Array = field(repr=False)
     stiffness: Array = field(repr=False)
     rest: Array = field(repr=False)
+    forces: JointForces = field(repr=False)
 
     def _passive(self, q: Array, qd: Array) -> Array:
-        return -self.damping * qd - self.stiffness * (q - self.rest)
+        return -self.damping * qd - self.stiffness * (q - self.rest) + self.forces(q, qd)
 
     def _out(self, value: Array) -> Array:
         result = np.empty_like(value)
@@ -142,7 +145,7 @@ class PinocchioModel:
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
         q, qd = vectors(len(self.names), q=q, qd=qd)
         pin = _pinocchio()
-        spring = 0.5 * float(self.stiffness @ (q - self.rest) ** 2)
+        spring = 0.5 * float(self.stiffness @ (q - self.rest) ** 2) + 0.25 * float(self.forces.cubic @ q**4)
         potential = float(pin.computePotentialEnergy(self.model, self.data, q[self.order]))
         # Pinocchio 4.1 counts the armature of some kinds of joint and forgets it for revolute ones with a general axis.
         kinetic = float(pin.computeKineticEnergy(self.bare, self.data, q[self.order], qd[self.order]))
@@ -172,7 +175,8 @@ class PinocchioModel:
         slope = _pinocchio().computeGeneralizedGravityDerivatives(self.model, self.data, q[self.order])
         stiffness = np.empty_like(slope)
         stiffness[np.ix_(self.order, self.order)] = slope
-        return frequencies(self.mass_matrix(q), stiffness + np.diag(self.stiffness))
+        springs = np.diag(self.stiffness) - jacobian(lambda x: self.forces(x, np.zeros_like(x)), q)
+        return frequencies(self.mass_matrix(q), stiffness + springs)
 
 
 @dataclass(frozen=True)
@@ -192,9 +196,7 @@ class Pinocchio:
             return "the system has no movable joint"
         if n > LARGEST:
             return f"{n} coordinates: pinocchio.Data would take {32 * n**3 / 1e9:.1f} GB (four tensors of n³)"
-        if system.attachments:
-            return f"Pinocchio cannot express the effect {system.attachments[0].effect}"
-        return None
+        return refusal("Pinocchio", system)
 
     def build(self, system: System) -> PinocchioModel:
         """The system in Pinocchio; raises UnsupportedError with the reason if it is refused."""
@@ -202,6 +204,8 @@ class Pinocchio:
         if reason:
             raise UnsupportedError(reason, source=system.source)
         pin = _pinocchio()
+        expressed = express(system)
+        system = expressed.system
         model = pinocchio_model(system)
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
@@ -222,4 +226,5 @@ class Pinocchio:
             damping=np.array([joint.damping for joint in joints]),
             stiffness=np.array([joint.stiffness for joint in joints]),
             rest=np.array([joint.rest_position for joint in joints]),
+            forces=expressed.forces,
         )

@@ -1,0 +1,152 @@
+"""The effects attached to a system, split into what its description says by itself and joint laws left to the engines.
+
+Effects of sensors and inputs act outside the engines (on predicted channels, on efforts before they are handed over) and
+are passed over here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.effects.attach import apply
+from harness.effects.catalogue import effect
+from harness.effects.directions import sideways
+from harness.engines.protocol import Array
+from harness.errors import InputError
+from harness.system import Attachment, System
+
+# Joint laws that are a function of position and velocity, so that any engine can be handed them as a force.
+FORCES = ("quadratic_drag", "cubic_stiffness", "constant_torque", "cogging_torque", "end_stop")
+
+
+@dataclass(frozen=True, eq=False)
+class JointForces:
+    """Joint laws of position and velocity, each array of shape (n,) in the order of the joints, zero where absent.
+
+    drag [N·m·s²/rad²], cubic [N·m/rad³], constant [N·m], cogging amplitude [N·m], periods [1/rev] and phase [rad],
+    stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad].
+    """
+
+    drag: Array
+    cubic: Array
+    constant: Array
+    cogging_amplitude: Array
+    cogging_periods: Array
+    cogging_phase: Array
+    stop_angle: Array
+    stop_stiffness: Array
+    stop_damping: Array
+
+    @property
+    def any(self) -> bool:
+        return any(np.any(getattr(self, name)) for name in ("drag", "cubic", "constant")) or self.irregular
+
+    @property
+    def irregular(self) -> bool:
+        """Whether there is more than polynomials of position and velocity: cogging or a stop."""
+        return bool(np.any(self.cogging_amplitude) or np.any(self.stop_stiffness) or np.any(self.stop_damping))
+
+    def __call__(self, q: Array, qd: Array) -> Array:
+        """Generalized forces on the right-hand side, shape (n,)."""
+        return self.polynomial(q, qd) + self.rest(q, qd)
+
+    def polynomial(self, q: Array, qd: Array) -> Array:
+        """Drag, cubic springs and constant torques, shape (n,)."""
+        return np.asarray(self.constant - self.drag * qd * np.abs(qd) - self.cubic * q**3)
+
+    def rest(self, q: Array, qd: Array) -> Array:
+        """Cogging and end stops, shape (n,). A stop pushes and never pulls."""
+        side = np.where(self.stop_angle < 0.0, -1.0, 1.0)
+        depth = side * (q - self.stop_angle)
+        contact = np.maximum(self.stop_stiffness * depth + self.stop_damping * side * qd, 0.0)
+        push = np.where(depth > 0.0, side * contact, 0.0)
+        return np.asarray(self.cogging_amplitude * np.sin(self.cogging_periods * q + self.cogging_phase) - push)
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """Acceleration of the base: amplitude [m/s²] · sin(2π frequency [Hz] · t + phase [rad]), t from the first sample."""
+
+    direction: tuple[float, float, float]
+    amplitude: float
+    frequency: float
+    phase: float
+
+    def __call__(self, time: float) -> Array:
+        """Acceleration of the base [m/s²] in base coordinates, shape (3,)."""
+        size = self.amplitude * np.sin(2.0 * np.pi * self.frequency * time + self.phase)
+        return size * np.array(self.direction)
+
+
+@dataclass(frozen=True, eq=False)
+class Expressed:
+    """A system as an engine meets it.
+
+    system: every effect that its description has words for written into it, no attachments left. forces, shaking: joint
+    laws and the moving base. laws: all attachments that act as laws of joints or base, those of ``forces`` and
+    ``shaking`` included. beyond: those that are neither, and need an engine with that law built in.
+    """
+
+    system: System
+    forces: JointForces
+    shaking: Shaking | None
+    laws: tuple[Attachment, ...]
+    beyond: tuple[Attachment, ...]
+
+    def refusal(self, engine: str, *, forces: bool = True, shaking: bool = False) -> str | None:
+        """Why an engine that takes forces or a shaking base (or not) cannot express the system, or None."""
+        for attachment in self.laws:
+            can = attachment.effect in FORCES if attachment not in self.beyond else False
+            if attachment.effect == "base_excitation":
+                if not shaking:
+                    return f"{engine} cannot express the effect base_excitation"
+            elif not (can and forces):
+                return f"{engine} cannot express the effect {attachment.effect} at {attachment.site}"
+        return None
+
+
+def express(system: System) -> Expressed:
+    """Split the system's effects; InputError for an effect, site or parameter that does not exist."""
+    plain = replace(system, attachments=())
+    for attachment in system.attachments:
+        if attachment.effect == "backlash" and "stiffness" in attachment.parameters:
+            # The law of the play itself, as the drive side left it; there is nothing more to write into the system.
+            plain = replace(plain, attachments=(*plain.attachments, attachment))
+        elif effect(attachment.effect).side == "dynamics":
+            plain = apply(plain, attachment)
+    laws, plain = plain.attachments, replace(plain, attachments=())
+    names = plain.joint_names
+    table = {name: np.zeros(len(names)) for name in JointForces.__dataclass_fields__}
+    shaking = None
+    beyond = []
+    for law in laws:
+        values = dict(law.parameters)
+        if law.effect == "base_excitation":
+            x, y, z = sideways(plain)
+            shaking = Shaking((x, y, z), values["amplitude"], values["frequency"], values["phase"])
+        elif law.effect in FORCES and law.site in names:
+            k = names.index(law.site)
+            for name, parameter in _PLACES[law.effect].items():
+                table[name][k] = values[parameter]
+        else:
+            beyond.append(law)
+    return Expressed(plain, JointForces(**table), shaking, laws, tuple(beyond))
+
+
+def refusal(engine: str, system: System, *, forces: bool = True, shaking: bool = False) -> str | None:
+    """Why an engine cannot express the system's effects, or None; a wrong effect is a reason too."""
+    try:
+        return express(system).refusal(engine, forces=forces, shaking=shaking)
+    except InputError as error:
+        return str(error)
+
+
+_PLACES = {
+    "quadratic_drag": {"drag": "coefficient"},
+    "cubic_stiffness": {"cubic": "stiffness"},
+    "constant_torque": {"constant": "torque"},
+    "cogging_torque": {"cogging_amplitude": "amplitude", "cogging_periods": "periods", "cogging_phase": "phase"},
+    "end_stop": {"stop_angle": "angle", "stop_stiffness": "stiffness", "stop_damping": "damping"},
+}

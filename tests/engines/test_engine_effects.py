@@ -1,0 +1,162 @@
+"""Effects attached to a system: every engine that takes one gives the same accelerations and the same motion.
+
+MuJoCo says drag and cubic springs by its own joint polynomials and moves gravity for a shaking base; Pinocchio and Exudyn are
+handed forces; the native lanes have compiled laws. What they share is the law on paper alone.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.effects.catalogue import catalogue
+from harness.engines import registry
+from harness.engines.expressed import express
+from harness.errors import UnsupportedError
+from harness.system import Attachment, System
+from harness.system.random_systems import random_chain
+
+TIME = np.linspace(0.0, 1.5, 76)
+LAWS = {
+    "viscous_damping": {"coefficient": 0.3},
+    "quadratic_drag": {"coefficient": 0.2},
+    "joint_stiffness": {"stiffness": 3.0, "rest_angle": 0.4},
+    "cubic_stiffness": {"stiffness": 2.0},
+    "constant_torque": {"torque": -0.7},
+    "cogging_torque": {"amplitude": 0.5, "periods": 6.0, "phase": 0.3},
+    "end_stop": {"angle": 0.6, "stiffness": 300.0, "damping": 2.0},
+    "added_inertia": {"inertia": 0.05},
+    "base_tilt": {"angle": 0.1},
+    "payload_mass": {"mass": 0.2},
+    "joint_flexibility": {"stiffness": 40.0, "damping": 0.1},
+}
+FORCES_ONLY = ("quadratic_drag", "cubic_stiffness", "constant_torque", "cogging_torque", "end_stop")
+
+
+def arm(*attachments: Attachment) -> System:
+    return replace(random_chain(2, 2, prismatic=0.0, armature=True, damping=True), attachments=attachments)
+
+
+def with_effect(name: str) -> System:
+    kind = catalogue()[name].site
+    site = {"joint": "joint2", "link": "link2", "base": "base"}[kind]
+    return arm(Attachment(name, site, LAWS[name]))
+
+
+def runs(system: System, names: tuple[str, ...], fine: float = 2.5e-4) -> dict[str, np.ndarray]:
+    found = {}
+    for name in names:
+        model = registry.engine(name).build(system)
+        n = len(model.names)
+        q0, qd0 = np.linspace(0.3, 0.5, n), np.linspace(1.0, 2.0, n)
+        step = fine if name in ("mujoco", "exudyn") else None
+        found[name] = model.simulate(q0, qd0, TIME, step=step).position
+    return found
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_same_acceleration(name: str) -> None:
+    system = with_effect(name)
+    models = [registry.engine(engine).build(system) for engine in ("pinocchio", "mujoco", "exudyn", "denoc")]
+    n = len(models[0].names)
+    for state in np.random.default_rng(4).normal(size=(6, 3, n)):
+        q, qd, tau = state
+        expected = models[0].forward_dynamics(q, qd, tau)
+        plain = registry.engine("pinocchio").build(arm())
+        if n == len(plain.names) and name not in ("end_stop", "base_tilt"):
+            # The effect is really there.
+            assert np.max(np.abs(plain.forward_dynamics(q, qd, tau) - expected)) > 1e-6
+        for model in models[1:]:
+            assert model.forward_dynamics(q, qd, tau) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+            # Inverse dynamics counts the effect on the other side.
+            assert model.inverse_dynamics(q, qd, expected) == pytest.approx(tau, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_same_motion(name: str) -> None:
+    # RK4 at 0.25 ms; a drag's change of sign is a kink, and a damped stop a jump, at which it falls to first order.
+    found = runs(with_effect(name), ("pinocchio", "mujoco", "exudyn"), 5e-5 if name == "end_stop" else 2.5e-4)
+    allowed = {"end_stop": 2e-5, "quadratic_drag": 1e-7}.get(name, 1e-8)
+    assert found["mujoco"] == pytest.approx(found["pinocchio"], abs=allowed)
+    assert found["exudyn"] == pytest.approx(found["pinocchio"], abs=allowed)
+
+
+@pytest.mark.parametrize("name", FORCES_ONLY)
+def test_native_lanes_move_alike(name: str) -> None:
+    found = runs(with_effect(name), ("pinocchio", "denoc"))
+    allowed = {"end_stop": 2e-5, "quadratic_drag": 1e-7}.get(name, 1e-8)
+    assert found["denoc"] == pytest.approx(found["pinocchio"], abs=allowed)
+
+
+def test_shaking_base() -> None:
+    shaking = Attachment("base_excitation", "base", {"amplitude": 2.0, "frequency": 3.0, "phase": 0.4})
+    system = arm(shaking)
+    found = runs(system, ("mujoco", "denoc"))
+    assert found["denoc"] == pytest.approx(found["mujoco"], abs=1e-8)
+    still = runs(arm(), ("mujoco",))
+    assert np.max(np.abs(still["mujoco"] - found["mujoco"])) > 1e-3
+    for engine in ("pinocchio", "exudyn", "analytic"):
+        assert "base_excitation" in str(registry.engine(engine).refuses(system))
+    # MuJoCo's gravity is put back.
+    model = registry.engine("mujoco").build(system)
+    before = model.gravity(np.zeros(2))
+    model.simulate(np.zeros(2), np.zeros(2), TIME[:5])
+    assert np.array_equal(model.gravity(np.zeros(2)), before)
+
+
+def test_base_that_shakes_in_free_space_carries_a_slider_along() -> None:
+    # No gravity, no spring: a slider along the shaking direction stays where it is in space, so its coordinate is minus
+    # the base's displacement, ∬ A sin(ωt+φ), by hand.
+    slider = random_chain(1, 0, prismatic=1.0)
+    joint = replace(slider.joints[0], rotation=np.eye(3), axis=np.array([1.0, 0.0, 0.0]))
+    law = {"amplitude": 2.0, "frequency": 1.5, "phase": 0.4}
+    system = replace(
+        slider, joints=(joint,), gravity=np.zeros(3), attachments=(Attachment("base_excitation", "base", law),)
+    )
+    direction = express(system).shaking
+    assert direction is not None
+    along = direction.direction[0]
+    w = 2.0 * np.pi * 1.5
+    base = 2.0 * (np.cos(0.4) / w * TIME + (np.sin(0.4) - np.sin(w * TIME + 0.4)) / w**2)
+    for engine in ("mujoco", "denoc"):
+        model = registry.engine(engine).build(system)
+        # Starting at another time changes nothing: the shaking counts from the first sample.
+        position = model.simulate(np.zeros(1), np.zeros(1), TIME + 3.0).position[:, 0]
+        assert position == pytest.approx(-along * base, abs=1e-8)
+
+
+def test_laws_only_native_has() -> None:
+    for name, law in (
+        ("stribeck_friction", {"coulomb_torque": 0.1, "static_torque": 0.2, "stribeck_velocity": 0.1}),
+        ("dahl_friction", {"torque": 0.1, "stiffness": 10.0}),
+        ("load_dependent_friction", {"mu_radius": 0.01}),
+    ):
+        system = arm(Attachment(name, "joint1", law))
+        for engine in ("pinocchio", "mujoco", "exudyn", "analytic"):
+            assert name in str(registry.engine(engine).refuses(system))
+            with pytest.raises(UnsupportedError):
+                registry.engine(engine).build(system)
+        assert registry.engine("denoc").refuses(system) is None
+        moved = runs(system, ("denoc",))["denoc"]
+        assert np.all(np.isfinite(moved))
+        assert np.max(np.abs(moved - runs(arm(), ("mujoco",))["mujoco"])) > 1e-4
+
+
+def test_effects_of_sensors_and_inputs_are_none_of_the_engines_business() -> None:
+    gain = Attachment("sensor_gain", "joint1.position", {"gain": 1.1})
+    system = arm(gain, Attachment("actuator_gain", "joint1", {"gain": 0.9}))
+    for name in ("pinocchio", "mujoco", "exudyn", "denoc"):
+        assert registry.engine(name).refuses(system) is None
+
+
+def test_mistakes_in_effects_are_told() -> None:
+    for name in ("denoc", "pinocchio", "mujoco", "exudyn"):
+        engine = registry.engine(name)
+        assert "no_such" in str(engine.refuses(arm(Attachment("no_such", "joint1", {}))))
+        assert "joint9" in str(engine.refuses(arm(Attachment("cubic_stiffness", "joint9", {"stiffness": 1.0}))))
+    both = arm(
+        Attachment("cubic_stiffness", "joint1", {"stiffness": 1.0}),
+        Attachment("joint_stiffness", "joint1", {"stiffness": 1.0, "rest_angle": 0.2}),
+    )
+    assert "rest position" in str(registry.engine("mujoco").refuses(both))
+    assert registry.engine("pinocchio").refuses(both) is None
