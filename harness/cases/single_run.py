@@ -1,0 +1,224 @@
+"""One run of one system in one engine, as the columns of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.cases.case import NATIVE, Array
+from harness.cases.checks.trajectory import initial_state
+from harness.effects import input_chain, sensor_chain
+from harness.engines import registry
+from harness.engines.protocol import EngineError
+from harness.errors import InputError, UnsupportedError
+from harness.system import Attachment, System
+from harness.system.suggest import did_you_mean
+
+# Eight columns of doubles of this length are half a gigabyte.
+MOST_SAMPLES = 10_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class SingleRun:
+    """A finished run.
+
+    columns: recording column name to samples, ``time`` first, each shape (T,). energy: largest change of the total
+    energy relative to the largest kinetic energy, None where the engine does not tell or something drives or damps.
+    """
+
+    engine: str
+    version: str
+    columns: Mapping[str, Array]
+    energy: float | None
+
+
+def assignments(texts: Sequence[str], option: str, quantity: str, system: System) -> dict[str, float]:
+    """``pivot=1.2`` and ``pivot=70[deg]`` as SI values by coordinate name.
+
+    Raises InputError for what is not of that form, an unknown joint, a joint given twice, a unit that does not fit.
+    """
+    from harness.recording.units import factor_to_si
+
+    values: dict[str, float] = {}
+    for text in texts:
+        name, equals, value = text.rpartition("=")
+        value, bracket, unit = value.partition("[")
+        if not equals or not name.strip() or (bracket and not unit.endswith("]")):
+            raise InputError(
+                f"{option} {text!r} is not of the form joint=value", mend=f"{option} pivot=1.2 or pivot=70[deg]"
+            )
+        name = name.strip()
+        if name not in system.coordinate_names:
+            raise InputError(f"{option}: no joint is named {name!r}", mend=did_you_mean(name, system.coordinate_names))
+        if name in values:
+            raise InputError(f"{option}: {name} is given twice", mend="give each joint once")
+        prismatic = name in system.joint_names and system.joint(name).prismatic
+        factor = factor_to_si(unit.rstrip("]"), quantity, prismatic=prismatic)[0] if bracket else 1.0
+        try:
+            values[name] = float(value) * factor
+        except ValueError:
+            raise InputError(f"{option}: {value.strip()!r} is not a number", mend=f"{option} {name}=1.2") from None
+        if not np.isfinite(values[name]):
+            raise InputError(f"{option}: {name} is {value.strip()}", mend="give a finite number")
+    return values
+
+
+def sample_times(duration: float, rate: float) -> Array:
+    """Sample times [s] from 0 to the duration; InputError for figures that make no run."""
+    for name, value in (("--duration", duration), ("--rate", rate)):
+        if not (np.isfinite(value) and value > 0.0):
+            raise InputError(f"{name} {value:g} is not positive", mend="give seconds, and samples a second")
+    count = duration * rate
+    if count > MOST_SAMPLES:
+        raise InputError(f"{count:.0f} samples are more than {MOST_SAMPLES}", mend="lower --rate or --duration")
+    if count < 1.0:
+        raise InputError(f"no sample falls into {duration:g} s at {rate:g} Hz", mend="raise --rate or --duration")
+    return np.arange(int(np.floor(count * (1.0 + 1e-12))) + 1) / rate
+
+
+def effort_from(path: str | Path, time: Array, system: System) -> Array:
+    """Applied efforts at the sample times from a recording's ``<joint>.effort`` columns, shape (T, n).
+
+    Between the file's samples the last one holds; before the first and after the last it is zero.
+    """
+    from harness.recording.table import read_table
+    from harness.recording.units import factor_to_si
+
+    table = read_table(Path(path))
+    columns = {}
+    for header, values in table.columns.items():
+        name, _, unit = header.partition("[")
+        columns[name.strip()] = (np.asarray(values, dtype=np.float64), unit.rstrip("] "))
+    if "time" not in columns:
+        raise InputError("has no column time", source=path, mend="name the columns time and <joint>.effort")
+    stamps = columns["time"][0] * factor_to_si(columns["time"][1], "time", prismatic=None)[0]
+    efforts = {name.removesuffix(".effort"): pair for name, pair in columns.items() if name.endswith(".effort")}
+    if not efforts:
+        raise InputError("has no column <joint>.effort", source=path, mend="name the columns time and <joint>.effort")
+    if not np.isfinite(stamps).all() or (np.diff(stamps) <= 0.0).any():
+        raise InputError("time does not ascend", source=path, column="time", mend="sort the rows, drop repeated ones")
+    tau = np.zeros((len(time), len(system.coordinate_names)))
+    place = np.searchsorted(stamps, time * (1.0 + 1e-12) + 1e-12, side="right") - 1
+    inside = (place >= 0) & (time <= stamps[-1] * (1.0 + 1e-12))
+    for joint, (values, unit) in efforts.items():
+        if joint not in system.joint_names:
+            raise InputError(f"no joint is named {joint!r}", source=path, mend=did_you_mean(joint, system.joint_names))
+        if not np.isfinite(values).all():
+            raise InputError(
+                "is not a finite number everywhere", source=path, column=f"{joint}.effort", mend="fill the gaps"
+            )
+        factor, _ = factor_to_si(unit, "effort", prismatic=system.joint(joint).prismatic, source=path)
+        tau[inside, system.coordinate_names.index(joint)] = factor * values[place[inside]]
+    return tau
+
+
+def run_once(
+    system: System,
+    time: Array,
+    position: Mapping[str, float],
+    velocity: Mapping[str, float],
+    *,
+    engine: str = NATIVE,
+    tau: Array | None = None,
+    step: float | None = None,
+) -> SingleRun:
+    """Run a system once.
+
+    position, velocity: initial values by coordinate name, others zero [rad or m, rad/s or m/s]. tau: (T, n), as
+    recorded; effects of the input attached to the system act on it, those of sensors on what is returned.
+    Raises InputError for an unknown engine, a system the engine cannot express, and a motion that leaves all bounds.
+    """
+    if engine not in registry.names():
+        raise InputError(f"no engine is named {engine!r}", mend=did_you_mean(engine, registry.names()))
+    adapter = registry.engine(engine)
+    version = adapter.version()
+    inner = _without_chain(system)
+    reason = adapter.refuses(inner)
+    if reason is not None:
+        raise UnsupportedError(
+            f"{engine} cannot run it: {reason}", source=system.source, mend="choose another --engine"
+        )
+    model = adapter.build(inner)
+    names = list(system.coordinate_names)
+    q0, qd0 = initial_state(system, dict(position), dict(velocity))
+    arriving = None if tau is None else _through_inputs(system, tau, time)
+    try:
+        run = model.simulate(q0, qd0, time, tau=arriving, step=step)
+    except EngineError as error:
+        raise InputError(str(error), mend="a smaller --step or --duration, or a gentler start") from error
+    columns: dict[str, Array] = {"time": time}
+    for joint in system.joint_names:
+        column = run.names.index(joint)
+        columns[f"{joint}.position"] = run.position[:, column]
+        columns[f"{joint}.velocity"] = run.velocity[:, column]
+        if tau is not None:
+            columns[f"{joint}.effort"] = tau[:, names.index(joint)]
+    columns.update(run.channels)
+    for name, values in columns.items():
+        if not np.isfinite(values).all():
+            first = float(time[int(np.argmin(np.isfinite(values)))])
+            raise InputError(
+                f"{engine}: {name} stops being finite at {first:g} s", mend="a smaller --step, or a gentler start"
+            )
+    seen = {name: _through_sensors(system, name, values, time) for name, values in columns.items()}
+    return SingleRun(engine, version, seen, _energy_change(system, model, run, tau))
+
+
+def _chained(attachment: Attachment) -> bool:
+    from harness.effects import effect
+
+    kind = effect(attachment.effect)
+    return kind.sensor is not None or kind.input is not None
+
+
+def _without_chain(system: System) -> System:
+    from dataclasses import replace
+
+    return replace(system, attachments=tuple(a for a in system.attachments if not _chained(a)))
+
+
+def _through_inputs(system: System, tau: Array, time: Array) -> Array:
+    arriving = tau.copy()
+    for joint in system.joint_names:
+        column = system.coordinate_names.index(joint)
+        for kind, attachment in input_chain(system.attachments, joint):
+            if kind.input is not None:
+                values = kind.values(attachment.parameters)[None, :]
+                arriving[:, column] = kind.input.apply(arriving[None, :, column], time, values)[0]
+    return arriving
+
+
+def _through_sensors(system: System, channel: str, signal: Array, time: Array) -> Array:
+    if channel == "time" or channel.endswith(".effort"):
+        return signal
+    for kind, attachment in sensor_chain(system.attachments, channel):
+        if kind.sensor is not None:
+            signal = kind.sensor.apply(signal[None, :], time, kind.values(attachment.parameters)[None, :])[0]
+    return signal
+
+
+def _energy_change(system: System, model: object, run: object, tau: Array | None) -> float | None:
+    """Change of the total energy where it should be kept: nothing drives, damps or rubs."""
+    from harness.engines.protocol import EngineModel
+    from harness.system import Trajectory
+
+    losing = any(joint.damping or joint.friction or joint.stiffness for joint in system.joints)
+    if tau is not None or losing or system.attachments or system.flexible:
+        return None
+    if (
+        not isinstance(model, EngineModel)
+        or not isinstance(run, Trajectory)
+        or len(run.names) != len(system.coordinate_names)
+    ):
+        return None
+    some = np.unique(np.linspace(0, len(run.time) - 1, 50).round().astype(int))
+    try:
+        parts = np.array([model.energy(run.position[k], run.velocity[k]) for k in some])
+    except UnsupportedError:
+        return None
+    total = parts.sum(axis=1)
+    largest = float(parts[:, 0].max())
+    return float(np.abs(total - total[0]).max() / largest) if largest > 0.0 else 0.0

@@ -1,0 +1,84 @@
+"""``denoc simulate``: one run."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from harness.cli.options import console, write_json
+
+
+@click.command()
+@click.argument("system", metavar="SYSTEM")
+@click.option("--duration", type=float, default=10.0, show_default=True, metavar="S", help="Length of the run [s].")
+@click.option("--rate", type=float, default=1000.0, show_default=True, metavar="HZ", help="Samples a second.")
+@click.option("--position", multiple=True, metavar="JOINT=VALUE", help="Start position, pivot=1.2 or 'pivot=70[deg]'.")
+@click.option("--velocity", multiple=True, metavar="JOINT=VALUE", help="Start velocity, pivot=0.5 or 'pivot=30[rpm]'.")
+@click.option("--effort", metavar="FILE", help="Applied efforts: a recording with time and <joint>.effort columns.")
+@click.option("--engine", default="denoc", show_default=True, help="Which engine runs it (denoc doctor lists them).")
+@click.option("--step", type=float, metavar="S", help="Fixed step [s]; default: the engine's own choice.")
+@click.option("--plot", metavar="FILE", help="Draw the run to a .png, .svg or .pdf.")
+@click.option("--out", metavar="FILE", help="The recording: .csv, .csv.gz or .parquet (a folder: run.csv in it).")
+@click.option(
+    "--json", "json_file", metavar="FILE", help="Write a summary for programs to FILE; '-' is standard output."
+)
+def simulate(
+    system: str,
+    duration: float,
+    rate: float,
+    position: tuple[str, ...],
+    velocity: tuple[str, ...],
+    effort: str | None,
+    engine: str,
+    step: float | None,
+    plot: str | None,
+    out: str | None,
+    json_file: str | None,
+) -> int:
+    """Run SYSTEM (URDF, MJCF or TOML) once, to a recording or a plot.
+
+    Without --out, --plot and --json the recording goes to standard output.
+
+    \b
+    Examples:
+      denoc simulate models/urdf/rigid_pendulum.urdf --position pivot=1.2 --out run.csv
+      denoc simulate robot.xml --engine mujoco --duration 2 --rate 100 --plot run.png
+    """
+    import json
+
+    from harness.cases.single_run import assignments, effort_from, run_once, sample_times
+    from harness.report.run_files import csv_text, write_plot, write_recording
+    from harness.system import load
+
+    mechanism = load(system)
+    time = sample_times(duration, rate)
+    start = assignments(position, "--position", "position", mechanism)
+    speed = assignments(velocity, "--velocity", "velocity", mechanism)
+    tau = None if effort is None else effort_from(effort, time, mechanism)
+    run = run_once(mechanism, time, start, speed, engine=engine, tau=tau, step=step)
+    screen = console(json_file)
+    if out is not None:
+        target = Path(out) / "run.csv" if Path(out).is_dir() else Path(out)
+        screen.print(f"wrote {write_recording(run.columns, target)}", markup=False)
+    if plot is not None:
+        screen.print(f"wrote {write_plot(run.columns, plot, f'{mechanism.name} ({engine})')}", markup=False)
+    if json_file is not None:
+        summary = {
+            "schema": "denoc.simulation/1",
+            "system": mechanism.name,
+            "engine": run.engine,
+            "version": run.version,
+            "duration": float(time[-1]),
+            "samples": len(time),
+            "columns": list(run.columns),
+            "final": {name: float(values[-1]) for name, values in run.columns.items()},
+            "energy_change": run.energy,
+        }
+        write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
+    if out is None and plot is None and json_file is None:
+        sys.stdout.write(csv_text(run.columns))
+    elif run.energy is not None:
+        screen.print(f"energy is kept to {run.energy:.1e} of the largest kinetic energy")
+    return 0

@@ -1,0 +1,80 @@
+"""A run as a recording file, and as a picture."""
+
+from __future__ import annotations
+
+import gzip
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.errors import InputError
+from harness.report.files import staged, write_whole
+
+Columns = Mapping[str, Any]
+ENDINGS = (".csv", ".csv.gz", ".parquet")
+
+
+def csv_text(columns: Columns) -> str:
+    """Header and samples, every digit kept."""
+    table = np.column_stack(list(columns.values()))
+    # Time is a multiple of the sample spacing: its digits beyond the tenth are rounding.
+    lines = [",".join([f"{row[0]:.10g}", *(repr(float(value)) for value in row[1:])]) for row in table]
+    return "\n".join([",".join(columns), *lines]) + "\n"
+
+
+def write_recording(columns: Columns, path: str | Path) -> Path:
+    """Write a recording; the ending chooses the format. Raises InputError for an unknown ending."""
+    path = Path(path)
+    name = path.name.lower()
+    if name.endswith(".csv"):
+        return write_whole(path, csv_text(columns))
+    if name.endswith(".csv.gz"):
+        data = io.BytesIO()
+        # No time stamp inside: equal runs make equal files.
+        with gzip.GzipFile(fileobj=data, mode="wb", mtime=0) as archive:
+            archive.write(csv_text(columns).encode())
+        return write_whole(path, data.getvalue())
+    if name.endswith(".parquet"):
+        import pyarrow
+        import pyarrow.parquet
+
+        with staged(path) as temporary:
+            pyarrow.parquet.write_table(pyarrow.table(dict(columns)), temporary)
+        return path
+    raise InputError(f"unknown ending {path.suffix!r}", source=path, mend="use " + ", ".join(ENDINGS))
+
+
+def write_plot(columns: Columns, path: str | Path, title: str) -> Path:
+    """A picture of every column over time, one panel a quantity; PNG, SVG or PDF by the ending."""
+    path = Path(path)
+    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise InputError(f"unknown ending {path.suffix!r}", source=path, mend="use .png, .svg or .pdf")
+    from matplotlib.figure import Figure
+
+    labels = {
+        "position": "position [rad or m]",
+        "velocity": "velocity [rad/s or m/s]",
+        "effort": "effort [N·m or N]",
+        "tip_deflection": "tip deflection [m]",
+        "root_strain": "root strain [1]",
+        "tip_acceleration": "tip acceleration [m/s²]",
+    }
+    kinds = list(dict.fromkeys(name.rpartition(".")[2] for name in columns if name != "time"))
+    figure = Figure(figsize=(9.0, 1.2 + 2.2 * len(kinds)), layout="constrained")
+    axes = figure.subplots(len(kinds), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, kind in zip(axes, kinds, strict=True):
+        for name, values in columns.items():
+            if name.rpartition(".")[2] == kind and name != "time":
+                ax.plot(columns["time"], values, lw=1.2, label=name.rpartition(".")[0])
+        ax.set_ylabel(labels.get(kind, kind))
+        ax.grid(alpha=0.3)
+        if len(columns) <= 25:
+            ax.legend(fontsize=8, loc="upper right")
+    axes[-1].set_xlabel("time [s]")
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
+    with staged(path) as temporary:
+        figure.savefig(temporary, dpi=130, format=path.suffix[1:].lower())
+    return path
