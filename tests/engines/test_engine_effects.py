@@ -43,13 +43,13 @@ def with_effect(name: str) -> System:
     return arm(Attachment(name, site, LAWS[name]))
 
 
-def runs(system: System, names: tuple[str, ...], fine: float = 2.5e-4) -> dict[str, np.ndarray]:
+def runs(system: System, names: tuple[str, ...]) -> dict[str, np.ndarray]:
     found = {}
     for name in names:
         model = registry.engine(name).build(system)
         n = len(model.names)
         q0, qd0 = np.linspace(0.3, 0.5, n), np.linspace(1.0, 2.0, n)
-        step = fine if name in ("mujoco", "exudyn") else None
+        step = 2.5e-4 if name in ("mujoco", "exudyn") else None
         found[name] = model.simulate(q0, qd0, TIME, step=step).position
     return found
 
@@ -74,18 +74,19 @@ def test_same_acceleration(name: str) -> None:
 
 @pytest.mark.parametrize("name", LAWS)
 def test_same_motion(name: str) -> None:
-    # RK4 at 0.25 ms; a drag's change of sign is a kink, and a damped stop a jump, at which it falls to first order.
-    found = runs(with_effect(name), ("pinocchio", "mujoco", "exudyn"), 5e-5 if name == "end_stop" else 2.5e-4)
-    allowed = {"end_stop": 2e-5, "quadratic_drag": 1e-7}.get(name, 1e-8)
+    found = runs(with_effect(name), ("pinocchio", "mujoco", "exudyn"))
+    # RK4 at 0.25 ms. A drag's change of sign is a kink; the damping of a stop sets in with a jump, at which RK4 is of
+    # first order and no better than the force's jump over the inertia times the step (measured: 6e-4 at 0.5 ms).
+    allowed = {"end_stop": 5e-4, "quadratic_drag": 1e-7}.get(name, 1e-8)
     assert found["mujoco"] == pytest.approx(found["pinocchio"], abs=allowed)
     assert found["exudyn"] == pytest.approx(found["pinocchio"], abs=allowed)
 
 
 @pytest.mark.parametrize("name", FORCES_ONLY)
 def test_native_lanes_move_alike(name: str) -> None:
+    # Both adapt their steps to kinks and jumps.
     found = runs(with_effect(name), ("pinocchio", "denoc"))
-    allowed = {"end_stop": 2e-5, "quadratic_drag": 1e-7}.get(name, 1e-8)
-    assert found["denoc"] == pytest.approx(found["pinocchio"], abs=allowed)
+    assert found["denoc"] == pytest.approx(found["pinocchio"], abs=1e-8)
 
 
 def test_shaking_base() -> None:
