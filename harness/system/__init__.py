@@ -1,5 +1,6 @@
 """What a mechanism is, and URDF, MJCF and TOML in and out."""
 
+from harness.system.audit import Audit, audit
 from harness.system.description import Attachment, Beam, Joint, JointType, Link, System
 from harness.system.load import load
 from harness.system.random_systems import random_chain, random_tree
@@ -8,12 +9,14 @@ from harness.system.write import write
 
 __all__ = [
     "Attachment",
+    "Audit",
     "Beam",
     "Joint",
     "JointType",
     "Link",
     "System",
     "Trajectory",
+    "audit",
     "load",
     "random_chain",
     "random_tree",
