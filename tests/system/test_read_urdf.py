@@ -122,7 +122,7 @@ def test_published_robots_are_read_as_pinocchio_reads_them_or_refused_in_one_lin
             harness.load(path)
         except InputError as error:
             unphysical.append(str(error))
-    # Of the files of release 4.3: no joint at all (hector, iris_simple) or grippers without any inertia (romeo).
+    # Of the files of release 6.0: no joint at all (hector, iris_simple) or grippers without any inertia (romeo).
     assert len(read) >= 64
     for line in refused:
         assert "nothing can move" in line or "inertia about its axis is zero" in line, line
