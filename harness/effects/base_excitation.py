@@ -51,5 +51,5 @@ EFFECT = Effect(
     },
     needs=("motion",),
     confusable_with=("base_compliance", "cogging_torque"),
-    law=JointLaw(("excitation_amplitude", "excitation_frequency", "excitation_phase")),
+    law=JointLaw(("excitation_amplitude", "excitation_frequency", "excitation_phase"), sideways=True),
 )

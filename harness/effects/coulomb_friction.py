@@ -16,7 +16,7 @@ EFFECT = Effect(
         Parameter(
             "torque",
             "N*m",
-            "torque against sliding, and the most that holds the joint at rest; the model's own replaced",
+            "torque against sliding, and the most that holds the joint at rest, beside what the model states",
             lower=0.0,
             scale=Scale(0.02, torque=1),
             starts=(0.1, 1.0),

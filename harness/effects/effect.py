@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from harness.effects.directions import sideways
 from harness.effects.scale import References, Scale
 from harness.errors import InputError
 from harness.system import System
@@ -81,10 +82,13 @@ class Parameter:
 
 
 class Rows(Protocol):
-    """What a law needs of the native lanes: where a parameter stands in a lane's row."""
+    """What a law needs of the native lanes: where a parameter stands in a lane's row, and of which system."""
+
+    @property
+    def system(self) -> System: ...
 
     def slot(self, site: str, name: str) -> int:
-        """Index of the parameter in the row; KeyError if the topology has no such slot."""
+        """Index of the parameter in the row; InputError if the topology has no such slot."""
         ...
 
 
@@ -92,16 +96,22 @@ class Rows(Protocol):
 class JointLaw:
     """Acts through slots of a lane's row, so that trying it compiles nothing.
 
-    slots: slot name for each parameter, in the order of the effect's parameters. A slot holds one number: the effect's
-    value is the whole of it, and what the nominal model had there is replaced.
+    slots: slot name for each parameter, in the order of the effect's parameters.
+    sideways: whether the slots of the base's direction are to be set as well, to the horizontal in the plane of motion.
     """
 
     slots: tuple[str, ...]
+    sideways: bool = False
 
     def write(self, rows: Array, model: Rows, site: str, params: Array) -> None:
-        """Put ``params`` (B, k), in SI, into ``rows`` (B, P) in place."""
+        """Put ``params`` (B, k), in SI, into ``rows`` (B, P) in place; what stood in the slots is replaced."""
         for column, slot in enumerate(self.slots):
             rows[:, model.slot(site, slot)] = params[:, column]
+        if self.sideways:
+            for name, share in zip(
+                ("excitation_x", "excitation_y", "excitation_z"), sideways(model.system), strict=True
+            ):
+                rows[:, model.slot(site, name)] = share
 
 
 @dataclass(frozen=True)

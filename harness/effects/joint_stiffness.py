@@ -14,7 +14,7 @@ EFFECT = Effect(
         Parameter(
             "stiffness",
             "N*m/rad",
-            "torque per angle; the whole of the joint's stiffness, the model's own replaced",
+            "torque per angle, beside what the model states",
             lower=0.0,
             scale=Scale(0.1, torque=1),
             starts=(0.3, 2.0),

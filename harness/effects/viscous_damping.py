@@ -12,7 +12,7 @@ EFFECT = Effect(
         Parameter(
             "coefficient",
             "N*m*s/rad",
-            "torque per speed; the whole of the joint's damping, the model's own replaced",
+            "torque per speed, beside what the model states",
             lower=0.0,
             scale=Scale(0.01, torque=1, frequency=-1),
             starts=(0.3, 2.0),

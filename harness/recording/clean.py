@@ -1,0 +1,222 @@
+"""Each channel looked at by itself: missing samples, wrapped angles, outliers, steps, plateaus at the extremes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import InputError
+from harness.recording.recording import QualityNote
+from harness.system.description import Array
+
+TURN = 2.0 * np.pi
+SAFE_STEP = 0.5 * np.pi  # largest true motion from sample to sample at which a wrap is beyond doubt
+OUTLIER_SIGMAS = 12.0
+PLATEAU = 4  # equal samples in a row at an extreme
+SHORT_GAP = 5  # samples of an effort that are filled by a straight line
+
+
+def unwrap_angle(name: str, time: Array, values: Array, source: Path) -> tuple[Array, tuple[QualityNote, ...]]:
+    """A revolute joint's angle [rad] made continuous if its record jumps by whole turns.
+
+    Raises InputError where a jump could as well be motion: steps of more than a quarter turn beside the wraps, a jump over
+    a gap, or one that is no whole turn.
+    """
+    present = np.flatnonzero(np.isfinite(values))
+    angle, stamps = values[present], time[present]
+    steps = np.diff(angle)
+    jumps = np.flatnonzero(np.abs(steps) > np.pi)
+    if not len(jumps):
+        return values, ()
+    left = steps - TURN * np.round(steps / TURN)
+    if float(np.ptp(angle)) > 1.02 * TURN:
+        at = float(stamps[jumps[0] + 1])
+        raise InputError(
+            f"the angle jumps by {steps[jumps[0]]:.3g} rad at {at:.4g} s, in a record that is not wrapped to one turn",
+            mend="a dropped sample or a reset counter; cut the recording there",
+            source=source,
+            column=name,
+        )
+    doubtful = np.flatnonzero(np.abs(left) > SAFE_STEP)
+    if len(doubtful):
+        at = float(stamps[doubtful[0] + 1])
+        raise InputError(
+            f"the angle is wrapped, and at {at:.4g} s it moves by {abs(left[doubtful[0]]):.3g} rad or a turn less that "
+            "from one sample to the next",
+            mend="sample faster or record the angle unwrapped",
+            source=source,
+            column=name,
+        )
+    intervals = np.diff(stamps)
+    usual = float(np.median(intervals))
+    speed = np.abs(left) / intervals
+    near = np.maximum(np.concatenate([speed[:1], speed[:-1]]), np.concatenate([speed[1:], speed[-1:]]))
+    blind = np.flatnonzero((intervals > 3.0 * usual) & (near * intervals > SAFE_STEP))
+    if len(blind):
+        at = float(stamps[blind[0]])
+        raise InputError(
+            f"the angle is wrapped, and in the gap at {at:.4g} s it may have gone round",
+            mend="cut the recording at the gap or record the angle unwrapped",
+            source=source,
+            column=name,
+        )
+    mended = values.copy()
+    mended[present] = angle[0] + np.concatenate([[0.0], np.cumsum(left)])
+    note = QualityNote(
+        "wrapped_angle",
+        name,
+        f"{len(jumps)} jumps by a turn",
+        "made continuous",
+        len(jumps),
+        tuple((float(stamps[k]), float(stamps[k + 1])) for k in jumps[:16]),
+        TURN,
+    )
+    return mended, (note,)
+
+
+def quantisation_step(values: Array) -> float:
+    """Step that all values are whole multiples of (from each other), 0 if none can be seen.
+
+    The step is the smallest distance between neighbouring levels, if all distances are whole multiples of it.
+    Decimal digits of the file are a step as well; whether it matters is for the noise to say.
+    """
+    finite = values[np.isfinite(values)]
+    levels = np.unique(finite)
+    if len(levels) < 3 or len(levels) > 0.7 * len(finite):
+        return 0.0
+    gaps = np.diff(levels)
+    # Printing leaves levels that differ in their last digit only; they are one level.
+    tiny = 64 * np.finfo(np.float64).eps * float(np.abs(levels).max()) + 2e-7 * float(np.abs(levels).max())
+    gaps = gaps[gaps > tiny]
+    if len(gaps) < 2:
+        return 0.0
+    step = float(np.quantile(gaps, 0.02))
+    # Refine: the mean of those gaps that are one step.
+    step = float(gaps[gaps < 1.5 * step].mean())
+    multiples = gaps / step
+    if float(np.mean(np.abs(multiples - np.round(multiples)) < 0.1 + tiny / step)) < 0.95:
+        return 0.0
+    span = float(levels[-1] - levels[0])
+    refined = span / round(span / step)
+    return refined if abs(refined - step) < 0.1 * step else step
+
+
+def find_saturation(name: str, time: Array, values: Array, step: float) -> QualityNote | None:
+    """Plateaus at an extreme that the motion runs into with speed, unlike a turning point or a rest."""
+    present = np.flatnonzero(np.isfinite(values))
+    signal, stamps = values[present], time[present]
+    if len(signal) < 4 * PLATEAU or float(np.ptp(signal)) == 0.0:
+        return None
+    tolerance = 1e-9 * float(np.abs(signal).max())
+    windows: list[tuple[float, float]] = []
+    count, limits = 0, []
+    for extreme in (float(signal.max()), float(signal.min())):
+        runs = [run for run in _runs(np.abs(signal - extreme) <= tolerance) if run[1] - run[0] >= PLATEAU]
+        cut = [run for run in runs if _runs_into(signal, run, step)]
+        if cut:
+            limits.append(extreme)
+            count += sum(last - first for first, last in cut)
+            windows += [(float(stamps[first]), float(stamps[last - 1])) for first, last in cut]
+    if not windows:
+        return None
+    words = " and ".join(f"{limit:.5g}" for limit in limits)
+    return QualityNote(
+        "saturation",
+        name,
+        f"the signal is cut off flat at {words}",
+        "kept; sensor_saturation and end_stop are among the candidates",
+        count,
+        tuple(sorted(windows)[:16]),
+        float(max(map(abs, limits))),
+    )
+
+
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _runs_into(signal: Array, run: tuple[int, int], step: float) -> bool:
+    """Whether the slope at the plateau's edges, carried on into it, overshoots it by much more than a turning point.
+
+    A parabola that turns within the plateau rises above its edges by slope · width / 4; a quantised one stays
+    within a step of that.
+    """
+    first, last = run
+    width = last - first
+    slopes = []
+    if first >= PLATEAU:
+        slopes.append(abs(signal[first - 1] - signal[first - PLATEAU]) / (PLATEAU - 1))
+    if last + PLATEAU <= len(signal):
+        slopes.append(abs(signal[last + PLATEAU - 1] - signal[last]) / (PLATEAU - 1))
+    if not slopes:
+        return False
+    return max(slopes) * width / 4.0 > max(4.0 * step, 1e-3 * float(np.ptp(signal)))
+
+
+def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[Array, QualityNote | None]:
+    """Single samples far off the line of their neighbours, set to nan.
+
+    A sample is held against the cubic through two neighbours on either side; it is an outlier if its distance is beyond
+    twelve robust standard deviations and its neighbours, held against theirs without it, are not.
+    """
+    present = np.flatnonzero(np.isfinite(values))
+    if len(present) < 32:
+        return values, None
+    x, t = values[present], time[present]
+    nodes = [np.roll(t, shift) for shift in (2, 1, -1, -2)]
+    levels = [np.roll(x, shift) for shift in (2, 1, -1, -2)]
+    predicted = np.zeros_like(x)
+    # Weights bounded at even spacing: (−1, 4, 4, −1)/6.
+    for j in range(4):
+        weight = np.ones_like(x)
+        for k in range(4):
+            if k != j:
+                weight *= (t - nodes[k]) / (nodes[j] - nodes[k])
+        predicted += weight * levels[j]
+    error = np.abs(x - predicted)
+    error[:2] = error[-2:] = 0.0
+    scale = 1.4826 * float(np.median(error[2:-2])) + 0.5 * step + 1e-9 * float(np.ptp(x))
+    # Its neighbours' predictions err by 4/6 of an outlier; the outlier itself by all of it.
+    peak = (error >= np.roll(error, 1)) & (error >= np.roll(error, -1)) & (error > OUTLIER_SIGMAS * scale)
+    lone = peak.copy()
+    for k in np.flatnonzero(peak).tolist():
+        around = np.concatenate([error[max(k - 6, 0) : max(k - 2, 0)], error[k + 3 : k + 7]])
+        smooth = abs(x[k] - predicted[k]) > 4.0 * max(abs(x[k - 1] - x[k + 1]), abs(x[k - 2] - x[k + 2]) / 2.0)
+        lone[k] = bool(around.size) and float(around.max()) < 0.25 * error[k] and smooth
+    where = np.flatnonzero(lone)
+    if not len(where) or len(where) > 0.02 * len(x):
+        return values, None
+    mended = values.copy()
+    mended[present[where]] = np.nan
+    note = QualityNote(
+        "outlier",
+        name,
+        f"{len(where)} single samples lie up to {float(error[where].max()):.3g} off the line of their neighbours",
+        "left out",
+        len(where),
+        tuple((float(t[k]), float(t[k])) for k in where[:16]),
+        float(error[where].max()),
+    )
+    return mended, note
+
+
+def fill_effort(name: str, time: Array, values: Array, source: Path) -> tuple[Array, QualityNote | None]:
+    """An applied effort must be known at every sample: short holes are bridged by a straight line, long ones refused."""
+    missing = ~np.isfinite(values)
+    if not missing.any():
+        return values, None
+    longest = max(last - first for first, last in _runs(missing))
+    if longest > SHORT_GAP:
+        raise InputError(
+            f"the applied effort is missing for {longest} samples in a row",
+            mend="an input must be known throughout; cut the recording there",
+            source=source,
+            column=name,
+        )
+    filled = values.copy()
+    filled[missing] = np.interp(time[missing], time[~missing], values[~missing])
+    count = int(missing.sum())
+    return filled, QualityNote("missing", name, f"{count} samples are missing", "bridged by straight lines", count)

@@ -1,0 +1,102 @@
+"""A recording as the rest of the project sees it: SI, one time axis, channels by name, and what was found in the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.system.description import Array
+
+JOINT_QUANTITIES = ("position", "velocity", "effort")
+LINK_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")
+QUANTITIES = JOINT_QUANTITIES + LINK_QUANTITIES
+
+UNITS = {
+    "position": "rad",
+    "velocity": "rad/s",
+    "effort": "N*m",
+    "tip_deflection": "m",
+    "root_strain": "1",
+    "tip_acceleration": "m/s**2",
+}
+LINEAR_UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}  # at a prismatic joint
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One measured or applied signal.
+
+    name: ``site.quantity``; site: joint or link; quantity: one of ``QUANTITIES``; unit: SI, spelt as ``pint`` reads it.
+    values: shape (T,), read-only; nan where there is no sample.
+    column: header of the column it was read from.
+    """
+
+    name: str
+    site: str
+    quantity: str
+    unit: str
+    values: Array
+    column: str = ""
+
+
+@dataclass(frozen=True)
+class QualityNote:
+    """Something found in a recording.
+
+    kind: ``uneven_sampling``, ``gap``, ``unordered_time``, ``repeated_time``, ``rounded_time``, ``missing``, ``outlier``,
+        ``wrapped_angle``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``cut_off``, ``suspicion``.
+    channel: its name, or ``time``. where: windows [s] from the first sample; empty if everywhere.
+    count: samples concerned. done: what was done about it. size: a number that goes with it (step, limit, …), SI or nan.
+    """
+
+    kind: str
+    channel: str
+    what: str
+    done: str
+    count: int = 0
+    where: tuple[tuple[float, float], ...] = ()
+    size: float = float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Measured channels and known efforts over time.
+
+    name: of the file without its endings. source: the file.
+    time: [s] from the first sample, ascending, not necessarily even, shape (T,). start: time of the first sample in the file [s].
+    channels: what was measured. efforts: what was applied; an input, not a measurement.
+    """
+
+    name: str
+    source: str
+    time: Array
+    channels: tuple[Channel, ...]
+    efforts: tuple[Channel, ...] = ()
+    quality: tuple[QualityNote, ...] = ()
+    start: float = 0.0
+
+    @property
+    def samples(self) -> int:
+        return len(self.time)
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def interval(self) -> float:
+        """Median sampling interval [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        return tuple(channel.name for channel in self.channels)
+
+    def channel(self, name: str) -> Channel:
+        """The measured channel or effort of that name; KeyError if there is none."""
+        for channel in (*self.channels, *self.efforts):
+            if channel.name == name:
+                return channel
+        raise KeyError(name)
