@@ -1,6 +1,7 @@
 """What a mechanism is, and URDF, MJCF and TOML in and out."""
 
-from harness.system.audit import Audit, audit
+from harness.system.audit import audit
+from harness.system.audit_findings import Audit
 from harness.system.description import Attachment, Beam, Joint, JointType, Link, System
 from harness.system.load import load
 from harness.system.random_systems import random_chain, random_tree

@@ -129,6 +129,8 @@ class Beam:
     payload_inertia: Array = field(default_factory=lambda: constant(np.zeros((3, 3))))
     shapes: str = "auto"
     shape_samples: Array | None = None
+    # Factors on the stiffness of single bending modes beyond what EI gives them, (k,), k ≤ modes; 1 where not given.
+    mode_stiffness: tuple[float, ...] = ()
     # What the table said, kept for `audit` and for writing the file back; nan where the file gave EI and mass outright.
     width: float = float("nan")
     thickness: float = float("nan")
