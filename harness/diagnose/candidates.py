@@ -1,0 +1,50 @@
+"""Which effects could be missing from a system, as far as the recordings at hand could show them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from harness.denoc.lanes import LaneModel
+from harness.diagnose.hypothesis import Candidate
+from harness.effects.catalogue import catalogue, sites
+from harness.effects.effect import Effect
+from harness.effects.measured import Measured
+from harness.effects.scale import references
+from harness.errors import InputError
+from harness.system import System
+
+
+def candidates(
+    system: System, recordings: Sequence[Measured], *, only: Sequence[str] = (), further: Sequence[Effect] = ()
+) -> tuple[Candidate, ...]:
+    """Every effect of the catalogue at every site where one of the recordings could show it.
+
+    only: names to restrict the search to. further: effects of the user's own.
+    """
+    effects = [e for e in catalogue().values() if not only or e.name in only] + list(further)
+    found: dict[str, Candidate] = {}
+    for effect in effects:
+        for recording in recordings:
+            for site in sites(effect, system, recording):
+                key = f"{effect.name}@{site}"
+                if key in found:
+                    continue
+                candidate = Candidate(effect, site, references(system, site, recording))
+                if _possible(candidate, system):
+                    found[key] = candidate
+    return tuple(found.values())
+
+
+def _possible(candidate: Candidate, system: System) -> bool:
+    """Whether the native dynamics can express the effect in this system."""
+    reshape = candidate.effect.reshape
+    if reshape is None:
+        return True
+    values = [p.start_values(candidate.references)[0] for p in candidate.effect.parameters]
+    try:
+        changed = reshape.change(system, candidate.site, candidate.effect.named(values))
+        if reshape.topology:
+            LaneModel(changed)
+    except (InputError, NotImplementedError):
+        return False
+    return True

@@ -1,0 +1,280 @@
+"""Least squares of a hypothesis on windows: Levenberg–Marquardt with the initial states eliminated window by window.
+
+Each window's residual and Jacobian are compressed by an orthogonal factorisation to a small triangle, from which the
+step in the shared parameters, the initial states, score tests of further effects and the covariance all follow
+(variable projection in the sense of Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr, solve_triangular
+
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor, internal_bounds
+from harness.diagnose.windows import Window
+
+Array = NDArray[np.float64]
+
+DIFFERENCE = 3e-5  # relative step of difference quotients, in the fit's own coordinates (order one)
+LOST = 1e15  # cost of a run that left the numbers
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """Residual and sensitivities of a hypothesis at a point, initial states eliminated.
+
+    cost: sum of squared whitened residuals. residuals: per window, shape (M,).
+    triangles: per window (R_ss, R_sp, r_s): how the state follows the parameters.
+    matrix, vector: what is left for the shared parameters, rows of all windows stacked, shapes (W·P, P) and (W·P,).
+    bases, shared: per window the Jacobians of the initial state (M, S) and of the shared parameters (M, P).
+    """
+
+    cost: float
+    residuals: tuple[Array, ...]
+    triangles: tuple[tuple[Array, Array, Array], ...]
+    matrix: Array
+    vector: Array
+    bases: tuple[Array, ...]
+    shared: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The best point found. ``score`` is cost plus prior; ``converged`` says whether steps had become immaterial."""
+
+    hypothesis: Hypothesis
+    windows: tuple[Window, ...]
+    x: Array
+    states: Mapping[Window, Array]
+    linear: Linearisation
+    prior: float
+    converged: bool
+    free: NDArray[np.bool_]
+
+    @property
+    def cost(self) -> float:
+        return self.linear.cost
+
+    @property
+    def score(self) -> float:
+        return self.linear.cost + self.prior
+
+
+def bounds(predictor: Predictor, hypothesis: Hypothesis) -> tuple[Array, Array]:
+    """Lower and upper bounds of the parameter vector; nominal factors are held by their prior alone."""
+    k = len(predictor.nominal)
+    lower, upper = [np.full(k, -np.inf)], [np.full(k, np.inf)]
+    for member in hypothesis.members:
+        low, high = internal_bounds(member)
+        lower.append(low)
+        upper.append(high)
+    return np.concatenate(lower), np.concatenate(upper)
+
+
+def linearise(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    states: Mapping[Window, Array],
+    *,
+    upper: Array | None = None,
+    fixed: NDArray[np.bool_] | None = None,
+    state_damping: float = 0.0,
+) -> Linearisation:
+    """Residuals and Jacobian by differences, all lanes of all windows at once."""
+    size = len(x)
+    moves = [k for k in range(size) if fixed is None or not fixed[k]]
+    vectors = np.tile(x, (1 + len(moves), 1))
+    steps = np.zeros(len(moves))
+    for row, k in enumerate(moves):
+        step = DIFFERENCE * max(1.0, abs(x[k]))
+        if upper is not None and x[k] + step > upper[k]:
+            step = -step
+        steps[row] = step
+        vectors[row + 1, k] += step
+    lanes: list[tuple[int, Window, Array]] = []
+    for window in windows:
+        s = states[window]
+        lanes += [(row, window, s) for row in range(len(vectors))]
+        for j in range(len(s)):
+            moved = s.copy()
+            moved[j] += DIFFERENCE * max(1.0, abs(s[j]))
+            lanes.append((0, window, moved))
+    predictions = predictor.predict(hypothesis, vectors, lanes)
+    cost = 0.0
+    residuals, triangles, bases, shared, rows, right = [], [], [], [], [], []
+    place = 0
+    for window in windows:
+        s = states[window]
+        count = len(vectors) + len(s)
+        chunk = predictions[place : place + count]
+        place += count
+        lost = not np.all(np.isfinite(chunk[0]))
+        white = likelihood.whiten(window, chunk)
+        r = white[0]
+        jp = np.zeros((len(r), size))
+        for row, k in enumerate(moves):
+            jp[:, k] = (white[row + 1] - r) / steps[row]
+        js = np.empty((len(r), len(s)))
+        for j in range(len(s)):
+            js[:, j] = (white[len(vectors) + j] - r) / (DIFFERENCE * max(1.0, abs(s[j])))
+        cost += LOST if lost else float(r @ r)
+        residuals.append(r)
+        damping = np.sqrt(state_damping) * np.linalg.norm(js, axis=0) + 1e-9
+        stacked = np.vstack(
+            [np.column_stack([js, jp, r]), np.column_stack([np.diag(damping), np.zeros((len(s), size + 1))])]
+        )
+        (triangle,) = qr(stacked, mode="r", check_finite=False)
+        n = len(s)
+        triangle = triangle[: n + size + 1]
+        triangles.append((triangle[:n, :n], triangle[:n, n : n + size], triangle[:n, -1]))
+        rows.append(triangle[n:, n : n + size])
+        right.append(triangle[n:, -1])
+        bases.append(js)
+        shared.append(jp)
+    return Linearisation(
+        cost, tuple(residuals), tuple(triangles), np.vstack(rows), np.concatenate(right), tuple(bases), tuple(shared)
+    )
+
+
+def fit(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    states: Mapping[Window, Array],
+    *,
+    fixed: NDArray[np.bool_] | None = None,
+    most_steps: int = 30,
+    enough: float = 0.02,
+) -> Fit:
+    """Minimise whitened residuals plus the prior of the nominal quantities from one starting point.
+
+    fixed: parameters that do not move. enough: a predicted gain in cost below this ends the search.
+    """
+    lower, upper = bounds(predictor, hypothesis)
+    k = len(predictor.nominal)
+    prior_weight = np.zeros(len(x))
+    prior_weight[:k] = 1.0
+    held = np.zeros(len(x), dtype=bool) if fixed is None else fixed.copy()
+    x = np.clip(x, lower, upper)
+    current = dict(states)
+    here = linearise(predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held)
+    prior = float(np.sum(prior_weight * x**2))
+    damping, converged = 1e-3, False
+    free = ~held
+    for _ in range(most_steps):
+        step, free = _step(here, x, prior_weight, lower, upper, held, damping)
+        change = {w: _state_step(t, step, damping) for w, t in zip(windows, here.triangles, strict=True)}
+        predicted = _predicted_gain(here, prior_weight, x, step)
+        if predicted < enough:
+            converged = True
+            # One last full step costs nothing further and takes the rest of the way.
+            if predicted < 1e-3 * enough:
+                break
+        trial_x = np.clip(x + step, lower, upper)
+        trial_states = {w: current[w] + change[w] for w in windows}
+        there = linearise(predictor, likelihood, hypothesis, windows, trial_x, trial_states, upper=upper, fixed=held)
+        trial_prior = float(np.sum(prior_weight * trial_x**2))
+        gain = here.cost + prior - there.cost - trial_prior
+        if gain > 0.0:
+            x, current, here, prior = trial_x, trial_states, there, trial_prior
+            damping = max(damping * (0.1 if gain > 0.5 * predicted else 0.5), 1e-9)
+            if converged:
+                break
+        else:
+            if converged or damping > 1e8:
+                break
+            damping = max(damping * 8.0, 1e-4)
+    return Fit(hypothesis, tuple(windows), x, current, here, prior, converged, free)
+
+
+def _step(
+    here: Linearisation,
+    x: Array,
+    prior_weight: Array,
+    lower: Array,
+    upper: Array,
+    held: NDArray[np.bool_],
+    damping: float,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Damped Gauss–Newton step in the shared parameters that respects the bounds; and which of them were free."""
+    size = len(x)
+    free = ~held
+    step = np.zeros(size)
+    scale = np.sqrt(np.sum(here.matrix**2, axis=0) + prior_weight)
+    for _ in range(size + 1):
+        index = np.flatnonzero(free)
+        if len(index) == 0:
+            return step * 0.0, free
+        a = np.vstack(
+            [
+                here.matrix[:, index],
+                np.diag(np.sqrt(prior_weight[index])),
+                np.sqrt(damping) * np.diag(scale[index] + 1e-12),
+            ]
+        )
+        fixed_part = here.matrix @ np.where(free, 0.0, step)
+        b = -np.concatenate([here.vector + fixed_part, np.sqrt(prior_weight[index]) * x[index], np.zeros(len(index))])
+        step[index] = np.linalg.lstsq(a, b, rcond=None)[0]
+        beyond = free & ((x + step < lower - 1e-12) | (x + step > upper + 1e-12))
+        if not np.any(beyond):
+            break
+        step[beyond] = np.where(x[beyond] + step[beyond] < lower[beyond], lower[beyond], upper[beyond]) - x[beyond]
+        free = free & ~beyond
+    return step, free
+
+
+def _state_step(triangle: tuple[Array, Array, Array], step: Array, damping: float) -> Array:
+    """How the initial state follows a step of the shared parameters."""
+    rss, rsp, rs = triangle
+    scale = np.linalg.norm(rss, axis=0) + 1e-9
+    a = np.vstack([rss, np.sqrt(min(damping, 1.0) * 1e-3) * np.diag(scale) + 1e-9 * np.eye(len(scale))])
+    b = -np.concatenate([rs + rsp @ step, np.zeros(len(scale))])
+    return np.asarray(np.linalg.lstsq(a, b, rcond=None)[0])
+
+
+def _predicted_gain(here: Linearisation, prior_weight: Array, x: Array, step: Array) -> float:
+    state_part = sum(float(rs @ rs) for _, _, rs in here.triangles)
+    before = float(here.vector @ here.vector) + float(np.sum(prior_weight * x**2))
+    moved = here.vector + here.matrix @ step
+    after = float(moved @ moved) + float(np.sum(prior_weight * (x + step) ** 2))
+    return before - after + state_part
+
+
+def covariance(fitted: Fit, nominal: int, inflation: float = 1.0) -> Array:
+    """Covariance of the shared parameters, initial states profiled out; parameters at a bound have none (nan).
+
+    nominal: number of leading parameters with a unit normal prior. inflation: variance of the whitened residual.
+    """
+    size = len(fitted.x)
+    index = np.flatnonzero(fitted.free)
+    information = fitted.linear.matrix[:, index].T @ fitted.linear.matrix[:, index] / inflation
+    information += np.diag((index < nominal).astype(np.float64))
+    out = np.full((size, size), np.nan)
+    values, vectors = np.linalg.eigh(information)
+    values = np.maximum(values, 1e-14 * max(float(values.max(initial=0.0)), 1e-300))
+    out[np.ix_(index, index)] = (vectors / values) @ vectors.T
+    return out
+
+
+def project(basis: Array, columns: Array) -> Array:
+    """Columns (M, k) with their part along ``basis`` (M, j) removed."""
+    q, r = qr(basis, mode="economic", check_finite=False)
+    strong = np.abs(np.diag(r)) > 1e-10 * max(float(np.abs(np.diag(r)).max(initial=0.0)), 1e-300)
+    q = q[:, strong]
+    return columns - q @ (q.T @ columns)
+
+
+def solve_upper(r: Array, b: Array) -> Array:
+    """R⁻¹ b for an upper triangle."""
+    return np.asarray(solve_triangular(r, b, check_finite=False))

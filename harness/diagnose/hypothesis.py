@@ -1,0 +1,161 @@
+"""A hypothesis: which effects act where, and how much the nominal parameters may move."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.effects.effect import Effect
+from harness.effects.scale import References
+from harness.system import Joint, Link, System
+from harness.system.description import constant
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect at a site, with the natural sizes there; its identity is ``key``."""
+
+    effect: Effect
+    site: str
+    references: References
+
+    @property
+    def key(self) -> str:
+        return f"{self.effect.name}@{self.site}"
+
+    @cached_property
+    def scales(self) -> Array:
+        """Typical size of each parameter, shape (k,)."""
+        return self.effect.scales(self.references)
+
+    @property
+    def size(self) -> int:
+        return len(self.effect.parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A set of candidates; the empty one says that nothing is missing."""
+
+    members: tuple[Candidate, ...] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        return tuple(member.key for member in self.members)
+
+    @property
+    def identity(self) -> frozenset[str]:
+        return frozenset(self.keys)
+
+    @property
+    def size(self) -> int:
+        """Number of effect parameters."""
+        return sum(member.size for member in self.members)
+
+    def span(self, k: int) -> slice:
+        """Where member ``k`` has its parameters in the effect part of the parameter vector."""
+        start = sum(member.size for member in self.members[:k])
+        return slice(start, start + self.members[k].size)
+
+    def with_(self, candidate: Candidate) -> Hypothesis:
+        return Hypothesis((*self.members, candidate))
+
+    def without(self, k: int) -> Hypothesis:
+        return Hypothesis(self.members[:k] + self.members[k + 1 :])
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """One nominal quantity that is uncertain by the tolerance: ``what`` of ``name``, scaled by exp(tolerance · z)."""
+
+    kind: str  # mass, length, inertia, armature, damping, stiffness, payload
+    name: str
+
+    @property
+    def key(self) -> str:
+        return f"{self.kind}@{self.name}"
+
+
+def nominal_quantities(system: System) -> tuple[Nominal, ...]:
+    """Every nominal mass, length, inertia and stiffness that is not zero."""
+    found: list[Nominal] = []
+    for joint, link in zip(system.joints, system.links, strict=True):
+        if joint.movable:
+            found += [
+                Nominal(kind, joint.name) for kind in ("armature", "damping", "stiffness") if getattr(joint, kind) > 0.0
+            ]
+        beam = link.beam
+        if beam is not None:
+            found += [Nominal("mass", link.name), Nominal("length", link.name), Nominal("stiffness", link.name)]
+            if beam.payload > 0.0:
+                found.append(Nominal("payload", link.name))
+            continue
+        if link.mass > 0.0:
+            found.append(Nominal("mass", link.name))
+            if np.linalg.norm(link.com) > 0.0 or any(j.parent == link.name for j in system.joints):
+                found.append(Nominal("length", link.name))
+            if np.trace(link.inertia) > 0.0:
+                found.append(Nominal("inertia", link.name))
+    return tuple(found)
+
+
+def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[float]) -> System:
+    """The system with its nominal quantities multiplied by ``factors``."""
+    joints: dict[str, Joint] = {joint.name: joint for joint in system.joints}
+    links: dict[str, Link] = {link.name: link for link in system.links}
+    for quantity, factor in zip(quantities, factors, strict=True):
+        kind, name = quantity.kind, quantity.name
+        if factor == 1.0:
+            continue
+        if name in joints and kind in ("armature", "damping", "stiffness"):
+            joints[name] = replace(joints[name], **{kind: getattr(joints[name], kind) * factor})
+            continue
+        link = links[name]
+        if link.beam is not None:
+            links[name] = _scaled_beam(link, kind, factor)
+        elif kind == "mass":
+            links[name] = replace(link, mass=link.mass * factor, inertia=constant(link.inertia * factor))
+        elif kind == "inertia":
+            links[name] = replace(link, inertia=constant(link.inertia * factor))
+        else:
+            links[name] = replace(link, com=constant(link.com * factor))
+        if kind == "length":
+            for key, joint in joints.items():
+                if joint.parent == name:
+                    joints[key] = replace(joint, xyz=constant(joint.xyz * factor))
+    return replace(
+        system,
+        joints=tuple(joints[joint.name] for joint in system.joints),
+        links=tuple(links[link.name] for link in system.links),
+    )
+
+
+def _scaled_beam(link: Link, kind: str, factor: float) -> Link:
+    """A flexible link with mass, length, bending stiffness or payload scaled; the rigid-body part follows."""
+    beam = link.beam
+    assert beam is not None
+    if kind == "stiffness":
+        return replace(
+            link,
+            beam=replace(
+                beam,
+                bending_stiffness=beam.bending_stiffness * factor,
+                bending_stiffness2=beam.bending_stiffness2 * factor,
+                torsional_stiffness=beam.torsional_stiffness * factor,
+            ),
+        )
+    from harness.system.flexible_link import flexible_link
+
+    if kind == "mass":
+        beam = replace(beam, mass=beam.mass * factor, polar_inertia=beam.polar_inertia * factor)
+    elif kind == "length":
+        beam = replace(beam, length=beam.length * factor)
+    else:
+        beam = replace(beam, payload=beam.payload * factor, payload_inertia=constant(beam.payload_inertia * factor))
+    return flexible_link(link.name, beam)

@@ -1,0 +1,219 @@
+"""One diagnosis from posed problem to selected hypothesis: noise, short windows, free runs, held-out judgement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.colour import Colour, estimate_colour
+from harness.diagnose.fit import Fit, fit
+from harness.diagnose.hypothesis import Candidate, Hypothesis
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor
+from harness.diagnose.problem import Problem
+from harness.diagnose.remainder import heldout_gain
+from harness.diagnose.search import Effort, grow, polish, transfer
+from harness.diagnose.study import Study, measured_state
+from harness.diagnose.windows import Window, cut, whole
+
+Array = NDArray[np.float64]
+
+SWINGS = 1.5  # periods of the slowest swing in a short window
+MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected to have its power
+GROWTH = 300.0  # an initial error may grow so much within a window; beyond, motion counts as unpredictable
+
+
+def crude_colours(problem: Problem) -> tuple[Colour, ...]:
+    """White noise from third differences, robustly: a first guess that needs no model."""
+    out = []
+    for c in range(len(problem.channels)):
+        sizes = []
+        for run in problem.train:
+            d = np.abs(np.diff(run.values[c], 3))
+            sizes.append(float(np.nanmedian(d)) / 0.6745 / np.sqrt(20.0))
+        extent = float(np.nanmax([np.nanmax(np.abs(run.values[c])) for run in problem.train]))
+        floor = max(problem.steps[c] / np.sqrt(12.0), 1e-9 * max(extent, 1e-12))
+        out.append(Colour(max(float(np.median(sizes)), floor), interval=problem.train[0].interval))
+    return tuple(out)
+
+
+def colours_from(
+    problem: Problem, likelihood: Likelihood, fitted: Fit, predictor: Predictor, motion_hz: float
+) -> tuple[Colour, ...]:
+    """Noise of every channel from the residuals of a fit."""
+    pieces: list[list[Array]] = [[] for _ in problem.channels]
+    for window in fitted.windows:
+        run = problem.runs[window.run]
+        prediction = predictor.predict(fitted.hypothesis, fitted.x[None, :], [(0, window, fitted.states[window])])[0]
+        raw = prediction - run.values[:, window.first : window.last]
+        for c in range(len(problem.channels)):
+            good = np.isfinite(raw[c])
+            if good.sum() >= 32:
+                pieces[c].append(raw[c][good])
+    out = []
+    for c, segments in enumerate(pieces):
+        if not segments:
+            out.append(likelihood.colours[c])
+            continue
+        interval = problem.train[0].interval
+        found = estimate_colour(segments, interval, motion_hz)
+        floor = problem.steps[c] / np.sqrt(12.0) / np.sqrt(problem.train[0].averaged)
+        out.append(found if found.std >= floor else Colour(floor, interval=interval))
+    return tuple(out)
+
+
+def horizon_groups(study: Study, fitted: Fit) -> tuple[Window, ...]:
+    """Short windows joined as long as an initial error does not grow beyond what a linear view can follow."""
+    predictor, hypothesis = study.predictor, fitted.hypothesis
+    n = predictor.state_size(hypothesis)
+    mechanism = predictor.mechanism(hypothesis)
+    groups: list[Window] = []
+    current: Window | None = None
+    growth = np.eye(n)
+    for window in fitted.windows:
+        transition = _transition(predictor, fitted, window, mechanism.model, n)
+        joined = transition @ growth
+        if current is not None and current.run == window.run and float(np.linalg.norm(joined, 2)) < GROWTH:
+            current = Window(window.run, current.first, window.last)
+            growth = joined
+            continue
+        if current is not None:
+            groups.append(current)
+        current, growth = window, transition
+    if current is not None:
+        groups.append(current)
+    return tuple(groups)
+
+
+def _transition(predictor: Predictor, fitted: Fit, window: Window, model: object, n: int) -> Array:
+    """Sensitivity of the final to the initial state of a window, in units of one radian and one swing rate."""
+    half = n // 2
+    grid = predictor.grid(window, predictor.margin(fitted.hypothesis))
+    state = fitted.states[window]
+    step = 1e-6
+    states = np.vstack([state, state + step * np.eye(n)])
+    tau = None
+    if predictor.runs[window.run].effort is not None:
+        tau = predictor.efforts(
+            fitted.hypothesis,
+            fitted.x[None, :],
+            predictor.mechanism(fitted.hypothesis),
+            [(0, window, state)],
+            grid.time,
+        )
+        tau = np.repeat(tau, n + 1, axis=0)
+    row = predictor.row(fitted.hypothesis, fitted.x)
+    q, qd, _ = model.simulate(
+        np.tile(row, (n + 1, 1)), states[:, :half], states[:, half:], grid.time, tau=tau, tolerance=predictor.tolerance
+    )  # type: ignore[attr-defined]
+    end = np.concatenate([q[:, -1], qd[:, -1]], axis=1)
+    change = ((end[1:] - end[0]) / step).T
+    rate = np.concatenate([np.ones(half), np.full(half, 2.0 * np.pi / max(float(grid.time[-1]) / SWINGS, 1e-9))])
+    return np.asarray(change * rate[None, :] / rate[:, None])
+
+
+@dataclass(eq=False)
+class Outcome:
+    """What the search ended with, for judging and telling."""
+
+    problem: Problem
+    predictor: Predictor
+    study: Study
+    nominal: Fit
+    empty: Fit
+    best: Fit
+    ordered: list[Fit]
+    held_windows: tuple[Window, ...]
+    motion_hz: float
+    period: float
+
+
+def investigate(
+    problem: Problem,
+    candidates: Sequence[Candidate],
+    frequency: float,
+    *,
+    effort: Effort | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Outcome:
+    """Search for the set of effects that the recordings speak for.
+
+    frequency: of the slowest swing [Hz].
+    """
+    effort = effort or Effort()
+    predictor = Predictor(problem)
+    train = range(len(problem.train))
+    held = range(len(problem.train), len(problem.runs))
+    motion_hz = MOTION_HARMONICS * frequency
+    period = 1.0 / frequency
+    likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
+    short = cut(problem.runs, train, SWINGS * period)
+    study = Study(problem, predictor, likelihood, tuple(candidates), short)
+    first = study.empty()
+    for _ in range(2):
+        likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
+        study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states)
+        study.fit(Hypothesis(), [first.x], first)
+        first = study.empty()
+    progress("short windows")
+    ordered = grow(study, [first], effort, progress)
+    groups = horizon_groups(study, ordered[0])
+    long_study = Study(problem, predictor, likelihood, tuple(candidates), groups, first_states=first.states)
+    seeds = transfer(long_study, ordered, 2 * effort.beam, progress)
+    empty = long_study.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
+    ordered = grow(long_study, [*seeds, empty] if empty not in seeds else seeds, effort, progress)
+    ordered = polish(long_study, ordered, effort, progress)
+    # The noise once more, now behind the best model; a last round under it.
+    refined = replace(likelihood, colours=colours_from(problem, likelihood, ordered[0], predictor, motion_hz))
+    final = Study(problem, predictor, refined, tuple(candidates), groups, first_states=first.states)
+    seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
+    empty = final.fit(Hypothesis(), [empty.x], empty)
+    ordered = grow(final, seeds, effort, progress)
+    ordered = polish(final, ordered, effort, progress)
+    frozen = np.ones(len(predictor.nominal), dtype=bool)
+    nominal = fit(predictor, refined, Hypothesis(), groups, np.zeros(len(frozen)), empty.states, fixed=frozen)
+    held_windows = _held_windows(problem, groups, held, period)
+    return Outcome(problem, predictor, final, nominal, empty, ordered[0], ordered, held_windows, motion_hz, period)
+
+
+def _restated(fitted: Fit, windows: Sequence[Window], hypothesis: Hypothesis) -> Fit:
+    states = {w: fitted.states[v] for w in windows for v in fitted.windows if (v.run, v.first) == (w.run, w.first)}
+    return replace(fitted, states=states)
+
+
+def _held_windows(problem: Problem, groups: Sequence[Window], held: Sequence[int], period: float) -> tuple[Window, ...]:
+    """Free runs over the held-out recordings, as long as those of the training."""
+    runs = problem.runs
+    if all(g.size == len(runs[g.run].time) for g in groups):
+        return whole(runs, held)
+    longest = float(np.median([runs[g.run].time[g.last - 1] - runs[g.run].time[g.first] for g in groups]))
+    return cut(runs, held, longest)
+
+
+def judge(outcome: Outcome, fitted: Fit, *, likelihood: Likelihood | None = None) -> Fit:
+    """A fit's free run over the held-out windows: nothing but the initial states is fitted."""
+    states = {}
+    for window in outcome.held_windows:
+        base = measured_state(outcome.problem, outcome.predictor, window)
+        from harness.diagnose.screen import carry_state
+
+        states[window] = carry_state(outcome.predictor, Hypothesis(), fitted.hypothesis, base)
+    frozen = np.ones(len(fitted.x), dtype=bool)
+    return fit(
+        outcome.predictor,
+        likelihood or outcome.study.likelihood,
+        fitted.hypothesis,
+        outcome.held_windows,
+        fitted.x,
+        states,
+        fixed=frozen,
+    )
+
+
+def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
+    """How much better the larger hypothesis predicts data held out, in standard deviations of noise."""
+    a, b = judge(outcome, smaller), judge(outcome, larger)
+    return heldout_gain(np.concatenate(a.linear.residuals), np.concatenate(b.linear.residuals))

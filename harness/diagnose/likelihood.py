@@ -1,0 +1,68 @@
+"""Gaussian likelihood of recordings: residuals whitened by the noise of their channel, samples weighted by what they tell.
+
+A quantised reading that does not change tells nothing new: a stretch of k equal readings counts as one. Samples at the
+very start of a window, whose past a sensor with memory would need, do not count, in any hypothesis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.colour import Colour
+from harness.diagnose.problem import Problem
+from harness.diagnose.windows import Window
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Likelihood:
+    """Noise of every channel of a problem, and the samples' weights.
+
+    colours: one a channel, at the sampling interval of the runs. lead: seconds at a window's start that do not count.
+    """
+
+    problem: Problem
+    colours: tuple[Colour, ...]
+    lead: float = 0.0
+
+    def weights(self, window: Window) -> Array:
+        """Square roots of the samples' weights, shape (C, T)."""
+        run = self.problem.runs[window.run]
+        part = slice(window.first, window.last)
+        values = run.values[:, part]
+        out = np.isfinite(values).astype(np.float64)
+        for c, step in enumerate(self.problem.steps):
+            if step > 0.0 and step > self.colours[c].std:
+                out[c] /= np.sqrt(_stretches(values[c], 0.5 * step / max(run.averaged, 1)))
+        out[:, (run.time[part] - run.time[window.first]) < self.lead] = 0.0
+        return out
+
+    def whiten(self, window: Window, predictions: list[Array]) -> Array:
+        """Whitened residuals prediction − measurement of several lanes of one window, shape (L, C·T)."""
+        run = self.problem.runs[window.run]
+        values = run.values[:, window.first : window.last]
+        raw = np.nan_to_num(np.array(predictions) - values, nan=0.0, posinf=0.0, neginf=0.0)
+        return self.whiten_signal(window, raw)
+
+    def whiten_signal(self, window: Window, signal: Array) -> Array:
+        """The same for a signal (L, C, T) given outright."""
+        weights = self.weights(window)
+        out = np.empty_like(signal)
+        for c, colour in enumerate(self.colours):
+            out[:, c] = colour.whiten(signal[:, c]) * weights[c]
+        return out.reshape(len(signal), -1)
+
+    def samples(self, windows: tuple[Window, ...]) -> float:
+        """Sum of the weights over windows: the number of independent readings."""
+        return float(sum(np.sum(self.weights(w) ** 2) for w in windows))
+
+
+def _stretches(values: Array, tolerance: float) -> Array:
+    """Length of the stretch of equal values that each sample belongs to, shape (T,)."""
+    change = np.abs(np.diff(values)) > tolerance
+    label = np.concatenate([[0], np.cumsum(change)])
+    return np.asarray(np.bincount(label)[label], dtype=np.float64)

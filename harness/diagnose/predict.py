@@ -1,0 +1,424 @@
+"""What a hypothesis says the sensors should have read: batched free runs, then the measurement chain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.denoc.lanes import LaneModel
+from harness.diagnose.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled
+from harness.diagnose.problem import Problem, Run
+from harness.diagnose.windows import Window
+from harness.effects.directions import sideways
+from harness.effects.effect import Parameter
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+FINEST_STEP = 0.004  # s between the states that a free run hands over, unless the recording itself is coarser or finer
+TOLERANCE = 1e-10  # error of a free run in one step [rad, rad/s]; thousands of steps stay far below any sensor's noise
+CLOCK_MARGIN = 0.03  # share of a window that is simulated beyond its end where a clock may run slow
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A system compiled for lanes, with the places of the original coordinates among its own."""
+
+    model: LaneModel
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Even times at which lanes hand over states, and how a window's samples lie among them.
+
+    time: [s] from the window's first sample, shape (G,); index, weight: sample = grid[index] + weight · step, shape (T,).
+    exact: every sample is a grid point.
+    """
+
+    time: Array
+    index: NDArray[np.intp]
+    weight: Array
+    exact: bool
+
+    @property
+    def step(self) -> float:
+        return float(self.time[1] - self.time[0])
+
+
+def window_stamps(run: Run, window: Window, margin: float) -> Array:
+    """Times of the window's samples from its first one [s], carried on beyond its end by ``margin`` seconds."""
+    stamps = run.time[window.first : window.last] - run.time[window.first]
+    beyond = int(np.ceil(margin * stamps[-1] / run.interval)) if margin > 0.0 else 0
+    return np.concatenate([stamps, stamps[-1] + run.interval * np.arange(1, beyond + 1)])
+
+
+def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> Grid:
+    """The coarsest even grid of at most ``finest`` seconds that samples of the window can be taken from."""
+    stamps = window_stamps(run, window, margin)
+    spacing = np.diff(stamps)
+    even = bool(np.all(np.abs(spacing - run.interval) < 1e-6 * run.interval + 2e-7))
+    if even:
+        step = run.interval / max(1, int(np.ceil(run.interval / finest - 1e-9)))
+    else:
+        step = min(finest, run.interval)
+    count = int(np.ceil(stamps[-1] / step - 1e-9)) + 1
+    time = step * np.arange(count + 1)
+    place = stamps / step
+    index = np.minimum(np.floor(place + 1e-6).astype(np.intp), count - 1)
+    weight = np.clip(place - index, 0.0, 1.0)
+    exact = bool(np.all(np.abs(place - np.round(place)) < 1e-3)) and even
+    if exact:
+        index, weight = np.round(place).astype(np.intp), np.zeros(len(stamps))
+    return Grid(time, index, weight, exact)
+
+
+def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    """Positions, velocities, accelerations (B, G, n) at the window's samples, by quintic Hermite interpolation."""
+    if grid.exact:
+        return position[:, grid.index], velocity[:, grid.index], acceleration[:, grid.index]
+    i, s, h = grid.index, grid.weight[None, :, None], grid.step
+    p0, v0, a0 = position[:, i], velocity[:, i] * h, acceleration[:, i] * (h * h)
+    p1, v1, a1 = position[:, i + 1], velocity[:, i + 1] * h, acceleration[:, i + 1] * (h * h)
+    d = p1 - p0
+    # p(s) = p0 + v0 s + a0/2 s² + c3 s³ + c4 s⁴ + c5 s⁵ matching value, slope and curvature at both ends
+    c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
+    c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
+    c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * (a0 - a1)
+    q = p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
+    qd = (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h
+    qdd = (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h)
+    return q, qd, qdd
+
+
+class Predictor:
+    """Predictions of hypotheses for windows of a problem's runs; compiled systems and grids are kept."""
+
+    def __init__(self, problem: Problem, *, finest_step: float = FINEST_STEP) -> None:
+        self.problem = problem
+        self.runs = problem.runs
+        self.system = problem.system
+        self.nominal: tuple[Nominal, ...] = nominal_quantities(problem.system)
+        self.finest_step = finest_step
+        self.tolerance = TOLERANCE
+        self._shaking = sideways(problem.system)
+        self._mechanisms: dict[tuple[str, ...], Mechanism] = {}
+        self._grids: dict[tuple[Window, float], Grid] = {}
+        self._rows: dict[tuple[frozenset[str], bytes], tuple[Mechanism, Array, System]] = {}
+        self.lanes_run = 0
+
+    # -- parameters ---------------------------------------------------------------------------------------------
+
+    def size(self, hypothesis: Hypothesis) -> int:
+        """Number of parameters that all windows share: nominal quantities, then those of the effects."""
+        return len(self.nominal) + hypothesis.size
+
+    def state_size(self, hypothesis: Hypothesis) -> int:
+        return 2 * len(self.mechanism(hypothesis).names)
+
+    def effect_values(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
+        """SI values of member k's parameters from the parameter vector (or vectors, last axis)."""
+        span = hypothesis.span(k)
+        offset = len(self.nominal)
+        return from_internal(hypothesis.members[k], x[..., offset + span.start : offset + span.stop])
+
+    # -- mechanisms ---------------------------------------------------------------------------------------------
+
+    def altered(self, hypothesis: Hypothesis, x: Array) -> System:
+        """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""
+        factors = np.exp(self.system.tolerance * x[: len(self.nominal)])
+        system = scaled(self.system, self.nominal, factors)
+        reshaping = [(k, m.effect.reshape, m) for k, m in enumerate(hypothesis.members) if m.effect.reshape is not None]
+        # What adds coordinates comes first: its directions are those of the upright system.
+        for k, reshape, member in sorted(reshaping, key=lambda item: not item[1].topology):
+            values = self.effect_values(hypothesis, k, x)
+            system = reshape.change(system, member.site, member.effect.named(values))
+        return system
+
+    def mechanism(self, hypothesis: Hypothesis) -> Mechanism:
+        """The compiled system of the hypothesis' topology."""
+        key = tuple(
+            sorted(m.key for m in hypothesis.members if m.effect.reshape is not None and m.effect.reshape.topology)
+        )
+        if key not in self._mechanisms:
+            start = np.concatenate([np.zeros(len(self.nominal)), *(start_vector(m) for m in hypothesis.members)])
+            system = self.altered(hypothesis, start)
+            self._mechanisms[key] = Mechanism(LaneModel(system), system.coordinate_names)
+        return self._mechanisms[key]
+
+    def row(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """Parameter row of one lane."""
+        mechanism = self.mechanism(hypothesis)
+        structural = tuple(m.key for m in hypothesis.members if m.effect.reshape is not None)
+        pieces = [x[: len(self.nominal)]]
+        for k, member in enumerate(hypothesis.members):
+            if member.effect.reshape is not None:
+                pieces.append(self.effect_values(hypothesis, k, x))
+        key = (frozenset(structural), np.concatenate(pieces).tobytes())
+        found = self._rows.get(key)
+        if found is None:
+            system = self.altered(hypothesis, x)
+            found = (mechanism, mechanism.model.row(system), system)
+            if len(self._rows) > 20_000:
+                self._rows.clear()
+            self._rows[key] = found
+        row = found[1].copy()
+        row[[mechanism.model.slot("base", f"excitation_{a}") for a in "xyz"]] = self._shaking
+        for k, member in enumerate(hypothesis.members):
+            law = member.effect.law
+            if law is not None:
+                write_law(row, mechanism.model, member, self.effect_values(hypothesis, k, x))
+        return row
+
+    # -- predictions --------------------------------------------------------------------------------------------
+
+    def margin(self, hypothesis: Hypothesis) -> float:
+        """Share of a window that has to be simulated beyond its end."""
+        slow = any(m.effect.sensor is not None and m.effect.sensor.every_channel for m in hypothesis.members)
+        return CLOCK_MARGIN if slow else 0.0
+
+    def grid(self, window: Window, margin: float = 0.0) -> Grid:
+        """Times at which lanes hand over states for the window, carried on by a share ``margin`` of its length."""
+        key = (window, margin)
+        if key not in self._grids:
+            self._grids[key] = make_grid(self.runs[window.run], window, self.finest_step, margin)
+        return self._grids[key]
+
+    def predict(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        lanes: Sequence[tuple[int, Window, Array]],
+        *,
+        extra: Array | None = None,
+    ) -> list[Array]:
+        """Channels for lanes of (index into ``x``, window, initial state): one array (C, T) a lane.
+
+        x: parameter vectors, shape (K, size). extra: further generalized forces on the grid [N·m or N], shape (B, G, n),
+        for lanes of one window. Lanes of windows with equal grids run together.
+        """
+        mechanism = self.mechanism(hypothesis)
+        n = len(mechanism.names)
+        rows = np.array([self.row(hypothesis, vector) for vector in x])
+        margin = (
+            CLOCK_MARGIN if any(m.effect.sensor and m.effect.sensor.every_channel for m in hypothesis.members) else 0.0
+        )
+        dated = any(m.site == "base" and m.effect.law is not None for m in hypothesis.members)
+        groups: dict[tuple[int, float, bool, float], list[int]] = {}
+        for lane, (_, window, _) in enumerate(lanes):
+            grid = self.grid(window, margin)
+            # A law that knows the time needs the time of the recording, not of the window.
+            start = float(self.runs[window.run].time[window.first] - self.runs[window.run].time[0]) if dated else 0.0
+            groups.setdefault((len(grid.time), grid.step, self.runs[window.run].effort is None, start), []).append(lane)
+        out: list[Array] = [np.empty(0)] * len(lanes)
+        for (_, _, free, start), members in groups.items():
+            grid_time = self.grid(lanes[members[0]][1], margin).time
+            which = np.array([lanes[i][0] for i in members])
+            tau = None if free else self.efforts(hypothesis, x, mechanism, [lanes[i] for i in members], grid_time)
+            if extra is not None:
+                tau = extra[members] if tau is None else tau + extra[members]
+            states = np.array([lanes[i][2] for i in members])
+            first, again = _distinct(rows[which], states, tau)
+            self.lanes_run += len(first)
+            q, qd, qdd = mechanism.model.simulate(
+                rows[which[first]],
+                np.ascontiguousarray(states[first, :n]),
+                np.ascontiguousarray(states[first, n:]),
+                grid_time + start,
+                tau=None if tau is None else tau[first],
+                tolerance=self.tolerance,
+            )
+            if len(first) < len(members):
+                q, qd, qdd = q[again], qd[again], qdd[again]
+            by_window: dict[Window, list[int]] = {}
+            for place, i in enumerate(members):
+                by_window.setdefault(lanes[i][1], []).append(place)
+            for window, places in by_window.items():
+                run = self.runs[window.run]
+                sampled = hermite(self.grid(window, margin), q[places], qd[places], qdd[places])
+                channels = self._observe(
+                    hypothesis, x[which[places]], rows[which[places]], mechanism, run, window, sampled, margin
+                )
+                for j, place in enumerate(places):
+                    out[members[place]] = channels[j]
+        return out
+
+    def efforts(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        mechanism: Mechanism,
+        lanes: Sequence[tuple[int, Window, Array]],
+        grid_time: Array,
+    ) -> Array:
+        """Generalized forces on the grid, shape (B, G, n), after the effects of the input side."""
+        tau = np.zeros((len(lanes), len(grid_time), len(mechanism.names)))
+        joints = self.system.joint_names
+        inputs = [(k, m) for k, m in enumerate(hypothesis.members) if m.effect.input is not None]
+        inputs.sort(key=lambda item: item[1].effect.input.stage if item[1].effect.input else 0)
+        for j, joint in enumerate(joints):
+            column = mechanism.names.index(joint)
+            acting = [(k, m) for k, m in inputs if m.site == joint or m.site.split(".")[0] == joint]
+            by_run: dict[int, list[int]] = {}
+            for lane, (_, window, _) in enumerate(lanes):
+                by_run.setdefault(window.run, []).append(lane)
+            for run_index, places in by_run.items():
+                run = self.runs[run_index]
+                assert run.effort is not None
+                if not np.any(run.effort[:, j]):
+                    continue
+                stamps = run.time - run.time[0]
+                signal = (
+                    np.broadcast_to(run.effort[:, j], (len(places), len(stamps))) if acting else run.effort[None, :, j]
+                )
+                for k, member in acting:
+                    params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
+                    assert member.effect.input is not None
+                    signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
+                for row, i in enumerate(places):
+                    start = stamps[lanes[i][1].first]
+                    tau[i, :, column] = np.interp(grid_time + start, stamps, signal[row if acting else 0])
+        return tau
+
+    def _observe(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        rows: Array,
+        mechanism: Mechanism,
+        run: Run,
+        window: Window,
+        sampled: tuple[Array, Array, Array],
+        margin: float,
+    ) -> Array:
+        """Channels (B, C, T) of the window from the states at its samples."""
+        local = window_stamps(run, window, margin)
+        stamps = local + (run.time[window.first] - run.time[0])
+        out = np.empty((len(x), len(self.problem.channels), window.size))
+        spread = (
+            (run.averaged**2 - 1) / 24.0 * (run.interval / run.averaged) ** 2
+        )  # half the variance of time in a block
+        for c, channel in enumerate(self.problem.channels):
+            signal = observe(mechanism, rows, channel.site, channel.quantity, sampled)
+            if run.averaged > 1:
+                if channel.quantity == "position":
+                    signal = signal + spread * sampled[2][:, :, mechanism.names.index(channel.site)]
+                else:
+                    signal = signal + spread * np.gradient(
+                        np.gradient(signal, run.interval, axis=1), run.interval, axis=1
+                    )
+            acting = [
+                (k, m)
+                for k, m in enumerate(hypothesis.members)
+                if m.effect.sensor is not None and (m.site == channel.name or m.effect.sensor.every_channel)
+            ]
+            acting.sort(key=lambda item: item[1].effect.sensor.stage if item[1].effect.sensor else 0)
+            for k, member in acting:
+                assert member.effect.sensor is not None
+                # What stretches time does so from the window's first sample: the state there is free.
+                when = local if member.effect.sensor.every_channel else stamps
+                signal = member.effect.sensor.apply(
+                    np.ascontiguousarray(signal), when, self.effect_values(hypothesis, k, x)
+                )
+            out[:, c] = signal[:, : window.size]
+        return out
+
+
+def observe(mechanism: Mechanism, rows: Array, site: str, quantity: str, sampled: tuple[Array, Array, Array]) -> Array:
+    """An ideal sensor's reading (B, T) of states (B, T, n)."""
+    position, velocity, _ = sampled
+    if quantity == "position":
+        return position[:, :, mechanism.names.index(site)].copy()
+    if quantity == "velocity":
+        return velocity[:, :, mechanism.names.index(site)].copy()
+    from harness.recording.sensors import bending_channel
+
+    return bending_channel(mechanism.model, rows, site, quantity, sampled)
+
+
+def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:
+    """Lanes that differ from all earlier ones, and for every lane which of those it equals (sensors share a motion)."""
+    seen: dict[bytes, int] = {}
+    first, again = [], []
+    for k in range(len(rows)):
+        key = rows[k].tobytes() + states[k].tobytes() + (b"" if tau is None else tau[k].tobytes())
+        if key not in seen:
+            seen[key] = len(first)
+            first.append(k)
+        again.append(seen[key])
+    return first, again
+
+
+DECADE = 10.0
+
+
+def is_logarithmic(candidate: Candidate) -> Array:
+    """Which parameters are fitted as logarithms, shape (k,).
+
+    Positive ones whose absence lies at infinity, that cannot be zero, or whose starting values span a decade.
+    """
+
+    def spans(parameter: Parameter) -> bool:
+        positive = [s for s in parameter.starts if s > 0.0]
+        return len(positive) > 1 and max(positive) >= DECADE * min(positive)
+
+    return np.array(
+        [
+            p.lower >= 0.0 and (not np.isfinite(p.neutral) or p.lower > 0.0 or (k > 0 and spans(p)))
+            for k, p in enumerate(candidate.effect.parameters)
+        ],
+        dtype=bool,
+    )
+
+
+def from_internal(candidate: Candidate, u: Array) -> Array:
+    """SI values from the fit's own coordinates: in units of the typical scale, or its logarithm."""
+    log = is_logarithmic(candidate)
+    scales = candidate.scales
+    # What is fitted as a logarithm may run away before a bound stops it; e^±40 is far beyond either.
+    return np.where(log, scales * np.exp(np.clip(np.where(log, u, 0.0), -40.0, 40.0)), scales * u)
+
+
+def to_internal(candidate: Candidate, values: Array) -> Array:
+    """The inverse of ``from_internal``."""
+    log = is_logarithmic(candidate)
+    ratio = np.asarray(values, dtype=np.float64) / candidate.scales
+    return np.where(log, np.log(np.maximum(ratio, 1e-300)), ratio)
+
+
+def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
+    """Physical bounds in the fit's own coordinates."""
+    log = is_logarithmic(candidate)
+    with np.errstate(divide="ignore"):
+        lower = np.where(
+            log,
+            np.log(np.maximum(candidate.effect.lower, 0.0) / candidate.scales),
+            candidate.effect.lower / candidate.scales,
+        )
+        upper = np.where(
+            log,
+            np.log(np.maximum(candidate.effect.upper, 0.0) / candidate.scales),
+            candidate.effect.upper / candidate.scales,
+        )
+    return np.where(log, np.maximum(lower, -30.0), lower), np.where(log, np.minimum(upper, 30.0), upper)
+
+
+def start_vector(candidate: Candidate) -> Array:
+    """First of the effect's own starting values, in the fit's coordinates."""
+    values = np.array([p.start_values(candidate.references)[0] for p in candidate.effect.parameters])
+    return to_internal(candidate, values)
+
+
+def write_law(row: Array, model: LaneModel, candidate: Candidate, values: Array) -> None:
+    """Put a joint law's parameters into a row; what the nominal model has in the same slot is added to, not replaced."""
+    law = candidate.effect.law
+    assert law is not None
+    before = row.copy()
+    law.write(row[None, :], model, candidate.site, values[None, :])
+    for slot, parameter in zip(law.slots, candidate.effect.parameters, strict=True):
+        if parameter.neutral == 0.0:
+            place = model.slot(candidate.site, slot)
+            row[place] += before[place]

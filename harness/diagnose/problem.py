@@ -1,0 +1,201 @@
+"""The question put to diagnosis: a system, recordings to learn from, and recordings to be judged on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.effects.measured import Measured
+from harness.errors import InputError
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+HELD_OUT_SHARE = 0.3  # of a single recording
+MEASURED = ("position", "velocity", "tip_deflection", "root_strain", "tip_acceleration")
+
+
+@dataclass(frozen=True)
+class ChannelInfo:
+    """A measured channel that all recordings of a problem share: ``name`` is ``site.quantity``."""
+
+    name: str
+    site: str
+    quantity: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One recording as the fit sees it.
+
+    time: [s], shape (T,), ascending. values: shape (C, T), nan where a channel has no sample.
+    effort: known generalized forces at the movable joints [N·m or N], shape (T, joints), or None when free.
+    interval: median sampling interval [s]. averaged: recorded samples behind each value.
+    """
+
+    name: str
+    time: Array
+    values: Array
+    effort: Array | None
+    interval: float
+    averaged: int = 1
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample [s]."""
+        return float(self.time[-1] - self.time[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """System, channels, and runs; parameters are fitted on ``train`` and judged on ``heldout``."""
+
+    system: System
+    channels: tuple[ChannelInfo, ...]
+    train: tuple[Run, ...]
+    heldout: tuple[Run, ...]
+    same_recording: bool = False
+    steps: tuple[float, ...] = ()
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        return self.train + self.heldout
+
+    @property
+    def driven(self) -> bool:
+        """Whether a known effort acts in any recording."""
+        return any(run.effort is not None for run in self.runs)
+
+
+def pose(
+    system: System, recordings: Sequence[Measured], *, heldout: Measured | None = None, finest_rate: float = 260.0
+) -> Problem:
+    """Put recordings of a system into the form the fit works on.
+
+    heldout: recording judged on; by default the last of several, or the last 30 % of a single one.
+    finest_rate: samples beyond this rate [Hz] are averaged in blocks.
+    Raises InputError for recordings that share no channel with each other or with the system.
+    """
+    if not recordings:
+        raise InputError("no recording given", mend="name at least one recording file")
+    joints = system.joint_names
+    links = tuple(link.name for link in system.links)
+    first = recordings[0]
+    names = [c.name for c in first.channels]
+    for other in [*recordings[1:], *([heldout] if heldout is not None else [])]:
+        present = {c.name for c in other.channels}
+        names = [n for n in names if n in present]
+    infos = []
+    for channel in first.channels:
+        if channel.name not in names or channel.quantity not in MEASURED:
+            continue
+        owners = joints if channel.quantity in ("position", "velocity") else links
+        if channel.site not in owners:
+            raise InputError(
+                f"the recording speaks of {channel.site!r}, which the model does not have",
+                mend=f"map the column to one of {', '.join(owners)}",
+                column=channel.name,
+            )
+        infos.append(ChannelInfo(channel.name, channel.site, channel.quantity, channel.unit))
+    if not infos:
+        raise InputError(
+            "the recordings share no measured channel of the model",
+            mend="map a column to <joint>.position or another known quantity",
+        )
+    runs = [_run(system, tuple(infos), recording, k) for k, recording in enumerate(recordings)]
+    steps = tuple(_resolution([run.values[c] for run in runs]) for c in range(len(infos)))
+    runs = [_thin(run, finest_rate) for run in runs]
+    if heldout is not None:
+        return Problem(
+            system,
+            tuple(infos),
+            tuple(runs),
+            (_thin(_run(system, tuple(infos), heldout, len(runs)), finest_rate),),
+            steps=steps,
+        )
+    if len(runs) > 1:
+        return Problem(system, tuple(infos), tuple(runs[:-1]), (runs[-1],), steps=steps)
+    only = runs[0]
+    cut = int(round((1.0 - HELD_OUT_SHARE) * len(only.time)))
+    return Problem(
+        system,
+        tuple(infos),
+        (_slice(only, 0, cut, "first part"),),
+        (_slice(only, cut, len(only.time), "last part"),),
+        True,
+        steps,
+    )
+
+
+def _run(system: System, infos: tuple[ChannelInfo, ...], recording: Measured, index: int) -> Run:
+    time = np.asarray(recording.time, dtype=np.float64)
+    by_name = {c.name: np.asarray(c.values, dtype=np.float64) for c in recording.channels}
+    values = np.array([by_name[info.name] for info in infos])
+    keep = np.isfinite(time)
+    effort = None
+    if recording.efforts:
+        effort = np.zeros((len(time), len(system.joint_names)))
+        for channel in recording.efforts:
+            if channel.site not in system.joint_names:
+                raise InputError(
+                    f"the recording drives {channel.site!r}, which the model does not have",
+                    mend=f"map the column to one of {', '.join(system.joint_names)}",
+                    column=channel.name,
+                )
+            column = np.asarray(channel.values, dtype=np.float64)
+            finite = np.isfinite(column)
+            effort[:, system.joint_names.index(channel.site)] = np.interp(time, time[finite], column[finite])
+        if not np.any(effort):
+            effort = None
+    time, values = time[keep], values[:, keep]
+    effort = None if effort is None else effort[keep]
+    if len(time) < 50:
+        raise InputError(
+            f"the recording has {len(time)} usable samples", mend="at least 50 are needed to tell motion from noise"
+        )
+    name = str(getattr(recording, "name", "") or getattr(recording, "source", "") or f"recording {index + 1}")
+    return Run(name, time, values, effort, float(np.median(np.diff(time))))
+
+
+def _slice(run: Run, first: int, last: int, note: str) -> Run:
+    effort = None if run.effort is None else run.effort[first:last]
+    return Run(
+        f"{run.name}, {note}", run.time[first:last], run.values[:, first:last], effort, run.interval, run.averaged
+    )
+
+
+def _thin(run: Run, finest_rate: float) -> Run:
+    """Average blocks of samples until the rate is at most ``finest_rate``; blocks never span a gap."""
+    step = int(np.floor(1.0 / (run.interval * finest_rate) + 1e-9))
+    if step < 2:
+        return run
+    gaps = np.flatnonzero(np.diff(run.time) > 3.0 * run.interval) + 1
+    starts: list[int] = []
+    for lo, hi in zip([0, *gaps], [*gaps, len(run.time)], strict=True):
+        starts += range(lo, hi - step + 1, step)
+    index = np.array(starts)[:, None] + np.arange(step)
+    time = run.time[index].mean(axis=1)
+    values = run.values[:, index].mean(axis=2)
+    effort = None if run.effort is None else run.effort[index].mean(axis=1)
+    return Run(run.name, time, values, effort, run.interval * step, run.averaged * step)
+
+
+def _resolution(columns: list[Array]) -> float:
+    """Quantisation step of a channel [channel unit], 0 if its values are not on a grid.
+
+    On a grid the distinct values are few and their distances multiples of the smallest one.
+    """
+    pooled = np.concatenate([c[np.isfinite(c)] for c in columns])
+    distinct = np.unique(np.round(pooled, 12))
+    if len(distinct) < 2 or len(distinct) > 0.5 * len(pooled):
+        return 0.0
+    gaps = np.diff(distinct)
+    gaps = gaps[gaps > 1e-9 * max(1.0, float(np.abs(pooled).max()))]
+    step = float(np.median(gaps))
+    # Rounding in the file blurs the grid a little; most neighbours must still be one step or a few apart.
+    off = np.abs(gaps / step - np.round(gaps / step))
+    return step if np.mean(off < 0.1) > 0.9 else 0.0

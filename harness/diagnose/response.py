@@ -1,0 +1,145 @@
+"""Linear response of the channels to small forces along a fitted motion: one short step per grid point, then a recursion.
+
+Along the motion the deviation obeys δ_{k+1} = Φ_k δ_k + Γ_k u_k. The transitions Φ_k and input matrices Γ_k come from lanes
+that each take a single step; after that, hundreds of force histories cost a few matrix products.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.fit import Fit
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor
+from harness.diagnose.windows import Window
+
+Array = NDArray[np.float64]
+
+STATE_STEP = 1e-6  # rad, rad/s
+FORCE_STEP = 1e-3  # of the natural torque
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Motion of a fit in a window and its linear response.
+
+    time: grid [s] from the window's first sample, shape (G,); q, qd: (G, n); transition: (G − 1, 2n, 2n);
+    force: response of the state to unit generalized forces over a step, (G − 1, 2n, n); base: the same to a unit
+    acceleration of the base along its direction of shaking, (G − 1, 2n).
+    """
+
+    window: Window
+    time: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    transition: Array
+    force: Array
+    base: Array
+
+    def propagate(self, push: Array) -> Array:
+        """State deviations (G, 2n, K) caused by increments ``push`` (G − 1, 2n, K), from rest."""
+        out = np.zeros((len(self.time), push.shape[1], push.shape[2]))
+        for k in range(len(self.time) - 1):
+            np.matmul(self.transition[k], out[k], out=out[k + 1])
+            out[k + 1] += push[k]
+        return out
+
+    def by_force(self, joint: int, histories: Array) -> Array:
+        """State deviations (G, 2n, K) caused by force histories (K, G) at a coordinate."""
+        mean = 0.5 * (histories[:, :-1] + histories[:, 1:])
+        return self.propagate(self.force[:, :, joint, None] * mean.T[:, None, :])
+
+    def by_shaking(self, histories: Array) -> Array:
+        """State deviations (G, 2n, K) caused by histories of base acceleration (K, G)."""
+        mean = 0.5 * (histories[:, :-1] + histories[:, 1:])
+        return self.propagate(self.base[:, :, None] * mean.T[:, None, :])
+
+
+def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) -> Response:
+    """Linear response of a fit in one window. torque: natural size of forces [N·m]."""
+    mechanism = predictor.mechanism(fitted.hypothesis)
+    model = mechanism.model
+    n = len(mechanism.names)
+    grid = predictor.grid(window, predictor.margin(fitted.hypothesis))
+    row = predictor.row(fitted.hypothesis, fitted.x)
+    state = fitted.states[window]
+    run = predictor.runs[window.run]
+    offset = float(run.time[window.first] - run.time[0])
+    tau = None
+    if run.effort is not None:
+        tau = predictor.efforts(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], grid.time)
+    amplitude = model.slot("base", "excitation_amplitude")
+    start = offset if row[amplitude] != 0.0 else 0.0
+    q, qd, qdd = model.simulate(
+        row[None, :], state[None, :n], state[None, n:], grid.time + start, tau=tau, tolerance=predictor.tolerance
+    )
+    points = len(grid.time) - 1
+    copies = 1 + 3 * n + 1
+    rows = np.tile(row, (points * copies, 1))
+    if row[amplitude] != 0.0:
+        frequency = row[model.slot("base", "excitation_frequency")]
+        rows[:, model.slot("base", "excitation_phase")] += (
+            2.0 * np.pi * frequency * np.repeat(grid.time[:-1] + start, copies)
+        )
+    shake = FORCE_STEP * float(np.linalg.norm(row[[model.slot("base", f"gravity_{a}") for a in "xyz"]]) or 9.81)
+    for axis in "xyz":
+        direction = row[model.slot("base", f"excitation_{axis}")]
+        rows[copies - 1 :: copies, model.slot("base", f"gravity_{axis}")] -= shake * direction
+    states = np.repeat(np.concatenate([q[0, :-1], qd[0, :-1]], axis=1), copies, axis=0)
+    for j in range(2 * n):
+        states[1 + j :: copies, j] += STATE_STEP
+    acting = np.zeros((points * copies, 2, n))
+    if tau is not None:
+        acting[:, 0] = np.repeat(tau[0, :-1], copies, axis=0)
+        acting[:, 1] = np.repeat(tau[0, 1:], copies, axis=0)
+    push = FORCE_STEP * torque
+    for j in range(n):
+        acting[1 + 2 * n + j :: copies, :, j] += push
+    eq, eqd, _ = model.simulate(
+        rows, np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:]), np.array([0.0, grid.step]), tau=acting,
+        tolerance=predictor.tolerance,
+    )  # fmt: skip
+    end = np.concatenate([eq[:, 1], eqd[:, 1]], axis=1).reshape(points, copies, 2 * n)
+    change = end[:, 1:] - end[:, :1]
+    transition = np.swapaxes(change[:, : 2 * n], 1, 2) / STATE_STEP
+    force = np.swapaxes(change[:, 2 * n : 3 * n], 1, 2) / push
+    base = change[:, 3 * n] / shake
+    return Response(
+        window, grid.time, q[0], qd[0], qdd[0],
+        np.nan_to_num(transition), np.nan_to_num(force), np.nan_to_num(base),
+    )  # fmt: skip
+
+
+def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found: Response, deviations: Array) -> Array:
+    """Whitened changes of the channels (K, M) that state deviations (G, 2n, K) make; channels of joints only."""
+    names = predictor.mechanism(fitted.hypothesis).names
+    n = len(names)
+    grid = predictor.grid(found.window, predictor.margin(fitted.hypothesis))
+    i, s, h = grid.index, grid.weight[:, None], grid.step
+    problem = predictor.problem
+    size = found.window.size
+    i, s = i[:size], s[:size]
+    signal = np.zeros((deviations.shape[2], len(problem.channels), size))
+    for c, channel in enumerate(problem.channels):
+        if channel.quantity not in ("position", "velocity"):
+            continue
+        k = names.index(channel.site)
+        if channel.quantity == "position":
+            d, v = deviations[:, k], deviations[:, n + k] * h
+            sampled = d[i] if grid.exact else (
+                d[i] * (1 - s) ** 2 * (1 + 2 * s) + v[i] * s * (1 - s) ** 2 + d[i + 1] * s**2 * (3 - 2 * s) + v[i + 1] * s**2 * (s - 1)
+            )  # fmt: skip
+        else:
+            v = deviations[:, n + k]
+            sampled = v[i] if grid.exact else v[i] * (1 - s) + v[i + 1] * s
+        signal[:, c] = sampled.T
+    return likelihood.whiten_signal(found.window, np.nan_to_num(signal))
+
+
+def responsive(predictor: Predictor, fitted: Fit) -> bool:
+    """Whether the linear response can speak for the channels: joint angles and velocities, no elastic coordinates."""
+    return all(c.quantity in ("position", "velocity") for c in predictor.problem.channels)

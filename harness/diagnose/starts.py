@@ -1,0 +1,84 @@
+"""Where the search for an effect begins: its own starting values, or a scan where no slope leads to the truth."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.hypothesis import Candidate
+from harness.diagnose.problem import Problem
+
+Array = NDArray[np.float64]
+
+Ray = tuple[Array, ...]
+"""Starting values (SI) whose effects on the prediction are combined linearly: one vector, or two a quarter wave apart."""
+
+MOST_PERIODS = 60  # of a cogging torque in one turn
+REACH = (0.55, 0.75, 0.9, 0.97)  # shares of the motion's extent at which a stop may stand
+CUT = (0.8, 0.95, 0.999)  # shares of a channel's extent at which it may saturate
+
+
+def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
+    """Starting points of a candidate, from the recordings where the effect says that only they can give them."""
+    parameters = candidate.effect.parameters
+    names = [p.name for p in parameters]
+    choices: list[tuple[float, ...]] = []
+    quarter = names.index("phase") if "phase" in names else None
+    for k, parameter in enumerate(parameters):
+        values = parameter.start_values(candidate.references)
+        if parameter.name == "phase":
+            values = (0.0,)
+        elif parameter.name == "periods":
+            values = tuple(np.arange(1.0, MOST_PERIODS + 1.0))
+        elif parameter.name == "frequency" and quarter is not None:
+            values = tuple(_frequencies(problem))
+        elif parameter.name == "angle" and parameter.search == "range":
+            values = _stops(candidate, problem)
+        elif parameter.name == "limit" and parameter.search == "range":
+            values = _limits(candidate, problem)
+        elif k > 0 and quarter is not None:
+            values = values[:1]
+        choices.append(values)
+    points = [np.array(point) for point in product(*choices)]
+    if quarter is None:
+        return [(point,) for point in points]
+    pairs = []
+    for point in points:
+        other = point.copy()
+        other[quarter] = 0.5 * np.pi
+        pairs.append((point, other))
+    return pairs
+
+
+def _frequencies(problem: Problem) -> Array:
+    """Frequencies [Hz] a quarter of the shortest useful resolution apart, up to a quarter of the sampling rate."""
+    longest = max(run.duration for run in problem.train)
+    top = min(0.25 / max(run.interval for run in problem.train), 30.0)
+    spacing = max(0.5 / longest, 0.04)
+    low = np.arange(spacing, 4.0, spacing)
+    return np.concatenate([low, np.arange(4.0, top, 2.0 * spacing)])
+
+
+def _extent(candidate: Candidate, problem: Problem, suffix: str) -> tuple[float, float] | None:
+    for c, channel in enumerate(problem.channels):
+        if channel.name == candidate.site or channel.name == f"{candidate.site}.{suffix}":
+            pooled = np.concatenate([run.values[c] for run in problem.train])
+            return float(np.nanmin(pooled)), float(np.nanmax(pooled))
+    return None
+
+
+def _stops(candidate: Candidate, problem: Problem) -> tuple[float, ...]:
+    extent = _extent(candidate, problem, "position")
+    if extent is None:
+        return candidate.effect.parameters[0].start_values(candidate.references)
+    low, high = extent
+    return tuple([share * high for share in REACH if high > 0.0] + [share * low for share in REACH if low < 0.0])
+
+
+def _limits(candidate: Candidate, problem: Problem) -> tuple[float, ...]:
+    extent = _extent(candidate, problem, "position")
+    if extent is None:
+        return candidate.effect.parameters[0].start_values(candidate.references)
+    return tuple(share * max(abs(extent[0]), abs(extent[1])) for share in CUT)

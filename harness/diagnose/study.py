@@ -1,0 +1,172 @@
+"""The working bench of one diagnosis: fits, kept by hypothesis and windows, and everything that they need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import lgamma
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.fit import Fit, fit
+from harness.diagnose.hypothesis import Candidate, Hypothesis
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor, to_internal
+from harness.diagnose.problem import Problem
+from harness.diagnose.screen import Score, carry_state, nuisance, score
+from harness.diagnose.windows import Window, local_state
+
+Array = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Study:
+    """Fits of hypotheses on one set of training windows under one likelihood."""
+
+    problem: Problem
+    predictor: Predictor
+    likelihood: Likelihood
+    candidates: tuple[Candidate, ...]
+    windows: tuple[Window, ...]
+    fits: dict[frozenset[str], Fit] = field(default_factory=dict)
+    scores: dict[frozenset[str], list[Score]] = field(default_factory=dict)
+    first_states: Mapping[Window, Array] = field(default_factory=dict)
+
+    @property
+    def samples(self) -> float:
+        """Independent readings in the training windows."""
+        return self.likelihood.samples(self.windows)
+
+    def criterion(self, fitted: Fit) -> float:
+        """Extended Bayesian information criterion: cost, prior, parameters, and the number of sets to choose among.
+
+        Chen and Chen, Biometrika 95 (2008) 759, with γ = 1.
+        """
+        count = len(fitted.hypothesis.members)
+        sets = log_choose(len(self.candidates), count)
+        return fitted.score + fitted.hypothesis.size * float(np.log(self.samples)) + 2.0 * sets
+
+    def price(self, candidate: Candidate, members: int = 0) -> float:
+        """What the criterion asks for one more effect beside ``members``."""
+        n = len(self.candidates)
+        return candidate.size * float(np.log(self.samples)) + 2.0 * (
+            log_choose(n, members + 1) - log_choose(n, members)
+        )
+
+    def states_for(self, hypothesis: Hypothesis, near: Fit | None = None) -> dict[Window, Array]:
+        """Initial states to start a fit from: those of a fit nearby, or read off the recording."""
+        empty = Hypothesis()
+        states = {}
+        for window in self.windows:
+            if near is not None and window in near.states:
+                states[window] = carry_state(self.predictor, near.hypothesis, hypothesis, near.states[window])
+                continue
+            found = self.first_states.get(window)
+            if found is None:
+                found = measured_state(self.problem, self.predictor, window)
+            states[window] = carry_state(self.predictor, empty, hypothesis, found)
+        return states
+
+    def fit(self, hypothesis: Hypothesis, starts: Sequence[Array], near: Fit | None, *, most_steps: int = 25) -> Fit:
+        """The best fit of a hypothesis over several starting vectors; an earlier better one is kept."""
+        best = self.fits.get(hypothesis.identity)
+        for start in starts:
+            found = fit(
+                self.predictor,
+                self.likelihood,
+                hypothesis,
+                self.windows,
+                start,
+                self.states_for(hypothesis, near),
+                most_steps=most_steps,
+            )
+            if best is None or found.score < best.score:
+                best = found
+        assert best is not None
+        self.fits[hypothesis.identity] = best
+        return best
+
+    def empty(self) -> Fit:
+        """The fit of the hypothesis that nothing is missing."""
+        key: frozenset[str] = frozenset()
+        if key not in self.fits:
+            hypothesis = Hypothesis()
+            self.fit(hypothesis, [np.zeros(self.predictor.size(hypothesis))], None)
+        return self.fits[key]
+
+    def ranked(self, base: Fit) -> list[Score]:
+        """Score tests of all candidates against a fit, best first."""
+        key = base.hypothesis.identity
+        if key not in self.scores:
+            taken = base.hypothesis
+            open_ones = [c for c in self.candidates if compatible(taken, c)]
+            space = nuisance(base, self.predictor)
+            self.scores[key] = score(base, self.predictor, self.likelihood, open_ones, self.problem, space)
+        return self.scores[key]
+
+    def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
+        """The fit of a hypothesis with one more effect, from the score test's starting point."""
+        hypothesis = base.hypothesis.with_(found.candidate)
+        known = self.fits.get(hypothesis.identity)
+        if known is not None:
+            return known
+        start = np.concatenate([base.x, to_internal(found.candidate, found.start)])
+        return self.fit(hypothesis, [start], base, most_steps=most_steps)
+
+    def reduce(self, base: Fit, k: int) -> Fit:
+        """The fit without member ``k``, from where the larger one stands."""
+        hypothesis = base.hypothesis.without(k)
+        known = self.fits.get(hypothesis.identity)
+        if known is not None:
+            return known
+        offset = len(self.predictor.nominal)
+        span = base.hypothesis.span(k)
+        keep = np.ones(len(base.x), dtype=bool)
+        keep[offset + span.start : offset + span.stop] = False
+        return self.fit(hypothesis, [base.x[keep]], base)
+
+
+def log_choose(n: int, k: int) -> float:
+    """Logarithm of the number of ways to choose k of n."""
+    return lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1)
+
+
+def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
+    """Whether a candidate may join: not there already, and no special case (or general case) of what is at its site."""
+    for member in hypothesis.members:
+        if member.key == candidate.key:
+            return False
+        if member.site == candidate.site and (
+            member.effect.name in candidate.effect.simpler or candidate.effect.name in member.effect.simpler
+        ):
+            return False
+        a, b = member.effect.reshape, candidate.effect.reshape
+        if a is not None and b is not None and a.topology and b.topology:
+            return False
+        if (
+            member.effect.law is not None
+            and candidate.effect.law is not None
+            and member.site == candidate.site
+            and set(member.effect.law.slots) & set(candidate.effect.law.slots)
+        ):
+            return False
+    return True
+
+
+def measured_state(problem: Problem, predictor: Predictor, window: Window) -> Array:
+    """Initial positions and velocities read off the recording by a local cubic; what is not measured begins at zero."""
+    names = predictor.mechanism(Hypothesis()).names
+    run = problem.runs[window.run]
+    state = np.zeros(2 * len(names))
+    span = max(6.0 * run.interval, 0.03)
+    for c, channel in enumerate(problem.channels):
+        if channel.quantity != "position" or channel.site not in names:
+            continue
+        k = names.index(channel.site)
+        state[k], state[len(names) + k] = local_state(run, c, window.first, span)
+    for c, channel in enumerate(problem.channels):
+        if channel.quantity == "velocity" and channel.site in names:
+            k = names.index(channel.site)
+            state[len(names) + k] = local_state(run, c, window.first, span)[0]
+    return state
