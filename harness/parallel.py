@@ -95,7 +95,7 @@ def _on_cluster(function: Callable[[T], R], items: Sequence[T], address: str) ->
         # pure=False: two equal items are two tasks, as on local processes.
         futures = client.map(_indexed, [function] * len(items), range(len(items)), items, pure=False)
         try:
-            for future in as_completed(futures):
+            for future in as_completed(futures, loop=client.loop):
                 yield future.result()
                 future.release()
         except BaseException:

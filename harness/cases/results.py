@@ -44,7 +44,7 @@ class Results:
         """Number of rows with that verdict."""
         return sum(row.verdict == verdict for row in self.rows)
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Any]:
         """The document ``denoc.results/1`` as plain Python values, free of NaN."""
         return {
             "schema": SCHEMA,
@@ -60,9 +60,9 @@ class Results:
             "series": [_series_as_dict(series) for series in self.series],
         }
 
-    def to_json(self) -> str:
-        """The document ``denoc.results/1`` as text."""
-        return json.dumps(self.as_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    def to_text(self) -> str:
+        """The same as JSON text."""
+        return json.dumps(self.to_json(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
     def __str__(self) -> str:
         from harness.cases.table import text

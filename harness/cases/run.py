@@ -185,8 +185,7 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
 
 def _broken(bench: Bench, quantity: str, engines: tuple[str, ...], error: Exception) -> Row:
     text = " ".join(str(error).split()) or "no message"
-    row = bench.row(quantity, engines, float("nan"), 0.0, why="must run", note=f"{type(error).__name__}: {text}")
-    return replace(row, allowed=None)
+    return replace(bench.skipped(quantity, engines, f"{type(error).__name__}: {text}"), verdict="fail")
 
 
 def versions() -> dict[str, str]:

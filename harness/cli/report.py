@@ -44,7 +44,7 @@ def report(results: str, formats: tuple[str, ...], out: Path | None, json_file: 
         folder = out if out is not None else (source if source.is_dir() else source.parent)
         for path in write_reports(found, folder, files):
             screen.print(f"wrote {path}", markup=False)
-    write_json(found.to_json(), json_file)
+    write_json(found.to_text(), json_file)
     if not files or "table" in formats:
         print_results(found, screen, every_row=every_row)
     return 0

@@ -69,7 +69,7 @@ def validate(
         from harness.report.write import write_reports
 
         write_reports(results, out)
-    write_json(results.to_json(), json_file)
+    write_json(results.to_text(), json_file)
     screen = console(json_file)
     print_results(results, screen, every_row=every_row)
     for name, reason in refused:

@@ -16,7 +16,7 @@ from harness.report import words
 
 def as_dict(results: Results, judgement: Judgement | None, trials: SelfTest | None) -> str:
     """``denoc.results/1`` as JSON text with ``accepted``, ``change`` and ``reason`` in each row, and ``self_test``."""
-    document: dict[str, Any] = results.as_dict()
+    document: dict[str, Any] = results.to_json()
     del document["series"]
     if judgement is not None:
         document["rows"] = [_row(judged) for judged in judgement.rows]

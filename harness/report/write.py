@@ -37,7 +37,7 @@ def _junit(results: Results) -> bytes:
 
 
 FILES: dict[str, tuple[str, Callable[[Results], str | bytes]]] = {
-    "json": ("results.json", lambda results: results.to_json() + "\n"),
+    "json": ("results.json", lambda results: results.to_text()),
     "md": ("results.md", _markdown),
     "csv": ("results.csv", _csv),
     "junit": ("junit.xml", _junit),

@@ -1,0 +1,88 @@
+"""``denoc audit``: is a parameter table possible at all?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from harness.cli.options import console, output_options, write_json
+
+
+@click.command()
+@click.argument("system", metavar="SYSTEM")
+@click.option(
+    "--measured",
+    multiple=True,
+    metavar="LINK=HZ[,HZ…]",
+    help="Bending frequencies of a link as mounted, lowest first; repeatable for several links.",
+)
+@output_options("Write audit.json there.")
+def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: str | None) -> int:
+    """Hold a parameter table against physics and measurement.
+
+    Mass against dimensions and density, frequency against stiffness and mass, materials, inertia, units. Where something
+    cannot be, the corrections that would explain it are ranked.
+
+    \b
+    Example:
+      denoc audit models/toml/flexible_pendulum_as_printed.toml --measured rod=37
+    """
+    import json
+
+    from rich.table import Table
+    from rich.text import Text
+
+    from harness.system.audit import audit as hold
+
+    found = hold(system, measured=_measured(measured))
+    screen = console(json_file)
+    colours = {"impossible": "bold red", "implausible": "yellow"}
+    for finding in found.findings:
+        line = Text(f"{finding.severity}: ", style=colours.get(finding.severity, "dim"))
+        screen.print(line + Text(f"{finding.site}: {finding.what}", style="default"))
+    if found.corrections:
+        table = Table(
+            box=None, header_style="bold", pad_edge=False, title="What would explain it", title_justify="left"
+        )
+        for head in ("link", "correction", "density [kg/m³]", "material", "frequencies [Hz]", "probability"):
+            table.add_column(
+                head, overflow="fold", justify="right" if head in ("density [kg/m³]", "probability") else "left"
+            )
+        for c in found.corrections:
+            changes = "; ".join(f"{x.quantity} {x.stated:g} → {x.corrected:g} ({x.slip})" for x in c.changes)
+            table.add_row(
+                Text(c.site),
+                Text(changes or "as it stands", style="" if c.agrees else "dim"),
+                f"{c.density:.0f}",
+                Text(c.material),
+                ", ".join(f"{f:.4g}" for f in c.frequencies),
+                f"{c.probability:.2g}",
+            )
+        screen.print(table)
+    text = "The table is possible." if found.possible else "The table cannot be true as it stands."
+    screen.print(Text(text, style="bold green" if found.possible else "bold red"))
+    document = json.dumps(found.to_json(), indent=1, ensure_ascii=False)
+    if out is not None:
+        from harness.report.files import write_folder
+
+        write_folder(out, {"audit.json": document + "\n"})
+    write_json(document, json_file)
+    return 0 if found.possible else 1
+
+
+def _measured(texts: tuple[str, ...]) -> dict[str, list[float]]:
+    from harness.errors import InputError
+
+    heard: dict[str, list[float]] = {}
+    for text in texts:
+        link, equals, values = text.partition("=")
+        try:
+            if not equals or link in heard:
+                raise ValueError
+            heard[link] = [float(value) for value in values.split(",")]
+        except ValueError:
+            raise InputError(
+                f"--measured {text!r} is not of the form link=frequency", mend="--measured rod=37 or rod=37,105"
+            ) from None
+    return heard

@@ -1,0 +1,76 @@
+"""``denoc prove``: the blind proof."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from harness.cli.options import console, output_options, progress, wide_options, write_json
+
+
+@click.command()
+@click.option("--quick", is_flag=True, help="40 cases instead of the full proof's 400 and more.")
+@click.option("--cases", type=click.IntRange(min=1), metavar="N", help="About so many cases, in the full proof's mix.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), metavar="N", help="Draw the cases from this seed; default: a fresh one."
+)
+@click.option("--resume", metavar="DIR", help="Go on with an interrupted proof in its folder.")
+@click.option("--peers/--no-peers", default=True, help="Ask other methods about the same cases.")
+@output_options("Folder of the proof: cases, sealed answers, digests, answers found, proof.json; default: denoc-proof.")
+@wide_options
+def prove(
+    quick: bool,
+    cases: int | None,
+    seed: int | None,
+    resume: str | None,
+    peers: bool,
+    out: Path | None,
+    json_file: str | None,
+    workers: int | None,
+    dask: str | None,
+) -> int:
+    """Conceal effects in recordings made by other engines, diagnose them without the answers, score the result.
+
+    The answers are sealed before the diagnosis starts: proof folder and digests are written first, so that anyone can
+    check that they were not changed.
+
+    \b
+    Examples:
+      denoc prove --quick
+      denoc prove --seed 7 --out proof7 --dask tcp://head:8786
+    """
+    import json
+
+    from harness.errors import InputError
+    from harness.proof.run import FULL, QUICK, scaled
+    from harness.proof.run import prove as run
+
+    if quick and cases is not None:
+        raise InputError("--quick and --cases do not go together", mend="give the one or the other")
+    folder = out or Path("denoc-proof")
+    if resume is not None:
+        folder = Path(resume)
+        if out is not None and out != folder:
+            raise InputError("--resume and --out name different folders", mend="give the one or the other")
+        if not (folder / "plan.json").exists():
+            raise InputError("holds no proof to go on with", source=folder, mend="give the folder of an earlier --out")
+    elif folder.exists() and any(folder.iterdir()):
+        raise InputError("is not empty", source=folder, mend=f"give another --out, or go on with --resume {folder}")
+    counts = QUICK if quick else FULL if cases is None else scaled(cases)
+    with progress("prove") as step:
+        proof = run(
+            folder,
+            seed=seed,
+            counts=counts,
+            workers=workers,
+            dask=dask,
+            peers=peers,
+            progress=lambda stage, done, of: step(done, of, stage),
+        )
+    document = proof.to_json()
+    from harness.report.proof import print_proof
+
+    print_proof(document, console(json_file))
+    write_json(json.dumps(document, indent=1, ensure_ascii=False), json_file)
+    return 0

@@ -1,0 +1,81 @@
+"""A diagnosis on the terminal: a few sentences, what was found, before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
+
+
+def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
+    """Print a ``denoc.diagnosis/1`` document."""
+    verdict = document["verdict"]
+    console.print(Text(verdict.replace("_", " "), style=COLOURS.get(verdict, "bold red")))
+    console.print(Text(document["summary"]))
+    if document["findings"]:
+        console.print(_findings(document["findings"]))
+    if document["fit"]:
+        console.print(_fit(document["fit"]))
+    ranking = document.get("ranking") or []
+    if len(ranking) > 1:
+        console.print(_ranking(ranking[:6]))
+    following = document.get("next_experiment") or {}
+    if following.get("what"):
+        separates = ", ".join(following.get("separates", ()))
+        console.print(Text(f"Next experiment: {following['what']}" + (f" (parts {separates})" if separates else "")))
+
+
+def _findings(findings: list[Mapping[str, Any]]) -> Table:
+    table = _table("effect", "at", "parameters", "ΔBIC", "cannot be told from")
+    for finding in findings:
+        parameters = "; ".join(
+            f"{name} = {value['value']:.4g} ± {value['std']:.2g} {value['unit']}"
+            if value.get("std") is not None
+            else f"{name} = {value['value']:.4g} {value['unit']}"
+            for name, value in finding["parameters"].items()
+        )
+        others = ", ".join(str(other) for other in finding.get("indistinguishable_from", ()))
+        bic = finding.get("evidence", {}).get("delta_bic")
+        table.add_row(finding["effect"], finding["site"], parameters, "" if bic is None else f"{bic:.0f}", others)
+    return table
+
+
+def _fit(fit: list[Mapping[str, Any]]) -> Table:
+    table = _table("channel", "unit", "nominal: training", "held out", "augmented: training", "held out", "noise floor")
+    for channel in fit:
+        table.add_row(
+            channel["channel"],
+            channel["unit"],
+            *(
+                _figure(channel[model][error])
+                for model in ("nominal", "augmented")
+                for error in ("train_rmse", "heldout_rmse")
+            ),
+            _figure(channel["noise_floor"]),
+        )
+    return table
+
+
+def _ranking(ranking: list[Mapping[str, Any]]) -> Table:
+    table = _table("hypothesis", "BIC", "held out")
+    for row in ranking:
+        table.add_row(
+            " + ".join(row["effects"]) or "nothing", _figure(row.get("bic")), _figure(row.get("heldout_rmse"))
+        )
+    return table
+
+
+def _table(*heads: str) -> Table:
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for head in heads:
+        table.add_column(head, overflow="fold")
+    return table
+
+
+def _figure(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"

@@ -1,0 +1,42 @@
+"""The blind proof's figures on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+# Key in ``denoc.proof/1``, what it means.
+SHARES = {
+    "named_single": "single effects named (or a member of their class)",
+    "named_single_exactly": "single effects named exactly",
+    "named_pairs": "pairs named",
+    "named_triples": "triples named",
+    "clean_false": "false discoveries in clean recordings",
+    "outside_told": "effects outside the catalogue told as not explained",
+    "at_floor": "explained and at the noise floor on held-out data",
+    "side_right": "right side (dynamics, sensor, input)",
+    "site_right": "right site",
+    "false_anywhere": "cases with a false discovery",
+    "failed": "cases that could not be diagnosed",
+}
+
+
+def print_proof(document: Mapping[str, Any], console: Console) -> None:
+    """Shares with Wilson intervals, coverage of the 95 % intervals, and what the peers said."""
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for head, justify in (("", "left"), ("of", "right"), ("share", "right"), ("95 % interval", "right")):
+        table.add_column(head, justify="right" if justify == "right" else "left")
+    for key, words in SHARES.items():
+        if key in document:
+            hits, of = document[key]
+            low, high = document.get("wilson95", {}).get(key, (float("nan"), float("nan")))
+            share = f"{100 * hits / of:.0f} %" if of else "none tried"
+            table.add_row(words, f"{hits}/{of}", share, f"{100 * low:.0f}–{100 * high:.0f} %" if of else "")
+    console.print(table)
+    coverage = document.get("coverage95")
+    if coverage is not None:
+        console.print(f"95 % intervals contain the truth in {100 * coverage:.0f} % of cases")
+    console.print(f"seed {document['seed']}, {document['cases']} cases")

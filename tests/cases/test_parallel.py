@@ -1,0 +1,81 @@
+"""The parallel map: order, errors, and the same results here and on a cluster."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from harness.errors import InputError
+from harness.parallel import parallel_map
+
+
+def square(x: int) -> int:
+    return x * x
+
+
+def process(_: int) -> int:
+    return os.getpid()
+
+
+def fails(x: int) -> int:
+    if x == 3:
+        raise InputError("three is not wanted")
+    return x
+
+
+ITEMS = [5, 3, 8, 1, 9, 2]
+SQUARES = [25, 9, 64, 1, 81, 4]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_are_in_the_order_of_the_items(workers):
+    seen: dict[int, int] = {}
+    assert parallel_map(square, ITEMS, workers=workers, done=seen.__setitem__) == SQUARES
+    assert seen == dict(enumerate(SQUARES))
+
+
+def test_one_worker_stays_in_this_process():
+    assert set(parallel_map(process, [1, 2], workers=1)) == {os.getpid()}
+    assert os.getpid() not in parallel_map(process, [1, 2], workers=2)
+
+
+def test_nothing_to_do():
+    assert parallel_map(square, []) == []
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_error_comes_through_and_the_map_works_afterwards(workers):
+    with pytest.raises(InputError, match="three"):
+        parallel_map(fails, [1, 2, 3, 4], workers=workers)
+    assert parallel_map(square, ITEMS, workers=workers) == SQUARES
+
+
+def test_no_workers_are_refused():
+    with pytest.raises(InputError, match="at least 1"):
+        parallel_map(square, ITEMS, workers=0)
+
+
+def test_a_cluster_gives_the_same():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, protocol="tcp"
+    ) as cluster:
+        seen: list[int] = []
+        assert parallel_map(square, ITEMS, dask=cluster.scheduler_address, done=lambda i, r: seen.append(i)) == SQUARES
+        assert sorted(seen) == list(range(len(ITEMS)))
+        with pytest.raises(InputError, match="three"):
+            parallel_map(fails, [1, 2, 3, 4], dask=cluster.scheduler_address)
+
+
+def test_a_cluster_that_is_not_there_is_one_line():
+    pytest.importorskip("distributed")
+    with pytest.raises(InputError, match="no Dask scheduler answers") as caught:
+        parallel_map(square, ITEMS, dask="tcp://127.0.0.1:9")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_word_that_is_no_address_is_one_line():
+    pytest.importorskip("distributed")
+    with pytest.raises(InputError, match="no Dask scheduler answers"):
+        parallel_map(square, ITEMS, dask="nonsense")
