@@ -147,6 +147,10 @@ def beam_data(system: System, link_name: str) -> BeamData:
     ):
         part = np.flatnonzero(plane == kind)
         block = rigidity * np.einsum("p,pk,pl->kl", weights, bent[:, part], bent[:, part])
+        if kind != TORSION and len(part) and beam.mode_stiffness:
+            factor = np.ones(len(part))
+            factor[: len(beam.mode_stiffness)] = np.sqrt(beam.mode_stiffness)
+            block = block * np.outer(factor, factor)
         stiffness[np.ix_(part, part)] = 0.5 * (block + block.T)
     data = BeamData(
         link=link_name,

@@ -13,7 +13,9 @@ from harness.effects.effect import (
     SiteKind,
     UserLaw,
 )
+from harness.effects.lanes import lane_model, lane_row
 from harness.effects.scale import References, Scale, references
+from harness.effects.user import load_user_effects
 
 __all__ = [
     "Effect",
@@ -32,6 +34,9 @@ __all__ = [
     "compatible",
     "effect",
     "input_chain",
+    "lane_model",
+    "lane_row",
+    "load_user_effects",
     "references",
     "sensor_chain",
     "sites",

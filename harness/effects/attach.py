@@ -8,7 +8,7 @@ from dataclasses import replace
 from harness.effects.catalogue import effect
 from harness.effects.effect import Effect
 from harness.errors import InputError
-from harness.system import Attachment, System
+from harness.system import Attachment, Joint, System
 from harness.system.suggest import did_you_mean
 
 # Laws that the description of a joint has fields for.
@@ -18,10 +18,9 @@ JOINT_FIELDS = ("viscous_damping", "coulomb_friction", "joint_stiffness")
 def apply(system: System, attachment: Attachment) -> System:
     """The system with the effect in it; the given one is left as it is.
 
-    What the description of a mechanism has a field for becomes that field (damping, friction, stiffness, armature,
-    mass,
-    gravity, beams, further bodies); other joint and base laws, and effects of sensors and inputs, are kept as
-    attachments.
+    What the description of a mechanism has a field for becomes that field (damping, friction, stiffness, armature, mass,
+    gravity, beams, further bodies), beside what the model states of it; other joint and base laws, and effects of
+    sensors and inputs, are kept as attachments.
     Raises InputError for an unknown effect or site, a parameter that is missing or outside physics, or a system that
     cannot have the effect.
     """
@@ -33,12 +32,21 @@ def apply(system: System, attachment: Attachment) -> System:
     if law.name in JOINT_FIELDS:
         joint = system.joint(attachment.site)
         if law.name == "viscous_damping":
-            return system.replace_joint(replace(joint, damping=values["coefficient"]))
+            return system.replace_joint(replace(joint, damping=joint.damping + values["coefficient"]))
         if law.name == "coulomb_friction":
-            return system.replace_joint(replace(joint, friction=values["torque"]))
-        return system.replace_joint(replace(joint, stiffness=values["stiffness"], rest_position=values["rest_angle"]))
+            return system.replace_joint(replace(joint, friction=joint.friction + values["torque"]))
+        return system.replace_joint(_beside_spring(joint, values["stiffness"], values["rest_angle"]))
     kept = tuple(a for a in system.attachments if (a.effect, a.site) != (attachment.effect, attachment.site))
     return replace(system, attachments=(*kept, replace(attachment, parameters=values)))
+
+
+def _beside_spring(joint: Joint, stiffness: float, rest: float) -> Joint:
+    """The joint with a second spring beside its own: stiffnesses add, the rest position is their weighted mean."""
+    total = joint.stiffness + stiffness
+    if total == 0.0:
+        return joint
+    mean = (joint.stiffness * joint.rest_position + stiffness * rest) / total
+    return replace(joint, stiffness=total, rest_position=mean)
 
 
 def compatible(attachments: Sequence[tuple[str, str]]) -> bool:

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+import scipy.linalg
 
+from harness.denoc.beam import BENDING, beam_data
 from harness.effects.scale import rod_and_bob, tip_of
 from harness.errors import InputError
 from harness.system import Beam, System
@@ -40,7 +42,7 @@ def bend(system: System, site: str, parameters: Mapping[str, float]) -> System:
     beam = Beam(
         length=length,
         direction=constant(direction),
-        bending=constant(_bending_direction(system, site, direction)),
+        bending=constant(bending_direction(system, site, direction)),
         mass=link.mass - payload,
         bending_stiffness=1.0,
         modes=1,
@@ -54,11 +56,25 @@ def bend(system: System, site: str, parameters: Mapping[str, float]) -> System:
 
 
 def add_mode(system: System, site: str, parameters: Mapping[str, float]) -> System:
-    """The flexible link ``site`` with one more bending mode, of the given frequency and damping as mounted."""
-    raise NotImplementedError
+    """The flexible link ``site`` with one more bending mode, of the given frequency and damping as mounted.
+
+    The mode has the shape that beam theory gives it; its stiffness is scaled until it has the frequency.
+    parameters: ``frequency`` [Hz], ``damping_ratio`` [1].
+    Raises InputError if the link is rigid.
+    """
+    link = system.link(site)
+    if link.beam is None:
+        raise InputError(f"link {site!r} is rigid", mend="link_flexibility makes it bend")
+    modes = link.beam.modes
+    ratios = (*link.beam.modal_damping, *(0.0,) * (modes - len(link.beam.modal_damping)), parameters["damping_ratio"])
+    factors = (*link.beam.mode_stiffness, *(1.0,) * (modes - len(link.beam.mode_stiffness)), 1.0)
+    richer = replace(link.beam, modes=modes + 1, modal_damping=ratios, mode_stiffness=factors)
+    reached = mounted_frequency(system.replace_link(replace(link, beam=richer)), site, modes)
+    scaled = (*factors[:-1], (parameters["frequency"] / reached) ** 2)
+    return system.replace_link(replace(link, beam=replace(richer, mode_stiffness=scaled)))
 
 
-def _bending_direction(system: System, site: str, direction: Array) -> Array:
+def bending_direction(system: System, site: str, direction: Array) -> Array:
     """Across the link, in the plane in which its joint turns it."""
     joint = system.carrier(site)
     bending = joint.axis - direction * (joint.axis @ direction) if joint.prismatic else np.cross(joint.axis, direction)
@@ -68,5 +84,16 @@ def _bending_direction(system: System, site: str, direction: Array) -> Array:
 
 
 def mounted_frequency(system: System, site: str, mode: int = 0) -> float:
-    """Frequency of one bending mode of a link with every joint free and no gravity, at zero position [Hz]."""
-    raise NotImplementedError
+    """Frequency of a bending mode of a flexible link as mounted [Hz]: on its free joint with its payload, without gravity.
+
+    mode: counted from 0, ascending.
+    """
+    link = system.link(site)
+    assert link.beam is not None
+    # One damping ratio ζ for every mode as mounted gives a damping matrix with K⁻¹ C v = (2 ζ/ω) v for each of them.
+    ratio = 0.1
+    beam = replace(link.beam, modal_damping=(ratio,) * link.beam.modes, material_damping=0.0)
+    data = beam_data(system.replace_link(replace(link, beam=beam)), site)
+    plane = np.ix_(data.plane == BENDING, data.plane == BENDING)
+    periods = np.sort(scipy.linalg.eigvals(np.linalg.solve(data.K[plane], data.C[plane])).real)[::-1]
+    return float(2.0 * ratio / periods[mode] / (2.0 * np.pi))

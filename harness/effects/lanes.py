@@ -1,0 +1,101 @@
+"""Systems with effects in them put into the native lanes: one model, one parameter row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from harness.effects.catalogue import catalogue
+from harness.effects.effect import Effect
+from harness.errors import UnsupportedError
+from harness.system import Attachment, System
+from harness.system.description import Array
+
+if TYPE_CHECKING:
+    from harness.denoc.lanes import LaneModel
+
+USER_PARAMETERS = 4  # that a row has slots for
+
+
+def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
+    """Lanes of a system, with the law that its attachments need beyond the built-in ones.
+
+    user: effects of the user's own that may be attached, now or in later rows.
+    Raises UnsupportedError if two different laws would be needed: the lanes carry one.
+    """
+    from harness.denoc.lanes import LaneModel
+
+    needed: dict[str, Callable[..., float]] = {
+        effect.name: effect.user.torque for effect in user if effect.user is not None
+    }
+    if any(attachment.effect == "backlash" for attachment in system.attachments):
+        needed["backlash"] = teeth
+    if len(needed) > 1:
+        raise UnsupportedError(
+            f"{' and '.join(sorted(needed))} together need two laws of their own", mend="simulate them one at a time"
+        )
+    return LaneModel(system, law=next(iter(needed.values()), None))
+
+
+def lane_row(model: LaneModel, system: System, user: Sequence[Effect] = ()) -> Array:
+    """Parameter row of a system of the model's topology, its attachments included, shape (P,).
+
+    Attached sensor and input effects change no row.
+    """
+    row = model.row(system)
+    known = {**catalogue(), **{effect.name: effect for effect in user}}
+    for attachment in system.attachments:
+        write_attachment(row, model, attachment, known)
+    return row
+
+
+def write_attachment(row: Array, model: LaneModel, attachment: Attachment, known: Any) -> None:
+    """Put one attached dynamics effect into a row (P,) in place."""
+    if attachment.effect == "backlash":
+        # The coupling that ``drive_side`` made: its teeth are the model's extra law.
+        p = attachment.parameters
+        values = (0.5 * p["gap"], p["stiffness"], p["damping"])
+        _write_user(row, model, attachment.site, values)
+        return
+    effect = known.get(attachment.effect)
+    if effect is None:
+        raise UnsupportedError(
+            f"attached effect {attachment.effect!r} is not in the catalogue", mend="load the file that defines it"
+        )
+    values = effect.values(attachment.parameters)
+    if effect.user is not None:
+        _write_user(row, model, attachment.site, values)
+    elif effect.law is not None:
+        before = row.copy()
+        effect.law.write(row[None, :], model, attachment.site, values[None, :])
+        for slot, parameter in zip(effect.law.slots, effect.parameters, strict=True):
+            if parameter.neutral == 0.0 and parameter.name not in (
+                "phase",
+                "periods",
+                "frequency",
+                "stribeck_velocity",
+            ):
+                row[model.slot(attachment.site, slot)] += before[model.slot(attachment.site, slot)]
+
+
+def _write_user(row: Array, model: LaneModel, site: str, values: Any) -> None:
+    row[model.slot(site, "user_scale")] = 1.0
+    for k, value in enumerate(values):
+        row[model.slot(site, f"user_{k + 1}")] = value
+
+
+def teeth(position: float, velocity: float, time: float, p: Any) -> float:
+    """Torque of teeth with play: nothing within ±p[0], beyond it stiffness p[1] and damping p[2], which never pulls."""
+    beyond = abs(position) - p[0]
+    if beyond <= 0.0:
+        return 0.0
+    side = 1.0 if position > 0.0 else -1.0
+    push = p[1] * beyond + p[2] * side * velocity
+    return -side * max(push, 0.0)
+
+
+def rows(model: LaneModel, systems: Sequence[System]) -> Array:
+    """Rows of several systems of one topology, shape (B, P)."""
+    return np.stack([lane_row(model, system) for system in systems])

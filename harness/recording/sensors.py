@@ -1,0 +1,189 @@
+"""From motion to what sensors would have read: positions, velocities, deflection, strain and acceleration at a link's tip.
+
+What a real sensor then does to the signal (offset, delay, filters, …) are effects, see ``harness.effects.measurement``.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Protocol
+
+import numpy as np
+
+from harness.denoc.beam import BENDING, BeamData, beam_data
+from harness.effects.bending import bending_direction
+from harness.effects.scale import tip_of
+from harness.errors import InputError, UnsupportedError
+from harness.recording.recording import LINK_QUANTITIES, QUANTITIES
+from harness.system import Joint, System, Trajectory
+from harness.system.description import Array
+from harness.system.suggest import did_you_mean
+
+States = tuple[Array, Array, Array]
+
+
+class Compiled(Protocol):
+    """A compiled model of many lanes, as far as sensors need it."""
+
+    @property
+    def system(self) -> System: ...
+    @property
+    def names(self) -> tuple[str, ...]: ...
+    def slot(self, site: str, name: str) -> int: ...
+
+
+def observe(model: Compiled, rows: Array, site: str, quantity: str, states: States) -> Array:
+    """One channel of many lanes, shape (B, T).
+
+    rows: parameter rows (B, P), of which gravity is taken. states: position, velocity, acceleration of the coordinates
+    ``model.names``, each (B, T, n). site, quantity: as in a recording's columns.
+    Raises InputError for a channel that the system has not.
+    """
+    gravity = rows[:, [model.slot("base", f"gravity_{axis}") for axis in "xyz"]]
+    return read_channel(model.system, model.names, gravity, site, quantity, states)
+
+
+def measure(trajectory: Trajectory, system: System, channels: tuple[str, ...]) -> dict[str, Array]:
+    """Channels by name (``pivot.position``, ``rod.root_strain``) along a simulated motion, each shape (T,).
+
+    A channel that the engine gave itself is taken as it is. Accelerations are differences of the trajectory's velocities,
+    so tip accelerations need a sampling interval well below the periods of the motion.
+    """
+    time = np.asarray(trajectory.time)
+    acceleration = np.gradient(trajectory.velocity, time, axis=0, edge_order=2 if len(time) > 2 else 1)
+    states = (trajectory.position[None], trajectory.velocity[None], acceleration[None])
+    found: dict[str, Array] = {}
+    for name in channels:
+        site, _, quantity = name.rpartition(".")
+        if name in trajectory.channels:
+            found[name] = np.asarray(trajectory.channels[name])
+        else:
+            found[name] = read_channel(system, trajectory.names, system.gravity[None], site, quantity, states)[0]
+    return found
+
+
+def read_channel(
+    system: System, names: tuple[str, ...], gravity: Array, site: str, quantity: str, states: States
+) -> Array:
+    """One channel (B, T) from states (B, T, n) of the coordinates ``names``; gravity (B, 3) or (1, 3)."""
+    if quantity not in QUANTITIES:
+        raise InputError(f"{quantity!r} is no quantity of a recording", mend=did_you_mean(quantity, QUANTITIES))
+    position, velocity, _ = states
+    if quantity in ("position", "velocity"):
+        if site not in names:
+            raise InputError(f"there is no joint {site!r} to observe", mend=did_you_mean(site, names))
+        return np.asarray((position if quantity == "position" else velocity)[:, :, names.index(site)])
+    links = tuple(link.name for link in system.links)
+    if quantity not in LINK_QUANTITIES or site not in links:
+        raise InputError(f"there is no {quantity} of {site!r} to observe", mend=did_you_mean(site, links))
+    link = system.link(site)
+    if link.beam is None:
+        if quantity != "tip_acceleration":
+            return np.zeros(position.shape[:2])
+        return _specific_force(system, names, gravity, site, states)
+    data = _beam(system, site)
+    shape = data.tip.s if quantity == "tip_deflection" else data.at(0.0).curvature * data.half_depth
+    if quantity == "tip_acceleration":
+        return _specific_force(system, names, gravity, site, states)
+    if quantity == "root_strain" and not np.isfinite(data.half_depth):
+        raise InputError(
+            f"link {site!r} does not say how deep it is, so strain cannot be told",
+            mend="give its section by width and thickness",
+        )
+    modes, columns = _bending_modes(data, names, site)
+    return np.asarray(position[:, :, columns] @ shape[modes])
+
+
+@lru_cache(maxsize=64)
+def _beam(system: System, link: str) -> BeamData:
+    return beam_data(system, link)
+
+
+def _bending_modes(data: BeamData, names: tuple[str, ...], site: str) -> tuple[list[int], list[int]]:
+    """Modes of the first bending plane, and their places among the coordinates."""
+    modes = [k for k, plane in enumerate(data.plane) if plane == BENDING]
+    return modes, [names.index(f"{site}.mode{k + 1}") for k in modes]
+
+
+def _chain(system: System, site: str) -> list[Joint]:
+    """Joints from the base to the link."""
+    chain: list[Joint] = []
+    name = site
+    while name != system.base:
+        joint = system.carrier(name)
+        chain.append(joint)
+        name = joint.parent
+    return chain[::-1]
+
+
+def _specific_force(system: System, names: tuple[str, ...], gravity: Array, site: str, states: States) -> Array:
+    """Acceleration of the tip less gravity, along the bending direction of the section there [m/s²], shape (B, T)."""
+    position, velocity, acceleration = states
+    shape = position.shape[:2]
+    turn = np.broadcast_to(np.eye(3), (*shape, 3, 3))
+    spin, spin_rate, origin = (np.zeros((*shape, 3)) for _ in range(3))
+
+    def carried(arm: Array) -> Array:
+        """Acceleration that the body's turning gives a point at ``arm`` from its origin, base axes."""
+        return np.asarray(np.cross(spin_rate, arm) + np.cross(spin, np.cross(spin, arm)))
+
+    chain = _chain(system, site)
+    for joint in chain:
+        if joint.parent != system.base and system.link(joint.parent).flexible:
+            raise UnsupportedError(
+                f"tip acceleration of {site!r}, which rides on the flexible link {joint.parent!r}",
+                mend="measure another link",
+            )
+        origin = origin + carried(turn @ joint.xyz)
+        turn = turn @ joint.rotation
+        if not joint.movable:
+            continue
+        k = names.index(joint.name)
+        axis = turn @ joint.axis
+        speed, rate = velocity[:, :, k, None], acceleration[:, :, k, None]
+        if joint.prismatic:
+            origin = origin + carried(axis * position[:, :, k, None]) + 2.0 * np.cross(spin, axis * speed) + axis * rate
+        else:
+            turn = turn @ _turns(joint.axis, position[:, :, k])
+            spin_rate = spin_rate + axis * rate + np.cross(spin, axis * speed)
+            spin = spin + axis * speed
+    link = system.link(site)
+    if link.beam is None:
+        tip = tip_of(link, system)
+        if not np.any(tip):
+            raise InputError(
+                f"link {site!r} has no tip to feel acceleration at", mend="its centre of mass is on its joint"
+            )
+        arm = np.broadcast_to(turn @ tip, (*shape, 3))
+        along = turn @ bending_direction(system, site, tip / np.linalg.norm(tip))
+        felt = origin + carried(arm) - gravity[:, None, :]
+        return np.asarray(np.sum(felt * along, axis=2))
+    data = _beam(system, site)
+    modes, columns = _bending_modes(data, names, site)
+    s, slope, stiffening = data.tip.s[modes], data.tip.slope[modes], data.tip.H[np.ix_(modes, modes)]
+    b, bd, bdd = position[:, :, columns], velocity[:, :, columns], acceleration[:, :, columns]
+    short = stiffening if data.geometric_stiffening else np.zeros_like(stiffening)
+    d, e = data.direction, data.bending
+
+    def local(across: Array, back: Array) -> Array:
+        return np.asarray(across[..., None] * e - back[..., None] * d)
+
+    # u = s b e − ½ bᵀ H b d and its time derivatives, in the link's frame.
+    u = data.length * d + local(b @ s, 0.5 * np.einsum("...k,kl,...l", b, short, b))
+    ud = local(bd @ s, np.einsum("...k,kl,...l", b, short, bd))
+    udd = local(bdd @ s, np.einsum("...k,kl,...l", b, short, bdd) + np.einsum("...k,kl,...l", bd, short, bd))
+
+    def to_base(vector: Array) -> Array:
+        return np.asarray(np.einsum("...ij,...j->...i", turn, vector))
+
+    felt = origin + carried(to_base(u)) + 2.0 * np.cross(spin, to_base(ud)) + to_base(udd) - gravity[:, None, :]
+    angle = b @ slope
+    along = to_base(np.cos(angle)[..., None] * e - np.sin(angle)[..., None] * d)
+    return np.asarray(np.sum(felt * along, axis=2))
+
+
+def _turns(axis: Array, angle: Array) -> Array:
+    """Rotation matrices about a unit axis by angles (B, T), shape (B, T, 3, 3) (Rodrigues)."""
+    x, y, z = axis
+    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle)[..., None, None] * k + (1.0 - np.cos(angle))[..., None, None] * (k @ k))
