@@ -48,12 +48,59 @@ def check_bodies(
     return tuple(notes)
 
 
+def check_joints(
+    joints: tuple[Joint, ...],
+    *,
+    physical: bool = True,
+    source: Path | None = None,
+    lines: Mapping[tuple[str, str], int] | None = None,
+) -> tuple[str, ...]:
+    """Refuse negative armature, damping and dry friction; with ``physical=False`` tell so in notes instead."""
+    notes = []
+    for joint in joints:
+        for key in ("armature", "damping", "friction"):
+            value = getattr(joint, key)
+            if value >= 0.0 or np.isnan(value):
+                continue
+            what = f"joint {joint.name!r}: {key} {value:g} is negative"
+            if physical:
+                line = (lines or {}).get(("joint", joint.name))
+                raise InputError(what, mend="none of these can be", source=source, line=line)
+            notes.append(f"{what}; taken as it stands")
+    return tuple(notes)
+
+
+def check_finite(system: System, *, lines: Mapping[tuple[str, str], int] | None = None) -> None:
+    """Refuse NaN anywhere and infinities anywhere but in limits. Raises InputError naming joint or link."""
+    lines = lines or {}
+    for joint in system.joints:
+        values = (joint.xyz, joint.rotation, joint.axis, joint.armature, joint.damping, joint.friction)
+        finite = all(np.all(np.isfinite(value)) for value in (*values, joint.stiffness, joint.rest_position))
+        if not finite or np.any(np.isnan([joint.lower, joint.upper, joint.effort, joint.velocity])):
+            raise _not_finite(system, "joint", joint.name, lines)
+    for link in system.links:
+        if not all(np.all(np.isfinite(value)) for value in (link.mass, link.com, link.inertia)):
+            raise _not_finite(system, "link", link.name, lines)
+    if not np.all(np.isfinite(system.gravity)):
+        raise InputError("gravity is not finite", mend="give three finite numbers", source=system.source)
+
+
+def _not_finite(system: System, kind: str, name: str, lines: Mapping[tuple[str, str], int]) -> InputError:
+    return InputError(
+        f"{kind} {name!r}: a number is NaN or infinite",
+        mend="give finite numbers",
+        source=system.source,
+        line=lines.get((kind, name)),
+    )
+
+
 def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | None = None) -> None:
     """Refuse a system without coordinates, or a movable joint with nothing down the tree that resists its motion.
 
     The articulated-body inertia of every joint (its D of the U D Uᵀ factors, beams frozen) is computed in three poses.
     Raises InputError naming the joint if it is not positive in any, or negative in one.
     """
+    check_finite(system, lines=lines)
     if not system.coordinate_names:
         raise InputError(
             "nothing can move: there is no movable joint and no flexible link",

@@ -25,6 +25,8 @@ def impossible(mass: float, inertia: Array) -> str | None:
 
     A point mass (all zero) and a slender rod (one principal moment zero) are possible limits.
     """
+    if not (np.isfinite(mass) and np.all(np.isfinite(inertia))):
+        return "mass or inertia is NaN or infinite"
     if mass < 0.0:
         return f"mass {mass:g} kg is negative"
     moments = np.linalg.eigvalsh(inertia)

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from harness.errors import InputError, UnsupportedError
-from harness.system.check import check_bodies, check_dynamics
+from harness.system.check import check_bodies, check_dynamics, check_joints
 from harness.system.description import Array, Joint, JointType, Link, System, constant
 from harness.system.rotation import about_axis
 from harness.system.topology import arrange
@@ -48,6 +48,7 @@ def read_mjcf(
     joints, links = _tree(model, source, notes)
     lines = _lines(spec) if root.find(".//include") is None else {}
     ordered_joints, ordered_links = arrange(joints, links, BASE, source=source, lines=lines)
+    notes += check_joints(ordered_joints, physical=physical, source=source, lines=lines)
     notes += check_bodies(ordered_links, physical=physical, source=source, lines=lines)
     system = System(
         name=root.get("model") or (source.stem if source is not None else "model"),
@@ -115,7 +116,8 @@ def _compile(data: bytes, root: Any, source: Path | None) -> tuple[Any, Any, lis
         except (ValueError, RuntimeError) as error:
             message = " ".join(str(error).split())
             line = re.search(r"line (\d+)", message)
-            message = re.sub(r",? ?line \d+|\bElement name '',? ?(id \d+)?", " ", message).strip(" ,")
+            message = re.sub(r",? ?line \d+|\bElement name ''|, id \d+|\b(XML )?Error: ", "", message)
+            message = re.sub(r" Element (name )?('[^']+')", r" (\2)", message).strip(" ,")
             raise InputError(
                 f"MuJoCo refuses it: {message}",
                 mend="mend the model so that MuJoCo loads it",
@@ -142,9 +144,10 @@ def _refuse_joint_types(mujoco: Any, spec: Any, source: Path | None) -> None:
     words = {mujoco.mjtJoint.mjJNT_FREE: "free", mujoco.mjtJoint.mjJNT_BALL: "ball"}
     for joint in spec.joints:
         if joint.type in words:
-            body = joint.parent.name
+            body = joint.parent.name or "without name"
+            called = f"joint {joint.name!r}" if joint.name else f"joint of body {body!r}"
             raise UnsupportedError(
-                f"joint {joint.name or 'without name'!r} of body {body!r}: type {words[joint.type]!r} is not modelled",
+                f"{called}: type {words[joint.type]!r} is not modelled",
                 mend="use hinge and slide joints on a fixed base",
                 source=source,
                 line=_line(joint),

@@ -61,6 +61,8 @@ def read_toml(
     base = top.text("base", "base")
     gravity = top.vector("gravity", STANDARD_GRAVITY)
     stated = top.number("tolerance", DEFAULT_TOLERANCE, non_negative=True)
+    if stated >= 1.0:
+        top.refuse(f"tolerance {stated:g} is not a relative 1σ below 1", "0.01 is one per cent", "tolerance")
     tolerance = stated if tolerance is None else tolerance
     joint_tables = _tables(top, "joint", places)
     link_tables = _tables(top, "link", places)

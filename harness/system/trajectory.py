@@ -16,6 +16,8 @@ class Trajectory:
     position, velocity: coordinates by ``names`` [rad or m], shape (T, n).
     channels: further signals by recording column name (``rod.tip_deflection``, …), each shape (T,).
     energy: total mechanical energy [J], shape (T,), or None if the engine does not tell.
+    method: how it was integrated, in words.
+    events: times of events by name [s], for an engine that locates them.
     """
 
     time: Array
@@ -24,3 +26,5 @@ class Trajectory:
     velocity: Array
     channels: Mapping[str, Array] = field(default_factory=dict)
     energy: Array | None = None
+    method: str = ""
+    events: Mapping[str, Array] = field(default_factory=dict)

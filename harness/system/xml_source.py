@@ -43,6 +43,10 @@ def parse_xml(data: bytes, source: Path | None = None) -> Any:
         root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
         line, column = error.position
+        if "Excessive depth" in (error.msg or ""):
+            raise InputError(
+                "elements are nested more than 256 deep", mend="write long chains as URDF or TOML", source=source
+            ) from None
         what = (error.msg or "cannot be parsed").partition(", line ")[0]
         raise InputError(
             f"broken XML: {what}", mend="mend the syntax", source=source, line=line or None, column=column or None

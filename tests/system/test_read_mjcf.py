@@ -11,6 +11,7 @@ from jacobian_mechanics import mass_matrix, poses
 
 import harness
 from harness.errors import InputError, UnsupportedError
+from harness.system import random_chain, write
 
 # Degrees, classes, fromto, inertia from geoms, several joints on a body with offsets and ref, welded bodies, euler.
 RICH = """<mujoco model="rich">
@@ -94,7 +95,7 @@ def test_what_acts_there_and_not_here_is_noted(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["free", "ball"])
 def test_free_and_ball_joints_are_refused_by_name_and_line(tmp_path: Path, kind: str) -> None:
     text = f'<mujoco>\n<worldbody>\n<body name="torso">\n<joint name="root" type="{kind}"/>\n<geom size="0.1"/></body>'
-    with pytest.raises(UnsupportedError, match=rf"model\.xml:4: joint 'root'.*'{kind}'"):
+    with pytest.raises(UnsupportedError, match=rf"model\.xml:4: joint 'root': type '{kind}' is not"):
         load_text(tmp_path, text + "</worldbody></mujoco>")
 
 
@@ -124,6 +125,29 @@ def test_an_include_inside_the_folder_is_read(tmp_path: Path) -> None:
     text = """<mujoco><include file="part.xml"/><worldbody><body name="b"><joint name="j" axis="0 1 0"/>
       <geom size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
     assert load_text(tmp_path, text).gravity[2] == -1.6
+
+
+@pytest.mark.parametrize(
+    ("joint", "inertial", "message"),
+    [
+        ('damping="-1"', 'pos="0 0 -1" mass="1"', r"model\.xml:1: joint 'j': damping -1 is negative"),
+        ('frictionloss="-1"', 'pos="0 0 -1" mass="1"', r"joint 'j': friction -1 is negative"),
+        ('pos="0 nan 0"', 'pos="0 0 -1" mass="1"', r"NaN or infinite|MuJoCo refuses"),
+        ('axis="0 0 0"', 'pos="0 0 -1" mass="1"', r"MuJoCo refuses it: axis too small in joint \('j'\)"),
+        ("", 'pos="0 0 -1" mass="-1"', r"model\.xml:1: MuJoCo refuses it: mass and inertia .* \('b'\)"),
+        ("", 'pos="0 0 -1" mass="nan"', r"NaN or infinite|MuJoCo refuses"),
+    ],
+)
+def test_impossible_numbers_are_refused(tmp_path: Path, joint: str, inertial: str, message: str) -> None:
+    text = f'<mujoco><worldbody><body name="b"><joint name="j" {joint}/><inertial {inertial} diaginertia="1 1 1"/>'
+    with pytest.raises(InputError, match=message):
+        load_text(tmp_path, text + "</body></worldbody></mujoco>")
+
+
+def test_nesting_too_deep_for_mjcf_is_told(tmp_path: Path) -> None:
+    write(random_chain(300, 1), tmp_path / "long.xml")
+    with pytest.raises(InputError, match="nested more than 256 deep"):
+        harness.load(tmp_path / "long.xml")
 
 
 def test_mujocos_own_refusal_is_one_line(tmp_path: Path) -> None:

@@ -128,6 +128,7 @@ REFUSED = {
         "gravty = [0, 0, 1]\n" + PIVOT + RIGID,
         r":1: model: unknown key 'gravty' \(did you mean 'gravity'\?\)",
     ),
+    "tolerance in per cent": ("tolerance = 5\n" + PIVOT + RIGID, r":1: .*tolerance 5 is not a relative 1σ"),
     "unknown joint key": (PIVOT + "dampng = 1.0\n" + RIGID, r":7: joint 'pivot': unknown key 'dampng'.*'damping'"),
     "unknown link key": (
         PIVOT + BEAM + "mods = 3\n",
