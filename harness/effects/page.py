@@ -42,8 +42,8 @@ def _section(effect: Effect) -> str:
         lines += [_row(parameter) for parameter in effect.parameters]
         lines.append("")
     lines += [
-        f"- **Shows as** {_sentence(effect.signature)}",
-        f"- **Needs** {_sentence(effect.shows_in)}",
+        f"- **Signature** {_sentence(effect.signature)}",
+        f"- **Shown by** {_sentence(effect.shows_in)}",
         f"- **Engines** {'; '.join(f'{engine}: {how}' for engine, how in effect.expressed_by.items())}.",
     ]
     if effect.simpler:

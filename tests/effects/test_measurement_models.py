@@ -1,0 +1,112 @@
+"""Sensor and input laws held against closed forms."""
+
+import numpy as np
+import pytest
+
+from harness.effects import measurement
+
+RATE = 2.0 * np.pi * 1.3  # rad/s of the test wave
+GRIDS = {
+    "even": np.arange(0.0, 8.0, 0.004),
+    "uneven": np.cumsum(np.concatenate([[0.0], np.random.default_rng(5).uniform(0.001, 0.007, 1999)])),
+}
+
+
+@pytest.fixture(params=list(GRIDS))
+def time(request):
+    return GRIDS[request.param]
+
+
+def wave(time, phase=0.3):
+    return np.sin(RATE * time + phase)
+
+
+def test_offset_gain_drift_act_lane_by_lane(time):
+    signal = np.stack([wave(time), wave(time)])
+    params = np.array([[0.5], [-2.0]])
+    assert np.array_equal(measurement.offset(signal, time, params), [wave(time) + 0.5, wave(time) - 2.0])
+    assert np.array_equal(measurement.gain(signal, time, params), [0.5 * wave(time), -2.0 * wave(time)])
+    assert np.allclose(measurement.drift(signal, time, params)[1], wave(time) - 2.0 * time, rtol=0, atol=1e-15)
+
+
+def test_delay_is_a_shifted_wave(time):
+    delays = np.array([[0.0], [0.0013], [0.031]])
+    delayed = measurement.delay(np.tile(wave(time), (3, 1)), time, delays)
+    # Cubic interpolation through four samples at h ≤ 7 ms: |error| ≤ (ω h)⁴ · 9/16/24 · … < 1e-6 of a unit wave.
+    inside = time >= 0.031
+    for lane, (delay,) in enumerate(delays):
+        assert np.abs(delayed[lane] - wave(time - delay))[inside].max() < 1e-6
+
+
+def test_delay_before_the_first_sample_is_continued_as_a_parabola():
+    time = GRIDS["even"]
+    square = 0.3 + 2.0 * time - 5.0 * time**2
+    delayed = measurement.delay(square[None], time, np.array([[0.05]]))[0]
+    late = time - 0.05
+    assert np.allclose(delayed, 0.3 + 2.0 * late - 5.0 * late**2, rtol=0, atol=1e-9)
+
+
+def test_clock_skew_stretches_time(time):
+    skewed = measurement.clock_skew(wave(time)[None], time, np.array([[1.01]]))[0]
+    assert np.abs(skewed - wave(time / 1.01)).max() < 1e-6
+    assert np.array_equal(measurement.clock_skew(wave(time)[None], time, np.array([[1.0]]))[0], wave(time))
+
+
+@pytest.mark.parametrize("cutoff", [0.2, 2.0, 30.0, 400.0])
+def test_lowpass_and_highpass_of_a_wave(time, cutoff):
+    # τ ẏ + y = sin(ω t + φ): y = a sin(ω t + φ − ψ) + (y₀ − a sin(φ − ψ)) e^{−t/τ}, a = 1/√(1 + (ωτ)²), ψ = atan ωτ
+    tau = 1.0 / (2.0 * np.pi * cutoff)
+    amplitude, lag = 1.0 / np.hypot(1.0, RATE * tau), np.arctan(RATE * tau)
+    elapsed = time - time[0]
+    steady = amplitude * np.sin(RATE * time + 0.3 - lag)
+    start = wave(time)[0]
+    expected = steady + (start - steady[0]) * np.exp(-elapsed / tau)
+    passed = measurement.lowpass(wave(time)[None], time, np.array([[cutoff]]))[0]
+    # Slopes by second-order differences: error (ω h)²/6 of the slope over the step, h ≤ 7 ms.
+    assert np.abs(passed - expected).max() < 2e-5
+    rest = measurement.highpass(wave(time)[None], time, np.array([[cutoff]]))[0]
+    assert np.allclose(rest + passed, wave(time), rtol=0, atol=1e-12)
+
+
+def test_lowpass_of_a_straight_line_is_exact(time):
+    # y = x − slope τ (1 − e^{−t/τ})
+    tau = 1.0 / (2.0 * np.pi * 0.7)
+    passed = measurement.lowpass((2.0 - 3.0 * time)[None], time, np.array([[0.7]]))[0]
+    assert np.allclose(
+        passed, 2.0 - 3.0 * time + 3.0 * tau * (1.0 - np.exp(-(time - time[0]) / tau)), rtol=0, atol=1e-11
+    )
+
+
+def test_nonlinearity_saturation_deadzone_quantisation():
+    time = np.arange(5.0)
+    signal = np.array([[-2.0, -0.5, 0.0, 0.5, 2.0]])
+    assert np.allclose(
+        measurement.nonlinearity(signal, time, np.array([[0.1, -0.2]])),
+        [[-2 + 0.4 + 1.6, -0.5 + 0.025 + 0.025, 0, 0.5 + 0.025 - 0.025, 2 + 0.4 - 1.6]],
+    )
+    assert np.array_equal(measurement.saturation(signal, time, np.array([[0.7]])), [[-0.7, -0.5, 0.0, 0.5, 0.7]])
+    assert np.allclose(measurement.deadzone(signal, time, np.array([[0.6]])), [[-1.4, 0.0, 0.0, 0.0, 1.4]])
+    assert np.allclose(measurement.quantisation(signal, time, np.array([[0.3]])), [[-2.1, -0.6, 0.0, 0.6, 2.1]])
+    assert np.array_equal(measurement.quantisation(signal, time, np.array([[0.0]])), signal)
+
+
+def test_release_holds_then_follows(time):
+    released = measurement.release(wave(time)[None], time, np.array([[0.5]]))[0]
+    held = time <= 0.5
+    assert np.allclose(released[held], wave(0.0), rtol=0, atol=1e-12)
+    assert np.abs(released[~held] - wave(time[~held] - 0.5)).max() < 1e-6
+
+
+def test_held_delay_of_an_effort_keeps_the_first_value():
+    time = np.arange(0.0, 1.0, 0.01)
+    ramp = 3.0 + 2.0 * time
+    delayed = measurement.held_delay(ramp[None], time, np.array([[0.035]]))[0]
+    assert np.allclose(delayed, 3.0 + 2.0 * np.maximum(time - 0.035, 0.0), rtol=0, atol=1e-12)
+
+
+def test_periodic_error_repeats_with_the_turn():
+    time = np.arange(4.0)
+    angle = np.array([[0.2, 0.2 + np.pi, 0.2 + 2 * np.pi, 0.2 - 2 * np.pi]])
+    error = measurement.periodic_error(angle, time, np.array([[0.01, 3.0, 0.4]])) - angle
+    assert np.allclose(error[0, [0, 2, 3]], 0.01 * np.sin(3 * 0.2 + 0.4), rtol=0, atol=1e-12)
+    assert np.isclose(error[0, 1], -error[0, 0], rtol=0, atol=1e-12)
