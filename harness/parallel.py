@@ -6,7 +6,11 @@ Results are in the order of the items and identical either way; what a task does
 from __future__ import annotations
 
 import os
+import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import islice
 from typing import Any, TypeVar
 
 from harness.errors import InputError
@@ -62,18 +66,45 @@ def _indexed(function: Callable[[Any], Any], index: int, item: Any) -> tuple[int
     return index, function(item)
 
 
+# One thread a process: nested threads of BLAS or numba would only fight over the same cores.
+_ONE_THREAD = {f"{pool}_NUM_THREADS": "1" for pool in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Processes started inside ignore Ctrl-C for good: it is this process's to handle, and it stops them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) -> Iterator[tuple[int, R]]:
-    from joblib import Parallel, delayed, parallel_config
+    from concurrent.futures import FIRST_COMPLETED, Future, wait
+
     from joblib.externals.loky import get_reusable_executor
 
+    waiting = enumerate(items)
+    running: set[Future[tuple[int, R]]] = set()
+    # Only what the workers can hold is handed out: a pool that is stopped with a queue of work stumbles over it.
+    with _interrupts_ignored():
+        executor = get_reusable_executor(max_workers=count, env=_ONE_THREAD, timeout=120)
+        for index, item in islice(waiting, count + 1):
+            running.add(executor.submit(_indexed, function, index, item))
     try:
-        # One thread a process: nested threads of BLAS or numba would only fight over the same cores.
-        with parallel_config(backend="loky", inner_max_num_threads=1):
-            run = Parallel(n_jobs=count, return_as="generator_unordered", batch_size=1, pre_dispatch="all")
-            yield from run(delayed(_indexed)(function, index, item) for index, item in enumerate(items))
+        while running:
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for index, item in islice(waiting, len(done)):
+                running.add(executor.submit(_indexed, function, index, item))
+            for future in done:
+                yield future.result()
     except BaseException:
         # Whatever went wrong (Ctrl-C included), no worker goes on computing for nobody.
-        get_reusable_executor().shutdown(wait=False, kill_workers=True)
+        executor.shutdown(wait=True, kill_workers=True)
         raise
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from harness.cases.case import Row
 
 MARKS = {"pass": "✓", "fail": "✗", "skipped": "–"}
@@ -17,7 +19,7 @@ GROUP_TITLES = {
 
 def figure(value: float | None, *, verdict: str = "") -> str:
     """Two digits; a dash for nothing compared; ``not finite`` for a failed row without a number."""
-    if value is None:
+    if value is None or not math.isfinite(value):
         return "not finite" if verdict == "fail" else "–"
     return "0" if value == 0.0 else f"{value:.1e}"
 

@@ -1,0 +1,265 @@
+"""The command as a user meets it: help, exit status, one line for bad input, nothing half-written."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from harness.cli.main import VERBS, status_of
+
+ROOT = Path(__file__).parents[2]
+PENDULUM = str(ROOT / "models" / "urdf" / "rigid_pendulum.urdf")
+
+
+@pytest.fixture
+def run(capfd):
+    """Run the command in this process: (status, standard output, standard error)."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        status = status_of(list(arguments))
+        out, err = capfd.readouterr()
+        return status, out, err
+
+    return call
+
+
+def refused(result: tuple[int, str, str], *words: str) -> None:
+    status, out, err = result
+    assert status == 2, err
+    assert len(err.strip().splitlines()) == 1, err
+    assert "Traceback" not in err + out
+    for word in words:
+        assert word in err
+
+
+def test_help_names_every_verb(run):
+    status, out, _ = run("--help")
+    assert status == 0
+    for verb in VERBS:
+        assert f"  {verb} " in out
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_helps_with_an_example(run, verb):
+    status, out, _ = run(verb, "--help")
+    assert status == 0
+    assert "Example" in out
+    assert f"denoc {verb}" in out
+    assert "--json" in out
+    assert "--out" in out
+
+
+def test_help_loads_nothing_heavy():
+    code = "import sys; from harness.cli.main import status_of; status_of(['--help']); print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not {"numpy", "scipy", "numba", "pinocchio", "mujoco", "matplotlib", "rich", "pandas"} & set(loaded)
+
+
+def test_python_m_harness_is_the_same_command():
+    done = subprocess.run([sys.executable, "-m", "harness", "--version"], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert "0." in done.stdout
+
+
+def test_misspelt_words_are_refused_with_what_was_meant(run):
+    refused(run("validat"), "did you mean 'validate'")
+    refused(run("validate", "--engin", "mujoco"), "--engine")
+    refused(run("validate", "--engine", "mujco"), "did you mean 'mujoco'")
+    refused(run("validate", "--case", "rigid_pendulm"), "did you mean 'rigid_pendulum'")
+    refused(run("report", "x", "--format", "htm"), "html")
+
+
+def test_missing_files_are_refused(run, tmp_path):
+    refused(run("validate", "nowhere.urdf"), "nowhere.urdf", "no such file")
+    refused(run("simulate", "nowhere.xml"), "nowhere.xml")
+    refused(run("report", str(tmp_path)), "results.json")
+    refused(run("gate", "--reference", str(tmp_path / "acepted.json"), "--no-self-test"), "no accepted figures")
+    refused(run("audit", "nowhere.toml"), "nowhere.toml")
+
+
+def test_validate_writes_everything_and_ends_well(run, tmp_path):
+    out = tmp_path / "results"
+    file = tmp_path / "answer.json"
+    status, text, _ = run(
+        "validate",
+        "--case",
+        "chain_2",
+        "--engine",
+        "pinocchio",
+        "--out",
+        str(out),
+        "--json",
+        str(file),
+        "--workers",
+        "1",
+    )
+    assert status == 0
+    assert "All 6 comparisons are within what is allowed" in text
+    assert {p.name for p in out.iterdir()} == {"results.json", "results.md", "results.csv", "junit.xml", "report.html"}
+    document = json.loads(file.read_text())
+    assert document["schema"] == "denoc.results/1"
+    row = document["rows"][0]
+    assert {
+        "case",
+        "quantity",
+        "engines",
+        "difference",
+        "allowed",
+        "unit",
+        "why_allowed",
+        "verdict",
+        "note",
+    } <= row.keys()
+    assert "first_divergence" in row
+    assert document["versions"]["pinocchio"]
+
+
+def test_json_on_standard_output_stands_alone(run):
+    status, out, _ = run("validate", PENDULUM, "--engine", "pinocchio", "--json", "-", "--workers", "1")
+    assert status == 0
+    assert json.loads(out)["rows"]
+
+
+def test_saved_results_are_rendered_again(run, tmp_path):
+    run("validate", "--case", "chain_2", "--engine", "pinocchio", "--out", str(tmp_path), "--workers", "1")
+    first = (tmp_path / "results.md").read_text()
+    (tmp_path / "results.md").unlink()
+    status, _, _ = run("report", str(tmp_path), "--format", "md", "--format", "junit")
+    assert status == 0
+    assert (tmp_path / "results.md").read_text() == first
+    assert run("report", str(tmp_path))[1].count("chain_2") == 1
+
+
+def gate_files(run, tmp_path) -> tuple[Path, Path]:
+    run("validate", "--case", "chain_2", "--engine", "pinocchio", "--out", str(tmp_path), "--workers", "1")
+    return tmp_path / "results.json", tmp_path / "reference" / "accepted.json"
+
+
+def test_the_gate_accepts_with_a_reason_and_then_holds(run, tmp_path):
+    results, reference = gate_files(run, tmp_path)
+    gate = ("gate", "--results", str(results), "--reference", str(reference), "--no-self-test")
+    # A path that is not there never becomes a new reference by itself.
+    refused(run(*gate), "no accepted figures")
+    refused(run(*gate, "--accept", "--why", "first"), "no accepted figures")
+    refused(run(*gate, "--accept", "--new"), "reason")
+    assert not reference.exists()
+    assert run(*gate, "--accept", "--new", "--why", "first figures")[0] == 0
+    assert json.loads(reference.read_text())["history"][0]["why"] == "first figures"
+    refused(run(*gate, "--accept", "--new", "--why", "again"), "exists already")
+    assert run(*gate)[0] == 0
+
+
+def test_the_gate_closes_on_a_changed_figure_and_says_which(run, tmp_path):
+    results, reference = gate_files(run, tmp_path)
+    gate = ("gate", "--results", str(results), "--reference", str(reference), "--no-self-test")
+    run(*gate, "--accept", "--new", "--why", "first figures")
+    document = json.loads(results.read_text())
+    document["rows"][0].update(difference=1.0, verdict="fail", first_divergence={"coordinate": "joint1"})
+    del document["rows"][1]
+    results.write_text(json.dumps(document))
+    answer = tmp_path / "gate.json"
+    status, out, _ = run(*gate, "--json", str(answer))
+    assert status == 1
+    assert "acceleration" in out and "left the line" in out and "joint1" in out and "missing" in out
+    rows = json.loads(answer.read_text())["rows"]
+    assert {"accepted", "change", "reason"} <= rows[0].keys()
+    assert rows[0]["change"] == pytest.approx(1.0)
+    refused(run(*gate, "--accept", "--why", "wish"), "rows fail")
+
+
+def test_simulate_writes_a_recording_that_can_be_read(run, tmp_path):
+    from harness.recording import read_recording
+
+    for name in ("run.csv", "run.csv.gz", "run.parquet"):
+        file = tmp_path / name
+        status, _, err = run(
+            "simulate", PENDULUM, "--engine", "mujoco", "--duration", "1", "--rate", "100", "--position", "pivot=30[deg]",
+            "--out", str(file),
+        )  # fmt: skip
+        assert status == 0, err
+        recording = read_recording(file)
+        assert recording.samples == 101
+        position = next(c for c in recording.channels if c.name == "pivot.position").values
+        # 30° in radians.
+        assert position[0] == pytest.approx(0.5235987755982988, abs=1e-12)
+
+
+def test_simulate_refuses_what_makes_no_run(run, tmp_path):
+    simulate = ("simulate", PENDULUM, "--engine", "mujoco")
+    refused(run(*simulate, "--position", "pivt=1"), "did you mean 'pivot'")
+    refused(run(*simulate, "--position", "pivot"), "joint=value")
+    refused(run(*simulate, "--position", "pivot=nan"), "finite")
+    refused(run(*simulate, "--position", "pivot=1", "--position", "pivot=2"), "twice")
+    refused(run(*simulate, "--position", "pivot=1[kg]"), "kg")
+    refused(run(*simulate, "--duration", "-1"), "--duration")
+    refused(run(*simulate, "--rate", "0"), "--rate")
+    refused(run(*simulate, "--duration", "1e9"), "samples")
+    refused(run(*simulate, "--duration", "ten"), "ten")
+    refused(run(*simulate, "--out", str(tmp_path / "run.xyz")), ".csv")
+    refused(run(*simulate, "--effort", "nowhere.csv"), "nowhere.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_simulate_holds_an_effort_between_its_samples(run, tmp_path):
+    effort = tmp_path / "effort.csv"
+    effort.write_text("time,pivot.effort\n" + "".join(f"{0.1 * k},0.05\n" for k in range(30)))
+    status, out, err = run(
+        "simulate", PENDULUM, "--engine", "mujoco", "--duration", "1", "--rate", "10", "--effort", str(effort)
+    )
+    assert status == 0, err
+    header, *rows = out.splitlines()
+    assert header == "time,pivot.position,pivot.velocity,pivot.effort"
+    assert {row.split(",")[3] for row in rows} == {"0.05"}
+    assert float(rows[-1].split(",")[1]) != 0.0
+
+
+def test_audit_finds_the_printed_table_impossible(run):
+    status, out, _ = run(
+        "audit", str(ROOT / "models" / "toml" / "flexible_pendulum_as_printed.toml"), "--measured", "rod=37"
+    )
+    assert status == 1
+    assert "40000 kg/m³" in out
+    refused(run("audit", PENDULUM, "--measured", "rod"), "--measured")
+
+
+def test_doctor_tries_every_engine(run):
+    from harness.engines import registry
+
+    status, out, _ = run("doctor", "--json", "-")
+    document = json.loads(out)
+    assert {engine["name"] for engine in document["engines"]} == set(registry.names())
+    assert {e["name"]: e["said"] for e in document["engines"] if e["state"] == "broken"} == {}
+    assert status == 0
+
+
+def test_output_that_nobody_reads_is_no_error():
+    command = [sys.executable, "-m", "harness", "simulate", PENDULUM, "--engine", "mujoco", "--duration", "20"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.readline()
+        process.stdout.close()
+        assert process.stderr.read() == ""
+        assert process.wait() == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for a child")
+def test_ctrl_c_ends_with_one_line_and_writes_nothing(tmp_path):
+    out = tmp_path / "results"
+    command = [sys.executable, "-m", "harness", "validate", "--out", str(out), "--workers", "2"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        time.sleep(5.0)
+        os.killpg(process.pid, signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "stopped; nothing was written" in err
+    assert "Traceback" not in err
+    assert not out.exists()
