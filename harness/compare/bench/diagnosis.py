@@ -1,0 +1,140 @@
+"""A diagnosis over the full catalogue against one ``mujoco.sysid`` fit of damping and dry friction, on the same recordings.
+
+The recordings are made by MuJoCo: a pendulum with damping and dry friction, released twice, 16 s at 250 Hz with noise.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from harness.compare.bench.measure import in_child
+from harness.compare.bench.peers import Options, or_skipped, peer_model
+from harness.compare.bench.row import Row
+from harness.system import Joint, JointType, Link, System
+from harness.system.description import constant
+from harness.system.write import write
+
+RATE, DURATION, NOISE = 250.0, 16.0, 2e-3
+DAMPING, FRICTION = 1.5e-3, 6e-3
+LIMIT = 10.0
+
+_OURS = """
+from time import perf_counter
+import harness
+harness.diagnose
+from glob import glob
+runs = sorted(glob({folder!r} + "/run*.csv"))
+def once():
+    start = perf_counter()
+    found = harness.diagnose(runs, model={folder!r} + "/model.toml")
+    return perf_counter() - start, found
+first, _ = once()
+again, found = once()
+answer = dict(first=first, again=again, verdict=str(found.verdict), found=[f"{{f.effect}}@{{f.site}}" for f in found.findings])
+"""
+
+_THEIRS = """
+from time import perf_counter
+import contextlib, io
+import mujoco
+import numpy as np
+from mujoco import sysid
+spec = mujoco.MjSpec.from_file({folder!r} + "/model.xml")
+spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+spec.option.timestep = 0.002
+spec.add_sensor(name="seen", type=mujoco.mjtSensor.mjSENS_JOINTPOS, objtype=mujoco.mjtObj.mjOBJ_JOINT, objname="pivot")
+motor = spec.add_actuator(name="motor", target="pivot", trntype=mujoco.mjtTrn.mjTRN_JOINT)
+motor.set_to_motor()
+def damp(s, p):
+    s.joint("pivot").damping[0] = float(np.ravel(p.value)[0])
+def rub(s, p):
+    s.joint("pivot").frictionloss = float(np.ravel(p.value)[0])
+def once():
+    start = perf_counter()
+    parameters = sysid.ParameterDict()
+    parameters.add(sysid.Parameter("damping", 1e-4, 0.0, 0.1, modifier=damp))
+    parameters.add(sysid.Parameter("friction", 1e-4, 0.0, 0.1, modifier=rub))
+    model = spec.compile()
+    table = np.loadtxt({folder!r} + "/run1.csv", delimiter=",", skiprows=1)
+    time, seen = table[:, 0], table[:, 1:2]
+    state = sysid.create_initial_state(model, seen[0], np.zeros(1))
+    control = sysid.TimeSeries.from_control_names(time, np.zeros((len(time), 1)), model)
+    data = sysid.TimeSeries.from_names(time, seen, model, names=["seen"])
+    sequences = sysid.ModelSequences("rig", spec, "run1", state, control, data)
+    residual = sysid.build_residual_fn(models_sequences=[sequences])
+    with contextlib.redirect_stdout(io.StringIO()):
+        fitted, _ = sysid.optimize(parameters, residual, optimizer="mujoco", verbose=False)
+    return perf_counter() - start, [float(v) for v in fitted.as_vector()]
+first, _ = once()
+again, fitted = once()
+answer = dict(first=first, again=again, fitted=fitted)
+"""
+
+
+def pendulum() -> System:
+    """The nominal model: 0.2 kg, 0.3 m to the centre of mass, no dissipation."""
+    pivot = Joint("pivot", JointType.REVOLUTE, "base", "rod", axis=constant([0.0, 1.0, 0.0]))
+    rod = Link("rod", 0.2, constant([0.0, 0.0, -0.15]), constant(np.diag([1.5e-3, 1.5e-3, 1e-5])))
+    return System("rig", (pivot,), (rod,))
+
+
+def recordings(folder: Path) -> None:
+    """Nominal model (TOML, MJCF) and two recordings of the real one into ``folder``."""
+    system = pendulum()
+    write(system, folder / "model.toml")
+    write(system, folder / "model.xml")
+    real = system.replace_joint(replace(system.joints[0], damping=DAMPING, friction=FRICTION))
+    model = peer_model("mujoco", real)
+    time = np.arange(0.0, DURATION, 1.0 / RATE)
+    rng = np.random.default_rng(0)
+    for k, angle in enumerate((1.4, 0.8), start=1):
+        run = model.simulate(np.array([angle]), np.zeros(1), time)
+        seen = run.position[:, 0] + NOISE * rng.normal(size=time.size)
+        np.savetxt(
+            folder / f"run{k}.csv",
+            np.column_stack([time, seen]),
+            delimiter=",",
+            header="time,pivot.position",
+            comments="",
+        )
+
+
+def run(options: Options) -> Iterator[Row]:
+    """One row; the first call, in which compiled code is loaded, is told in the note."""
+    yield from or_skipped("diagnosis", 1, "mujoco.sysid", partial(_row, options))
+
+
+def _row(options: Options) -> Iterable[Row]:
+    with tempfile.TemporaryDirectory() as name:
+        recordings(Path(name))
+        ours = in_child(_OURS.format(folder=name)).answer
+        theirs = in_child(_THEIRS.format(folder=name)).answer
+    found = ", ".join(ours["found"]) or "nothing"
+    yield Row(
+        "diagnosis",
+        1,
+        "mujoco.sysid",
+        ours["again"],
+        theirs["again"],
+        case="pendulum, two recordings of 16 s at 250 Hz",
+        note=f"full catalogue ({ours['verdict']}: {found}; first call {ours['first']:.1f} s) against one fit of damping "
+        f"{theirs['fitted'][0]:.2g} and friction {theirs['fitted'][1]:.2g} to the first recording (true {DAMPING:g}, "
+        f"{FRICTION:g}; first call {theirs['first']:.1f} s)",
+        wanted=1.0,
+    )
+    yield Row(
+        "diagnosis",
+        1,
+        "limit",
+        ours["again"],
+        LIMIT,
+        case="pendulum, two recordings of 16 s at 250 Hz",
+        note="against the limit we set ourselves",
+        wanted=1.0,
+    )

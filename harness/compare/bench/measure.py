@@ -1,0 +1,160 @@
+"""Wall time and memory, measured so that two engines meet the same machine at the same moment."""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+ROUNDS = 15
+ROUND_SECONDS = 0.02
+# What a child process may take before it is given up [s].
+PATIENCE = 300.0
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Seconds for one call: median and quartiles over rounds, each round many calls."""
+
+    median: float
+    low: float
+    high: float
+    rounds: int
+
+    def per(self, count: int) -> Timing:
+        """The same for one of ``count`` items that a call deals with."""
+        return Timing(self.median / count, self.low / count, self.high / count, self.rounds)
+
+    @property
+    def spread(self) -> tuple[float, float]:
+        return self.low, self.high
+
+
+def side_by_side(
+    calls: Mapping[str, Callable[[], object]], *, rounds: int = ROUNDS, round_seconds: float = ROUND_SECONDS
+) -> dict[str, Timing]:
+    """Time each call, in turn within every round, so that what disturbs the machine disturbs all alike.
+
+    Each call is run once before anything is measured. A round repeats a call for about ``round_seconds``.
+    """
+    counts = {name: _count(call, round_seconds) for name, call in calls.items()}
+    taken: dict[str, list[float]] = {name: [] for name in calls}
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        for _ in range(rounds):
+            for name, call in calls.items():
+                repeat = range(counts[name])
+                start = perf_counter()
+                for _ in repeat:
+                    call()
+                taken[name].append((perf_counter() - start) / counts[name])
+    finally:
+        if collecting:
+            gc.enable()
+    return {name: _timing(values) for name, values in taken.items()}
+
+
+def _count(call: Callable[[], object], seconds: float) -> int:
+    call()
+    count = 1
+    while True:
+        start = perf_counter()
+        for _ in range(count):
+            call()
+        took = perf_counter() - start
+        if took >= 0.2 * seconds or count >= 1_000_000:
+            return max(1, round(count * seconds / max(took, 1e-9)))
+        count *= 4
+
+
+def _timing(values: list[float]) -> Timing:
+    low, median, high = np.percentile(values, [25.0, 50.0, 75.0])
+    return Timing(float(median), float(low), float(high), len(values))
+
+
+@dataclass(frozen=True)
+class Child:
+    """A fresh process: wall time from start to end [s], peak memory [MB] (nan if unknown), and what it answered."""
+
+    seconds: float
+    memory: float
+    answer: Any
+
+
+_WRAP = """
+import json, sys
+def _peak():
+    # The high-water mark of this process alone; getrusage would count the parent's from before exec.
+    try:
+        for line in open("/proc/self/status"):
+            if line.startswith("VmHWM"):
+                return int(line.split()[1]) / 1024.0
+    except OSError:
+        pass
+    return float("nan")
+answer = None
+{code}
+print("\\n" + json.dumps({{"memory": _peak(), "answer": answer}}))
+"""
+
+
+def in_child(code: str, *, environment: Mapping[str, str] | None = None) -> Child:
+    """Run Python code in a fresh interpreter; what it assigns to ``answer`` comes back.
+
+    Raises RuntimeError with the last line of the error if the code fails or takes longer than PATIENCE.
+    """
+    start = perf_counter()
+    done = command([sys.executable, "-c", _WRAP.format(code=code)], environment=environment)
+    seconds = perf_counter() - start
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if line.strip()]
+        raise RuntimeError(lines[-1] if lines else f"ended with status {done.returncode}")
+    told = json.loads(done.stdout.strip().splitlines()[-1])
+    return Child(seconds, float(told["memory"]), told["answer"])
+
+
+def command(
+    arguments: list[str], *, environment: Mapping[str, str] | None = None, folder: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """A process run to its end, output captured; RuntimeError if it takes longer than PATIENCE."""
+    try:
+        return subprocess.run(
+            arguments,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+            cwd=folder,
+            env={**os.environ, **(environment or {})},
+        )
+    except subprocess.TimeoutExpired:
+        raise RuntimeError(f"took longer than {PATIENCE:g} s") from None
+
+
+def machine() -> dict[str, Any]:
+    """What a reader needs to know about where the figures come from."""
+    name = platform.processor() or platform.machine()
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                name = line.split(":", 1)[1].strip()
+                break
+    except OSError:
+        pass
+    return {
+        "processor": name,
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+    }

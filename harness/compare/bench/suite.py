@@ -1,0 +1,33 @@
+"""The main job in full, from the shell: how long `denoc validate` takes on this machine."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from time import perf_counter
+
+from harness.compare.bench.measure import command
+from harness.compare.bench.peers import Options, or_skipped
+from harness.compare.bench.row import Row
+
+LIMIT = 180.0
+
+
+def run(options: Options) -> Iterator[Row]:
+    """One row: the whole built-in suite over all engines, on all cores."""
+    yield from or_skipped("validate_in_full", None, "limit", _suite)
+
+
+def _suite() -> Iterable[Row]:
+    with tempfile.TemporaryDirectory() as folder:
+        start = perf_counter()
+        done = command([sys.executable, "-m", "harness", "validate", "--out", folder], folder=Path(folder))
+        seconds = perf_counter() - start
+    if done.returncode > 1:
+        raise RuntimeError(f"denoc validate ended with status {done.returncode}: {done.stderr.strip()[-200:]}")
+    note = "denoc validate, whole process, against the limit we set ourselves"
+    if done.returncode:
+        note += "; some rows were out of tolerance"
+    yield Row("validate_in_full", None, "limit", seconds, LIMIT, note=note, wanted=1.0)
