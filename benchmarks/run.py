@@ -31,7 +31,10 @@ def line(row: Row) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description="Time and memory against the peers, side by side in one run.")
     parser.add_argument(
-        "names", nargs="*", metavar="NAME", help=f"any of: {', '.join(BENCHMARKS)}; all but suite if none"
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help=f"any of: {', '.join(BENCHMARKS)}, or rows of them; all but suite if none",
     )
     parser.add_argument("--quick", action="store_true", help="small mechanisms only, fewer rounds")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows there, schema denoc.bench/1")

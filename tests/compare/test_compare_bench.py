@@ -83,7 +83,7 @@ def test_both_sides_do_the_same_work() -> None:
     many, pool = native_batch(system, at), pinocchio_batch(system, at)
     for what in ("forward_dynamics_batch", "inverse_dynamics_batch"):
         # The pool's states are columns.
-        assert np.asarray(pool[what]()).T == pytest.approx(np.asarray(many[what]()), rel=1e-9, abs=1e-9)
+        assert pytest.approx(np.asarray(many[what]()), rel=1e-9, abs=1e-9) == np.asarray(pool[what]()).T
 
 
 def test_rollout_is_the_motion_of_the_adapter() -> None:
@@ -102,6 +102,12 @@ def test_error_of_a_deflection_by_hand() -> None:
 def test_unknown_benchmark_is_refused_before_anything_runs() -> None:
     with pytest.raises(InputError, match="single_calls"):
         next(bench.run(["single_calls"]))
+    assert bench.select(["batch"]) == {"batch": bench.BENCHMARKS["batch"].rows}
+    assert bench.select(["forward_dynamics_b*", "startup_help"]) == {
+        "batch": ("forward_dynamics_batch",),
+        "startup": ("startup_help",),
+    }
+    assert "suite" not in bench.select()
     assert peers.Options(quick=True).sizes((1, 50, 200)) == (1, 50)
 
 

@@ -1,11 +1,13 @@
 """Benchmarks: ours and a peer's cost of the same work, side by side in one run. One file a benchmark.
 
-``run(names, options)`` yields rows; what cannot be measured is a skipped row with the reason.
+``run(wanted, options)`` yields rows; what cannot be measured is a skipped row with the reason.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from importlib import import_module
 
 from harness.compare.bench.measure import machine
@@ -14,26 +16,74 @@ from harness.compare.bench.row import Row, document
 from harness.errors import InputError
 from harness.system.suggest import did_you_mean
 
-# Name to what it measures, in the order they run.
+
+@dataclass(frozen=True)
+class Benchmark:
+    """One file of this package: what it is, and the rows (``Row.what``) that it gives."""
+
+    title: str
+    rows: tuple[str, ...]
+
+
+# By the name of the file, in the order they run.
 BENCHMARKS = {
-    "single_call": "one call from Python, n = 1 … 1000",
-    "batch": "many states on one thread",
-    "scaling": "growth of cost with size, and memory at n = 10 000",
-    "simulation": "whole runs of 10 s at 1 kHz against mujoco.rollout",
-    "flexible": "a flexible pendulum against Exudyn's finite elements at the same accuracy",
-    "diagnosis": "a full diagnosis against one mujoco.sysid fit",
-    "startup": "denoc --help, first acceleration of a fresh process",
-    "suite": "denoc validate in full",
+    "single_call": Benchmark(
+        "one call from Python, n = 1 … 1000", ("forward_dynamics", "inverse_dynamics", "mass_matrix")
+    ),
+    "batch": Benchmark(
+        "many states on one thread",
+        ("forward_dynamics_batch", "inverse_dynamics_batch", "mass_matrix_batch"),
+    ),
+    "scaling": Benchmark(
+        "growth of cost with size, and memory at n = 10 000",
+        ("forward_dynamics_exponent", "forward_dynamics_scaling", "forward_dynamics_memory"),
+    ),
+    "simulation": Benchmark(
+        "whole runs of 10 s at 1 kHz against mujoco.rollout",
+        ("simulation_many", "simulation_one", "simulation_two_threads"),
+    ),
+    "flexible": Benchmark(
+        "a flexible pendulum against Exudyn's finite elements at the same accuracy", ("flexible_pendulum",)
+    ),
+    "diagnosis": Benchmark("a full diagnosis against one mujoco.sysid fit", ("diagnosis",)),
+    "startup": Benchmark(
+        "denoc --help, and the first acceleration of a fresh process",
+        ("startup_help", "first_acceleration_cached", "first_acceleration_memory", "first_acceleration_compiling"),
+    ),
+    "suite": Benchmark("denoc validate in full", ("validate_in_full",)),
 }
+# Minutes long, and a test of everything else: only when asked for.
+LEFT_OUT = ("suite",)
 
-__all__ = ["BENCHMARKS", "Options", "Row", "document", "machine", "run"]
+__all__ = ["BENCHMARKS", "Benchmark", "Options", "Row", "document", "machine", "run", "select"]
 
 
-def run(names: Sequence[str] | None = None, options: Options | None = None) -> Iterator[Row]:
-    """Rows of the named benchmarks (all but the suite if None), as they are measured; InputError for an unknown name."""
-    chosen = list(names) if names else [name for name in BENCHMARKS if name != "suite"]
-    for name in chosen:
-        if name not in BENCHMARKS:
-            raise InputError(f"no benchmark is named {name!r}", mend=did_you_mean(name, tuple(BENCHMARKS)))
-    for name in chosen:
-        yield from import_module(f"harness.compare.bench.{name}").run(options or Options())
+def select(wanted: Sequence[str] | None = None) -> dict[str, tuple[str, ...]]:
+    """Which rows of which benchmark are wanted: benchmarks or rows by name, ``forward*`` takes all that start so.
+
+    None takes all but the suite. Raises InputError for a name that nothing has.
+    """
+    if not wanted:
+        return {name: benchmark.rows for name, benchmark in BENCHMARKS.items() if name not in LEFT_OUT}
+    chosen: dict[str, tuple[str, ...]] = {}
+    for name in wanted:
+        found = False
+        for key, benchmark in BENCHMARKS.items():
+            rows = (
+                benchmark.rows if fnmatchcase(key, name) else tuple(r for r in benchmark.rows if fnmatchcase(r, name))
+            )
+            if rows:
+                found = True
+                chosen[key] = tuple(r for r in benchmark.rows if r in (*chosen.get(key, ()), *rows))
+        if not found:
+            known = (*BENCHMARKS, *(row for benchmark in BENCHMARKS.values() for row in benchmark.rows))
+            raise InputError(f"no benchmark is named {name!r}", mend=did_you_mean(name, known))
+    return {key: chosen[key] for key in BENCHMARKS if key in chosen}
+
+
+def run(wanted: Sequence[str] | None = None, options: Options | None = None) -> Iterator[Row]:
+    """Rows as they are measured; ``wanted`` as in ``select``, which raises before anything runs."""
+    for name, rows in select(wanted).items():
+        for row in import_module(f"harness.compare.bench.{name}").run(options or Options()):
+            if row.what in rows:
+                yield row
