@@ -41,7 +41,7 @@ EFFECT = Effect(
         Parameter(
             "stiffness",
             "N/m",
-            "of the base against horizontal motion in the plane of motion (axis of the first movable joint × up)",
+            "of the base against horizontal motion in the plane of motion (axis of the first movable joint × down)",
             lower=1e-6,
             neutral=np.inf,
             scale=Scale(300.0, mass=1, frequency=2),

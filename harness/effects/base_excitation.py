@@ -15,7 +15,7 @@ EFFECT = Effect(
             "amplitude",
             "m/s**2",
             "of the base's acceleration, amplitude · sin(2π frequency · t + phase), horizontal in the plane of motion "
-            "(axis of the first movable joint × up), t from the first sample",
+            "(axis of the first movable joint × down), t from the first sample",
             lower=0.0,
             scale=Scale(0.02, gravity=1),
             starts=(0.5,),

@@ -104,8 +104,6 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return bool(recording.efforts)
     if need == "free":
         return not recording.efforts
-    if need == "clock_reference":
-        return bool(recording.efforts) or len(recording.channels) > 1
     if need == "deflection":
         return any(channel.quantity in BENDING_QUANTITIES for channel in recording.channels)
     if need in ("motion", "channel", "angle"):

@@ -28,13 +28,14 @@ def upward(system: System) -> Array:
 
 
 def sideways(system: System) -> Array:
-    """Horizontal unit vector in the plane of motion, axis × up, in base coordinates, shape (3,).
+    """Horizontal unit vector in the plane of motion, axis × down, in base coordinates, shape (3,).
 
-    A prismatic first joint gives its own horizontal direction; a joint that turns about the vertical gives x.
+    It is where a positive first joint moves a hanging tip. A prismatic first joint gives its own horizontal direction; a
+    joint that turns about the vertical gives x.
     """
     axis, up = first_axis(system), upward(system)
     movable = system.movable_joints
-    across = axis - up * (axis @ up) if movable and movable[0].prismatic else np.cross(axis, up)
+    across = axis - up * (axis @ up) if movable and movable[0].prismatic else np.cross(axis, -up)
     if np.linalg.norm(across) < 1e-9:
         across = np.cross(np.array([0.0, 1.0, 0.0]), up)
         if np.linalg.norm(across) < 1e-9:

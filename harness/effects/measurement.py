@@ -63,10 +63,21 @@ def deadzone(signal: Array, time: Array, params: Array) -> Array:
 def delay(signal: Array, time: Array, params: Array) -> Array:
     """signal(time − delay); params: delay [s].
 
-    Interpolated by cubics through four samples. What lies before the first sample is extrapolated by a parabola as wide
-    as the delay, so a simulation should begin a delay earlier where the first samples matter.
+    Interpolated by cubics through four samples. What lies before the first sample is the parabola that touches
+    the signal there if it begins in motion, and the first sample if it begins at rest (a held link is released): the
+    parabola's curvature counts as far as the speed at the start exceeds what it makes of it in a delay.
     """
-    return resample(signal, time, time[None, :] - params[:, :1])
+    shifted = resample(signal, time, time[None, :] - params[:, :1])
+    early = time[None, :] - params[:, :1] < time[0]
+    if not early.any() or len(time) < 4:
+        return shifted
+    # Speed and curvature at the start, of the cubic through the first four samples.
+    x = time[:4] - time[0]
+    cubic = np.linalg.solve(np.vander(x, increasing=True), signal[:, :4].T)
+    speed, half = cubic[1][:, None], cubic[2][:, None]
+    moving = speed**2 / (speed**2 + (2.0 * half * params[:, :1]) ** 2 + 1e-300)
+    before = time[None, :] - params[:, :1] - time[0]
+    return np.where(early, signal[:, :1] + before * (speed + moving * half * before), shifted)
 
 
 def held_delay(signal: Array, time: Array, params: Array) -> Array:
@@ -112,8 +123,12 @@ def lowpass(signal: Array, time: Array, params: Array) -> Array:
 
 
 def highpass(signal: Array, time: Array, params: Array) -> Array:
-    """First-order high-pass, zero at the first sample; params: cutoff [Hz] (−3 dB). What the low-pass leaves out."""
-    return signal - lowpass(signal, time, params)
+    """First-order high-pass: what the low-pass leaves out; params: cutoff [Hz] (−3 dB), settled [1].
+
+    settled: the low-pass begins at settled · first sample; 1 is a filter that has seen that value for long.
+    """
+    decay = np.exp(-2.0 * np.pi * params[:, :1] * (time - time[0]))
+    return signal - lowpass(signal, time, params) + (1.0 - params[:, 1:2]) * signal[:, :1] * decay
 
 
 def resample(signal: Array, time: Array, query: Array) -> Array:

@@ -13,11 +13,21 @@ EFFECT = Effect(
         Parameter(
             "cutoff",
             "Hz",
-            "of the first order (−3 dB); settled at the first sample",
+            "of the first order (−3 dB)",
             lower=0.0,
             upper=1e4,
             scale=Scale(0.05, frequency=1),
             starts=(0.2, 1.0, 5.0),
+        ),
+        Parameter(
+            "settled",
+            "1",
+            "what the filter had settled on when the recording began, over the first sample: 1 after a long hold, "
+            "0 if it was at rest at zero until just before; in the middle of a motion any value",
+            lower=-10.0,
+            upper=10.0,
+            scale=Scale(1.0),
+            starts=(1.0, 0.0),
         ),
     ),
     signature="Slow and constant parts of the signal die away: a resting angle creeps to zero, the swing is early "

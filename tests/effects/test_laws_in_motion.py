@@ -70,10 +70,10 @@ def test_base_excitation_acts_sideways(pendulum):
     system = effects.apply(pendulum, Attachment("base_excitation", "base", parameters))
 
     def torque(t, q, v):
-        # axis × up = y × z = +x; the base's acceleration a acts on the mass as −m a; the torque about y of a force F x at
-        # r = (−sin q, 0, −cos q) l/2 is r_z F.
+        # axis × down = −x; a base that accelerates by −a along x acts on the mass as the force F = +m a along x;
+        # its torque about y at r = (−sin q, 0, −cos q) l/2 is r_z F.
         a = 0.4 * np.sin(2 * np.pi * 1.7 * t + 0.6)
-        return (-np.cos(q) * LENGTH / 2) * (-MASS * a)
+        return (-np.cos(q) * LENGTH / 2) * (MASS * a)
 
     assert np.abs(released(system, 0.5)[:, 0] - truth(torque, 0.5)).max() < 1e-7
 
@@ -110,11 +110,11 @@ def test_compliant_base(pendulum):
     c = LENGTH / 2.0
 
     def rate(t, y):
-        # Lagrange: x along +x, centre of mass at x − c sin q; (M + m) ẍ − m c cos q q̈ + m c sin q q̇² + k x + d ẋ = 0,
-        # J q̈ − m c cos q ẍ + m g c sin q = 0.
+        # Lagrange: x along axis × down, centre of mass at x + c sin q; (M + m) ẍ + m c cos q q̈ − m c sin q q̇² + k x + d ẋ
+        # = 0, J q̈ + m c cos q ẍ + m g c sin q = 0.
         x, q, v, w = y
-        mass = np.array([[0.5 + MASS, -MASS * c * np.cos(q)], [-MASS * c * np.cos(q), INERTIA]])
-        force = [-MASS * c * np.sin(q) * w * w - 800.0 * x - 3.0 * v, -MOMENT * np.sin(q)]
+        mass = np.array([[0.5 + MASS, MASS * c * np.cos(q)], [MASS * c * np.cos(q), INERTIA]])
+        force = [MASS * c * np.sin(q) * w * w - 800.0 * x - 3.0 * v, -MOMENT * np.sin(q)]
         return [v, w, *np.linalg.solve(mass, force)]
 
     expected = solve_ivp(rate, (0, TIME[-1]), [0, 1.0, 0, 0], t_eval=TIME, rtol=1e-11, atol=1e-12, method="DOP853").y

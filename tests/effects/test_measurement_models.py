@@ -38,12 +38,21 @@ def test_delay_is_a_shifted_wave(time):
         assert np.abs(delayed[lane] - wave(time - delay))[inside].max() < 1e-6
 
 
-def test_delay_before_the_first_sample_is_continued_as_a_parabola():
+def test_a_moving_signal_is_continued_before_its_first_sample():
     time = GRIDS["even"]
-    square = 0.3 + 2.0 * time - 5.0 * time**2
-    delayed = measurement.delay(square[None], time, np.array([[0.05]]))[0]
-    late = time - 0.05
-    assert np.allclose(delayed, 0.3 + 2.0 * late - 5.0 * late**2, rtol=0, atol=1e-9)
+    square = 0.3 + 2.0 * time - 0.5 * time**2
+    delayed = measurement.delay(square[None], time, np.array([[0.02]]))[0]
+    late = time - 0.02
+    # The curvature counts by v²/(v² + (a d)²) = 4/(4 + 0.02²), so it is short by 1e-4 of ½ a d² = 2e-4.
+    assert np.allclose(delayed, 0.3 + 2.0 * late - 0.5 * late**2, rtol=0, atol=3e-8)
+
+
+def test_a_signal_that_starts_from_rest_was_held_before():
+    time = GRIDS["even"]
+    released = np.cos(RATE * time)
+    delayed = measurement.delay(released[None], time, np.array([[0.05]]))[0]
+    expected = np.cos(RATE * np.maximum(time - 0.05, 0.0))
+    assert np.abs(delayed - expected).max() < 2e-4  # while half the parabola would be ½ (ω d)² = 0.08 off
 
 
 def test_clock_skew_stretches_time(time):
@@ -64,8 +73,11 @@ def test_lowpass_and_highpass_of_a_wave(time, cutoff):
     passed = measurement.lowpass(wave(time)[None], time, np.array([[cutoff]]))[0]
     # Slopes by second-order differences: error (ω h)²/6 of the slope over the step, h ≤ 7 ms.
     assert np.abs(passed - expected).max() < 2e-5
-    rest = measurement.highpass(wave(time)[None], time, np.array([[cutoff]]))[0]
+    rest = measurement.highpass(wave(time)[None], time, np.array([[cutoff, 1.0]]))[0]
     assert np.allclose(rest + passed, wave(time), rtol=0, atol=1e-12)
+    fresh = measurement.highpass(wave(time)[None], time, np.array([[cutoff, 0.0]]))[0]
+    # Settled on zero before: the whole first sample passes, and dies away.
+    assert np.allclose(fresh - rest, start * np.exp(-elapsed / tau), rtol=0, atol=1e-12)
 
 
 def test_lowpass_of_a_straight_line_is_exact(time):
