@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from harness.denoc import rigid, rigid_entry
 from harness.denoc.binding import NOT_FINITE, NOT_PLAIN, entry, make_header
 from harness.denoc.elastic import pack_beams
-from harness.denoc.rows import EXTERNAL, POSITION, TURN
+from harness.denoc.rows import EXTERNAL, FIRST, POSITION, TURN
 from harness.denoc.tree import Tree, compile_tree
 from harness.errors import InputError
-from harness.system import System
+from harness.system import System, Trajectory
+
+if TYPE_CHECKING:
+    from harness.denoc.integrate import Event
 
 Array = NDArray[np.float64]
 
@@ -115,13 +118,13 @@ class Denoc:
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Generalized inertia matrix M(q), armature included, shape (n, n)."""
         mass = np.empty((self.n, self.n))
-        self._kernels.mass_matrix(*self._arguments, self._vector("q", q), mass)
+        self._kernels.mass_matrix(*self._arguments, self.vector("q", q), mass)
         return mass
 
     def bias(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """C(q, q̇) q̇ + g(q), without passive forces, shape (n,)."""
         out = np.empty(self.n)
-        q, qd = self._vector("q", q), self._vector("qd", qd)
+        q, qd = self.vector("q", q), self.vector("qd", qd)
         self._kernels.inverse_dynamics(*self._arguments, q, qd, self._zero, out)
         return out
 
@@ -132,13 +135,13 @@ class Denoc:
     def coriolis_matrix(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """A matrix C(q, q̇) with C q̇ the velocity forces and Ṁ - 2C skew-symmetric, shape (n, n)."""
         out = np.empty((self.n, self.n))
-        q, qd = self._vector("q", q), self._vector("qd", qd)
+        q, qd = self.vector("q", q), self.vector("qd", qd)
         self._kernels.coriolis_matrix(*self._arguments, q, qd, out)
         return out
 
     def passive(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """Passive forces on the right-hand side: -damping q̇ - stiffness (q - rest), beams included, shape (n,)."""
-        q, qd = self._vector("q", q), self._vector("qd", qd)
+        q, qd = self.vector("q", q), self.vector("qd", qd)
         out = np.empty(self.n)
         self._kernels.passive(*self._arguments, q, qd, out)
         return out
@@ -163,7 +166,7 @@ class Denoc:
         seat = self.tree.seats.get(link)
         if seat is None:
             raise InputError(f"no link {link!r}", mend=f"links are {', '.join(list(self.tree.seats)[:8])} …")
-        self._kernels.locate(*self._arguments, self._vector("q", q), self._zero)
+        self._kernels.locate(*self._arguments, self.vector("q", q), self._zero)
         row = self.tree.rows[seat.body]
         turn = row[TURN : TURN + 9].reshape(3, 3)
         return turn @ seat.rotation, row[POSITION : POSITION + 3] + turn @ seat.origin
@@ -191,12 +194,93 @@ class Denoc:
         """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n)."""
         return np.array([self.mass_matrix(q) for q in self._table("Q", Q)]).reshape(-1, self.n, self.n)
 
+    def simulate(
+        self,
+        q0: ArrayLike,
+        qd0: ArrayLike,
+        time: ArrayLike,
+        *,
+        tau: ArrayLike | None = None,
+        hold: str = "zero",
+        method: str | None = None,
+        step: float | None = None,
+        rtol: float = 1e-10,
+        atol: float = 1e-12,
+        events: Sequence[Event] = (),
+    ) -> Trajectory:
+        """Motion from (q0, qd0) at time[0], sampled at ``time`` (T,), which may be uneven.
+
+        tau: forces at the samples, (T, n), or one row for all; ``hold`` "zero" keeps each until the next sample,
+        "linear" joins them. Dry friction of joints acts, and sticks.
+        method: "dop853" adaptive, with rtol and atol; "rk4" and "gauss" with fixed ``step`` [s] (1 ms unless given),
+        the latter for stiff modes and long undamped runs; None picks one, and the trajectory says which.
+        events: functions (t, q, qd) whose zeros are located, with attributes ``terminal`` and ``direction`` as in
+        SciPy's ``solve_ivp``; times of events are in the trajectory by function name.
+        Channels of flexible links are in the trajectory: see ``harness.denoc.channels``.
+        Raises InputError for unusable input, and where an integrator does not get through.
+        """
+        from harness.denoc.integrate import simulate
+
+        return simulate(
+            self,
+            q0,
+            qd0,
+            time,
+            tau=tau,
+            hold=hold,
+            method=method,
+            step=step,
+            rtol=rtol,
+            atol=atol,
+            events=events,
+        )
+
+    def frequencies(self, q: ArrayLike | None = None, *, qd: ArrayLike | None = None) -> Array:
+        """Undamped natural frequencies [Hz] of small motion about a state, ascending; see ``harness.denoc.frequencies``.
+
+        q: positions, zero unless given. qd: velocities of a steady rotation, if the motion is about one.
+        """
+        from harness.denoc.frequencies import frequencies
+
+        return frequencies(self, np.zeros(self.n) if q is None else q, qd)
+
+    def linear_passive(self) -> tuple[Array, Array]:
+        """Stiffness and damping matrices of joints and beams, (n, n) each: passive = -K (q - rest) - C q̇."""
+        stiffness, damping = np.zeros((self.n, self.n)), np.zeros((self.n, self.n))
+        for body, joint in enumerate(self.tree.joints, start=1):
+            own = int(self.tree.topology[body, FIRST])
+            if joint.movable:
+                stiffness[own, own], damping[own, own] = joint.stiffness, joint.damping
+                own += 1
+            if body in self.beams:
+                data = self.beams[body]
+                part = slice(own, own + data.coordinates)
+                stiffness[part, part], damping[part, part] = data.K, data.C
+        return stiffness, damping
+
+    @property
+    def header_address(self) -> int:
+        """Address of the header that stands for this model in kernels; valid while the model lives."""
+        return self._model
+
+    @property
+    def packed_beams(self) -> Array:
+        """Constants and workspace of the beams, as ``harness.denoc.elastic`` lays them out."""
+        return self._elastic
+
+    def singular(self, row: int) -> InputError:
+        """The refusal for a body whose joint or modes move no inertia."""
+        joint = self.tree.joints[row - 1]
+        return InputError(
+            f"joint {joint.name!r} moves no inertia", mend="give the links it carries mass, or the joint armature"
+        )
+
     def _energy_and_momentum(self, q: ArrayLike, qd: ArrayLike) -> Array:
         out = np.empty(8)
-        self._kernels.energy_and_momentum(*self._arguments, self._vector("q", q), self._vector("qd", qd), out)
+        self._kernels.energy_and_momentum(*self._arguments, self.vector("q", q), self.vector("qd", qd), out)
         return out
 
-    def _vector(self, name: str, value: ArrayLike) -> Array:
+    def vector(self, name: str, value: ArrayLike) -> Array:
         """Value as a contiguous float64 vector of n finite numbers."""
         try:
             vector = np.ascontiguousarray(value, dtype=np.float64)
@@ -233,17 +317,14 @@ class Denoc:
 
     def _again(self, status: int, short: Any, plainly: Any, **vectors: ArrayLike) -> Array:
         """What the short way refused: convert and check, then compute or say why not."""
-        checked = [self._vector(name, value) for name, value in vectors.items()]
+        checked = [self.vector(name, value) for name, value in vectors.items()]
         out = np.empty(self.n)
         if status == NOT_PLAIN:
             status = short(self._model, *checked, out)
         if status == NOT_PLAIN:
             status = plainly(*checked, out)
         if status > 0:
-            joint = self.tree.joints[status - 1]
-            raise InputError(
-                f"joint {joint.name!r} moves no inertia", mend="give the links it carries mass, or the joint armature"
-            )
+            raise self.singular(status)
         if status == NOT_FINITE or not np.isfinite(out).all():
             raise InputError("the result is not finite", mend="the state or the parameters are far too large")
         return out
@@ -265,7 +346,7 @@ class Denoc:
                 f"wrenches of shape {external.shape}, or not finite",
                 mend=f"give finite moment and force for each of the {len(links)} links, shape ({len(links)}, 6)",
             )
-        self._kernels.locate(*self._arguments, self._vector("q", q), self._zero)
+        self._kernels.locate(*self._arguments, self.vector("q", q), self._zero)
         rows = self.tree.rows
         for link, wrench in zip(links, external, strict=True):
             seat = self.tree.seats[link.name]
