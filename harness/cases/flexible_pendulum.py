@@ -169,9 +169,7 @@ def _cases() -> tuple[Case, ...]:
                     ),
                     also_modes=(2, 3, 4),
                 ),
-                element_convergence(
-                    flexible_pendulum(paper, gravity=0.0), (2, 4, 8, 16), _closed_forms(paper, 3)
-                ),
+                element_convergence(flexible_pendulum(paper, gravity=0.0), (2, 4, 8, 16), _closed_forms(paper, 3)),
                 EnergyKept(
                     allowed=1e-6,
                     why="the integrator's tolerance over 60 s of undamped motion",

@@ -206,7 +206,10 @@ class Pinocchio:
         pin = _pinocchio()
         expressed = express(system)
         system = expressed.system
-        model = pinocchio_model(system)
+        try:
+            model = pinocchio_model(system)
+        except (RuntimeError, ValueError) as error:  # inertia that no body can have, which it checks here and there
+            raise UnsupportedError(f"Pinocchio refuses it: {error}", source=system.source) from error
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
         order = np.empty(model.nv, dtype=np.intp)

@@ -126,11 +126,16 @@ def _not_a_number(model: EngineModel) -> Spoiled:
     )
 
 
-def _coarse_steps(model: EngineModel) -> Spoiled:
-    """Right equations, integrated with steps far too long."""
+def _coarse_output(model: EngineModel) -> Spoiled:
+    """Right equations and steps, and straight lines drawn between samples a twentieth of a second apart."""
 
     def simulate(q0: Array, qd0: Array, time: Array, **options: Any) -> Trajectory:
-        return model.simulate(q0, qd0, time, step=0.01)
+        coarse = np.union1d(np.arange(time[0], time[-1], 0.05), time[-1:])
+        run = model.simulate(q0, qd0, coarse, **options)
+        columns = range(len(run.names))
+        position = np.column_stack([np.interp(time, coarse, run.position[:, k]) for k in columns])
+        velocity = np.column_stack([np.interp(time, coarse, run.velocity[:, k]) for k in columns])
+        return Trajectory(time, run.names, position, velocity)
 
     return Spoiled(model, simulate=simulate)
 
@@ -152,5 +157,5 @@ DEFECTS = (
     Defect("Coriolis and centrifugal forces missing", "coriolis", "missing", wrap=_no_coriolis),
     Defect("equations solved a hundred-millionth off", "solution", "does not solve", wrap=_sloppy_solution),
     Defect("accelerations that are no numbers", "", "not a finite number", wrap=_not_a_number),
-    Defect("steps of integration too long", "", "integration", wrap=_coarse_steps),
+    Defect("motion interpolated too coarsely", "", "integration", wrap=_coarse_output),
 )
