@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Protocol
 from zlib import crc32
 
 import numpy as np
@@ -32,6 +33,29 @@ FAMILIES = (
 )
 
 
+class Model(Protocol):
+    """A rig as a user's model file states it."""
+
+    @property
+    def joints(self) -> tuple[str, ...]: ...
+
+    def toml(self) -> str: ...
+
+
+class Recorded(Protocol):
+    """Something that can be let run and recorded."""
+
+    @property
+    def runs(self) -> Sequence[Run]: ...
+
+    @property
+    def sensor(self) -> Sensor: ...
+
+    def std(self, column: str) -> float: ...
+
+    def record(self, index: int, instants: Array | None = None) -> dict[str, Array]: ...
+
+
 @dataclass(frozen=True)
 class Case:
     """A drawn case: the answer and all that is needed to let it run.
@@ -42,14 +66,14 @@ class Case:
 
     name: str
     kind: str
-    nominal: Rig
-    rig: Rig
+    nominal: Model
+    rig: Model
     planted: tuple[Planted, ...]
     visibility: tuple[float, ...]
-    make: Callable[[Rig], Scene]
+    make: Callable[[Any], Recorded]
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> Recorded:
         return self.make(self.rig)
 
 
@@ -213,14 +237,3 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
     return Case(
         f"{kind}-{index}", kind, rig, true, tuple(planted), tuple(seen), lambda on: build(on, strengths, outside)
     )
-
-
-def with_sensor(case: Case, sensor: Sensor) -> Case:
-    """The same case seen by another sensor."""
-    make = case.make
-
-    def other(on: Rig) -> Scene:
-        scene = make(on)
-        return replace(scene, sensor=sensor)
-
-    return replace(case, make=other)

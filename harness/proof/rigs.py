@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import tomli_w
 
 JOINT_NAMES = (("pivot", "elbow"), ("shoulder", "elbow"), ("hip", "knee"), ("hinge", "wrist"), ("j1", "j2"))
 LINK_NAMES = (("rod", "forearm"), ("arm", "lower"), ("thigh", "shank"), ("bar", "tip"), ("upper", "outer"))
@@ -65,6 +66,36 @@ class Rig:
             inertia += s.inertia + s.mass * (reach + s.com) ** 2 + s.armature
             reach += s.length
         return float(np.sqrt(moment / inertia) / (2 * np.pi))
+
+    def toml(self) -> str:
+        """The rig as a model file."""
+        joints, links = [], []
+        for k, s in enumerate(self.segments):
+            joints.append(
+                {
+                    "name": s.joint,
+                    "type": "continuous",
+                    "parent": "base" if k == 0 else self.segments[k - 1].link,
+                    "child": s.link,
+                    "origin": {
+                        "xyz": [0.0, 0.0, 0.0 if k == 0 else -self.segments[k - 1].length],
+                        "rpy": [0.0, 0.0, 0.0],
+                    },
+                    "axis": list(self.axis),
+                    "armature": s.armature,
+                    "damping": s.damping,
+                }
+            )
+            links.append({"name": s.link, "mass": s.mass, "com": [0.0, 0.0, -s.com], "inertia": [s.inertia] * 3})
+        return tomli_w.dumps(
+            {
+                "name": "rig",
+                "gravity": [0.0, 0.0, -self.gravity],
+                "tolerance": self.tolerance,
+                "joint": joints,
+                "link": links,
+            }
+        )
 
 
 def draw_rig(rng: np.random.Generator, joints: int) -> Rig:

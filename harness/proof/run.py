@@ -17,14 +17,19 @@ from harness.errors import InputError
 from harness.parallel import parallel_map
 from harness.proof.concealments import CONCEALMENTS
 from harness.proof.draw import draw_case
+from harness.proof.flexible import EFFECTS, draw_flexible
 from harness.proof.outside import OUTSIDE
 from harness.proof.score import CaseScore, Summary, score_case, summarise
 from harness.proof.seal import seal, unseal
 from harness.proof.visibility import DETECTION_LIMIT
 from harness.proof.write import write_case
 
-QUICK = {"single": 16, "pair": 5, "triple": 2, "clean": 10, "outside": 7}
-FULL = {"single": 180, "pair": 44, "triple": 12, "clean": 110, "outside": 60}
+QUICK = {"single": 15, "pair": 5, "triple": 2, "clean": 9, "outside": 7, "flexible single": 1, "flexible clean": 1}
+FULL = {
+    "single": 180, "pair": 44, "triple": 12, "clean": 104, "outside": 60, "flexible single": 21, "flexible clean": 6,
+}  # fmt: skip
+
+EFFECTS_BY_KIND = {"single": tuple(CONCEALMENTS), "outside": tuple(OUTSIDE), "flexible single": EFFECTS}
 
 Progress = Callable[[str, int, int], None]
 
@@ -79,7 +84,7 @@ def tasks(counts: Mapping[str, int]) -> list[Task]:
     """The cases of a proof; singles and outside kinds go round robin over all effects, so that none is left out."""
     rows: list[Task] = []
     for kind, count in counts.items():
-        names = {"single": list(CONCEALMENTS), "outside": list(OUTSIDE)}.get(kind, [""])
+        names = list(EFFECTS_BY_KIND.get(kind, ("",)))
         rows += [Task(kind, i, names[i % len(names)]) for i in range(count)]
     return rows
 
@@ -92,8 +97,11 @@ def scaled(cases: int) -> dict[str, int]:
 
 def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
     """Draw a case, write what diagnosis may see, seal the answer; (name, digest)."""
-    shuffled = _shuffled(task, seed)
-    case = draw_case(task.kind, seed, task.index, effects=(shuffled,) if shuffled else ())
+    effect = _shuffled(task, seed)
+    if task.kind.startswith("flexible"):
+        case = draw_flexible(task.kind.removeprefix("flexible "), seed, task.index, effect)
+    else:
+        case = draw_case(task.kind, seed, task.index, effects=(effect,) if effect else ())
     write_case(case, out / "cases" / case.name, np.random.default_rng([seed, task.index, len(task.kind)]))
     return case.name, seal(case, out / "sealed")
 
@@ -102,7 +110,7 @@ def _shuffled(task: Task, seed: int) -> str:
     """Round robin from a place that the seed chooses, so that a quick proof tries other effects each time."""
     if not task.effect:
         return ""
-    names = list(CONCEALMENTS if task.kind == "single" else OUTSIDE)
+    names = list(EFFECTS_BY_KIND[task.kind])
     order = np.random.default_rng([seed, len(names)]).permutation(len(names))
     return names[int(order[names.index(task.effect)])]
 

@@ -92,6 +92,10 @@ class Scene:
         segments[k] = replace(segments[k], **changes)  # type: ignore[arg-type]
         self.rig = replace(self.rig, segments=tuple(segments))
 
+    def std(self, column: str) -> float:
+        """White noise of a channel [rad]."""
+        return self.sensor.std
+
     def truth(self) -> Truth:
         """The mechanism as planted so far."""
         hidden = Hidden(

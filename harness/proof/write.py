@@ -2,43 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
-import tomli_w
 from scipy.signal import lfilter
 
 from harness.proof.draw import Case
-from harness.proof.rigs import Rig
 
 
-def nominal_toml(rig: Rig, name: str) -> str:
-    """The nominal model as a TOML system."""
-    joints, links = [], []
-    for k, s in enumerate(rig.segments):
-        joints.append(
-            {
-                "name": s.joint,
-                "type": "continuous",
-                "parent": "base" if k == 0 else rig.segments[k - 1].link,
-                "child": s.link,
-                "origin": {"xyz": [0.0, 0.0, 0.0 if k == 0 else -rig.segments[k - 1].length], "rpy": [0.0, 0.0, 0.0]},
-                "axis": list(rig.axis),
-                "armature": s.armature,
-                "damping": s.damping,
-            }
-        )
-        links.append({"name": s.link, "mass": s.mass, "com": [0.0, 0.0, -s.com], "inertia": [s.inertia] * 3})
-    return tomli_w.dumps(
-        {
-            "name": name,
-            "gravity": [0.0, 0.0, -rig.gravity],
-            "tolerance": rig.tolerance,
-            "joint": joints,
-            "link": links,
-        }
-    )
+@contextmanager
+def model_file(text: str) -> Iterator[Path]:
+    """A TOML model as a file for as long as it is read."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "model.toml"
+        path.write_text(text, encoding="utf-8")
+        yield path
 
 
 def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
@@ -47,7 +29,7 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
     rng: draws the noise and the jitter of the sampling instants.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "model.toml").write_text(nominal_toml(case.nominal, "rig"), encoding="utf-8")
+    (folder / "model.toml").write_text(case.nominal.toml(), encoding="utf-8")
     scene = case.scene
     sensor = scene.sensor
     for index, run in enumerate(scene.runs):
@@ -57,12 +39,12 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
             instants = np.maximum.accumulate(instants + np.arange(len(instants)) * 1e-9)
         data = scene.record(index, instants)
         for column, values in data.items():
-            if not column.endswith(".position"):
+            if column == "time" or column.endswith(".effort"):
                 continue
-            white = rng.normal(0.0, sensor.std, len(values) + 200)
+            white = rng.normal(0.0, scene.std(column), len(values) + 200)
             noise = lfilter([np.sqrt(1.0 - sensor.colour**2)], [1.0, -sensor.colour], white)[200:]
             noisy = values + noise
-            if sensor.step:
+            if sensor.step and column.endswith(".position"):
                 noisy = np.round(noisy / sensor.step) * sensor.step
             data[column] = noisy
         frame = pd.DataFrame(data)

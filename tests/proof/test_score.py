@@ -1,6 +1,5 @@
 """Scoring, sealing and drawing of the blind proof."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -119,10 +118,14 @@ def test_distance_projects_nuisances_out() -> None:
 
 
 def test_the_mix_of_cases_is_what_is_promised() -> None:
-    assert sum(FULL.values()) >= 400 and FULL["pair"] >= 40 and FULL["triple"] >= 10 and FULL["clean"] >= 100
+    assert (
+        sum(FULL.values()) >= 400
+        and FULL["pair"] >= 40
+        and FULL["triple"] >= 10
+        and FULL["clean"] + FULL["flexible clean"] >= 100
+    )
     assert sum(QUICK.values()) >= 40
     assert len(OUTSIDE) >= 12
     full = tasks(FULL)
     assert {t.effect for t in full if t.kind == "single"} == set(CONCEALMENTS)
     assert {t.effect for t in full if t.kind == "outside"} == set(OUTSIDE)
-    json.dumps([t.__dict__ if hasattr(t, "__dict__") else str(t) for t in full])
