@@ -61,6 +61,7 @@ class NativeModel:
     ) -> Trajectory:
         """RK4 with steps of at most ``step`` [s], or the adaptive method if it is None.
 
+        Beams and dry friction keep the native choice of method: their vibrations and reversals need another than RK4.
         Systems with joint laws beyond damping, springs and dry friction run in the lanes, which always adapt their step.
         """
         n = len(self.names)
@@ -69,7 +70,9 @@ class NativeModel:
         forces = held_forces(tau, time.size, n)
         if self.expressed.laws:
             return self._simulate_laws(q0, qd0, time, forces, positive_step(step))
-        trajectory: Trajectory = self.model.simulate(q0, qd0, time, tau=forces, step=positive_step(step))
+        plain = not self.system.flexible and not any(joint.friction for joint in self.system.movable_joints)
+        method = "rk4" if plain and step is not None else None
+        trajectory: Trajectory = self.model.simulate(q0, qd0, time, tau=forces, step=positive_step(step), method=method)
         return trajectory
 
     def _simulate_laws(self, q0: Array, qd0: Array, time: Array, tau: Array | None, step: float | None) -> Trajectory:

@@ -1,4 +1,4 @@
-"""Pinocchio, MuJoCo and Exudyn, each built from the same description, say the same on mechanisms in general position.
+"""The native dynamics, MuJoCo and Exudyn, built from one description, say what Pinocchio says on general mechanisms.
 
 Allowed differences are rounding: about ten times what the engines' authors' own algorithms differ by (1e-12 relative for
 n ≤ 7, 1e-10 for n ≤ 50, 1e-9 above).
@@ -14,7 +14,7 @@ from harness.engines.protocol import EngineModel
 from harness.system import JointType, System
 from harness.system.random_systems import random_chain, random_tree
 
-PEERS = ("mujoco", "exudyn")
+PEERS = ("denoc", "mujoco", "exudyn")
 
 
 def springy(system: System, seed: int) -> System:
@@ -59,7 +59,7 @@ def test_every_quantity(n: int, allowed: float, tree: bool, peer: str) -> None:
         assert difference(ours.mass_matrix(q), theirs.mass_matrix(q)) < allowed
         assert difference(ours.bias(q, qd), theirs.bias(q, qd)) < allowed
         assert difference(ours.gravity(q), theirs.gravity(q)) < allowed
-        if peer == "mujoco":
+        if peer != "exudyn":
             assert difference(ours.energy(q, qd), theirs.energy(q, qd)) < allowed
 
 
@@ -92,11 +92,11 @@ def test_same_motion_when_the_step_is_left_to_the_engines() -> None:
     system = general(3, 8, False)
     time = np.linspace(0.0, 2.0, 101)
     q0, qd0, _ = state(3, 8)
-    runs = [registry.engine(name).build(system).simulate(q0, qd0, time) for name in ("pinocchio", "mujoco", "exudyn")]
-    # Pinocchio's run is DOP853 at 1e-12, the others RK4 at 1 ms, whose error on motions of a few rad/s is under 1e-8.
-    assert difference(runs[0].position, runs[1].position) < 1e-8
-    assert difference(runs[0].position, runs[2].position) < 1e-8
-    assert difference(runs[0].energy, runs[1].energy) < 1e-7
+    runs = [registry.engine(name).build(system).simulate(q0, qd0, time) for name in ("pinocchio", *PEERS)]
+    # Pinocchio's run is DOP853 at 1e-12, the native one adaptive too, the others RK4 at 1 ms: under 1e-8 at a few rad/s.
+    for run in runs[1:]:
+        assert difference(runs[0].position, run.position) < 1e-8
+        assert run.energy is None or difference(runs[0].energy, run.energy) < 1e-7
 
 
 def test_energy_is_conserved_without_damping() -> None:
@@ -115,7 +115,7 @@ def test_links_that_cannot_move_do_not_count_in_the_energy() -> None:
     post = replace(joint, name="post", type=JointType.FIXED, parent="base", child="block", xyz=place)
     block = replace(link, name="block", mass=1.0, com=np.zeros(3))
     with_post = replace(chain, joints=(*chain.joints, post), links=(*chain.links, block))
-    for name in ("pinocchio", "mujoco", "analytic"):
+    for name in ("denoc", "pinocchio", "mujoco", "analytic"):
         plain, raised = (registry.engine(name).build(s).energy(np.ones(1), np.ones(1)) for s in (chain, with_post))
         assert raised == pytest.approx(plain, rel=1e-12)
 
@@ -123,7 +123,7 @@ def test_links_that_cannot_move_do_not_count_in_the_energy() -> None:
 def test_long_chain_in_mujoco_is_its_own_inverse() -> None:
     # XML nesting ends near 500; the identity inverse(forward) needs no other engine. Its error is counted against the
     # forces that cancel: at 1 rad/s a joint the tip moves at 30 m/s, and inertia forces of 1e6 N·m balance.
-    n = 1000
+    n = 600
     model: EngineModel = registry.engine("mujoco").build(random_chain(n, 1, armature=True))
     q, qd, tau = state(n, 1)
     error = model.inverse_dynamics(q, qd, model.forward_dynamics(q, qd, tau)) - tau

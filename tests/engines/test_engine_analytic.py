@@ -122,6 +122,23 @@ def test_overdamped_return_with_dry_friction_stops_short() -> None:
     assert v[2] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.4])
+def test_native_dry_friction_sticks_as_the_closed_form_does(damping: float) -> None:
+    system = random_chain(1, 5, prismatic=1.0)
+    (joint,) = system.joints
+    system = system.replace_joint(replace(joint, damping=damping, friction=2.5, stiffness=12.0, rest_position=0.1))
+    q0, qd0, time = np.array([1.5]), np.zeros(1), np.linspace(0.0, 10.0, 501)
+    # A force that rises in steps, so that the slider sticks and tears loose again.
+    tau = np.floor(time / 2.0)[:, None]
+    exact, native = (
+        registry.engine(name).build(system).simulate(q0, qd0, time, tau=tau) for name in ("analytic", "denoc")
+    )
+    assert exact.position == pytest.approx(native.position, abs=1e-10)
+    assert np.sum(exact.velocity[:, 0] == 0.0) > 50
+    stuck = exact.velocity[:, 0] == 0.0
+    assert np.max(np.abs(native.velocity[stuck][1:])) < 1e-10
+
+
 def test_what_has_no_closed_form_is_refused() -> None:
     pivot = Joint("pivot", JointType.REVOLUTE, "base", "bob", axis=np.array([0.0, 1.0, 0.0]))
     system = System("p", (pivot,), (Link("bob", 1.0, np.array([0.0, 0.0, -0.7])),))

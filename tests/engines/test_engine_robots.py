@@ -1,4 +1,4 @@
-"""Real robots: every URDF of example-robot-data that can be read, in Pinocchio against MuJoCo and Exudyn."""
+"""Real robots: every URDF of example-robot-data that can be read, in Pinocchio against the native dynamics, MuJoCo and Exudyn."""
 
 from collections.abc import Iterator
 from importlib import metadata
@@ -33,7 +33,7 @@ def test_robots() -> None:
             system = load(path)
         except InputError:
             continue
-        models = {name: registry.engine(name).build(system) for name in ("pinocchio", "mujoco", "exudyn")}
+        models = {name: registry.engine(name).build(system) for name in ("pinocchio", "denoc", "mujoco", "exudyn")}
         n = len(system.joint_names)
         q, qd, qdd = np.random.default_rng(n).normal(size=(3, n))
         reference = models.pop("pinocchio")
