@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pkgutil
+import re
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 
@@ -27,7 +28,12 @@ def built_in() -> dict[str, Case]:
                 raise RuntimeError(f"two cases are named {case.name}")
             found[case.name] = case
     order = {group: index for index, group in enumerate(GROUPS)}
-    return dict(sorted(found.items(), key=lambda item: (order.get(item[1].group, len(order)), item[0])))
+    return dict(sorted(found.items(), key=lambda item: (order.get(item[1].group, len(order)), natural(item[0]))))
+
+
+def natural(name: str) -> list[tuple[int, str]]:
+    """Sorting key by which chain_7 comes before chain_20."""
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
 
 
 def _of(module: object) -> Iterable[Case]:
@@ -49,4 +55,4 @@ def select(names: Sequence[str] | None) -> list[Case]:
         if not hits:
             raise InputError(f"no case is named {name!r}", mend=did_you_mean(name, list(known)))
         chosen.update({hit: known[hit] for hit in hits})
-    return list(chosen.values())
+    return [case for name, case in known.items() if name in chosen]

@@ -145,10 +145,12 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
         system = case.system()
     except UnsupportedError as error:
         bench = Bench(case, System(case.name, (), ()), {})
-        rows.append(bench.skipped("all", (NATIVE,), str(error)))
+        said = " ".join(filter(None, [error.what, error.mend and f"({error.mend})"]))
+        rows.append(bench.skipped("all", (NATIVE,), said))
         return Outcome(case.name, case.title, tuple(rows), (), perf_counter() - start)
     models: dict[str, EngineModel] = {}
     refusals: dict[str, str] = {}
+    reason: str | None
     for name, engine in engines.items():
         if case.engines is not None and name not in case.engines:
             continue
@@ -159,7 +161,9 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
             if reason is None:
                 models[name] = engine.build(system)
                 continue
-        except (EngineUnavailableError, UnsupportedError) as error:
+        except UnsupportedError as error:
+            reason = error.what  # the file is the case's own, and named in its source
+        except EngineUnavailableError as error:
             reason = str(error)
         except Exception as error:
             rows.append(_broken(bench, "all", (name,), error))

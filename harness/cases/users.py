@@ -8,6 +8,7 @@ from pathlib import Path
 from harness.cases.case import Case, Check
 from harness.cases.checks import StateAgreement
 from harness.cases.tolerances import acceleration_allowed
+from harness.cases.user_beams import beam_checks
 from harness.errors import InputError
 from harness.system import System, load
 
@@ -48,7 +49,7 @@ def case_of(name: str, path: Path, *, physical: bool = True) -> Case:
         title=f"{system.name} ({path.name})",
         source=str(path),
         system=lambda: system,
-        checks=state_checks(len(system.coordinate_names)),
+        checks=(*state_checks(len(system.coordinate_names)), *beam_checks(system)),
         group="models",
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from harness.cases.case import NATIVE, Row
+from harness.cases.discover import natural
 from harness.report.figures.canvas import FAINT, INK, canvas, colour, marker
 
 # Exact agreement has no logarithm; it is drawn at the left edge.
@@ -14,7 +15,7 @@ FLOOR = 1e-9
 def dots(rows: Sequence[Row], name: str) -> str:
     """SVG: a line for each case, a dot for each compared row at difference / allowed, coloured by engine."""
     compared = [row for row in rows if row.verdict != "skipped"]
-    cases = list(dict.fromkeys(row.case for row in compared))
+    cases = sorted(dict.fromkeys(row.case for row in compared), key=natural)
     height = 0.9 + 0.27 * len(cases)
     with canvas(name, 9.2, height) as (made, axes):
         ax = axes[0, 0]

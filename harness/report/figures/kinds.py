@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from harness.cases.case import Series
 from harness.report.figures.lines import lines
 from harness.report.figures.overlay import overlay
+from harness.report.figures.spectra import spectra
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,9 @@ KINDS = (
         "frame has not.",
         overlay,
     ),
-    Kind("spectrum", "Swing and vibration parted", "Amplitude over frequency, of the same run in each engine.", lines),
+    Kind(
+        "spectrum", "Swing and vibration parted", "Amplitude over frequency, of the same run in each engine.", spectra
+    ),
     Kind(
         "convergence",
         "Convergence with modes and elements",

@@ -17,8 +17,8 @@ def lines(series: Sequence[Series], name: str, *, height: float = 3.4) -> str:
     return str(made.svg)
 
 
-def draw(ax: Any, series: Sequence[Series]) -> None:
-    """Draw lines on an axis, with its labels, scales and marks."""
+def draw(ax: Any, series: Sequence[Series], *, width: float = 2.0) -> None:
+    """Draw lines on an axis, with its labels, scales and marks; width [points] of full lines."""
     first = series[0]
     for index, line in enumerate(series):
         base = colour(line.label, index)
@@ -29,15 +29,23 @@ def draw(ax: Any, series: Sequence[Series]) -> None:
             )
         else:
             dash = (0, (4, 2 + index)) if line.style == "dashed" else "-"
-            ax.plot(line.x, line.y, ls=dash, color=base, label=line.label, lw=1.5 if line.style == "dashed" else 2.0)
+            ax.plot(
+                line.x,
+                line.y,
+                ls=dash,
+                color=base,
+                label=line.label,
+                lw=min(1.5, width) if line.style == "dashed" else width,
+            )
     if "x" in first.log:
         ax.set_xscale("log")
     if "y" in first.log:
         ax.set_yscale("log")
+    unit = first.x_label[first.x_label.find("[") :].strip("[]") if "[" in first.x_label else ""
     for text, position in {k: v for line in series for k, v in line.marks.items()}.items():
         ax.axvline(position, color=FAINT, lw=1.2, ls=":")
         ax.annotate(
-            f"{text} {position:.3g}",
+            f"{text} {position:.3g} {unit}".rstrip(),
             (position, 0.97),
             xycoords=("data", "axes fraction"),
             xytext=(5, 0),
