@@ -158,8 +158,22 @@ def estimate_colour(segments: list[Array], interval: float, motion_band_hz: floa
             best, best_x = float(trial.fun), np.asarray(trial.x)
     # Two more parameters must earn their place (difference of twice the log-likelihood is 2·cost).
     if 2.0 * (white_loss - best) < 2.0 * np.log(max(np.sum(bins), 2.0)):
-        return Colour(float(np.sqrt(np.exp(white_only.x[0]) * scale)), interval=interval)
+        best_x = np.array([white_only.x[0], -60.0, 0.0])
+        plain = Colour(float(np.sqrt(np.exp(white_only.x[0]) * scale)), interval=interval)
+        size = _scale(omega, power, plain, motion)
+        return Colour(plain.white * size, interval=interval)
     phi = float(1.0 / (1.0 + np.exp(-np.clip(best_x[2], -12, 9))))
     white = float(np.sqrt(np.exp(np.clip(best_x[0], -30, 30)) * scale))
     coloured = float(np.sqrt(np.exp(np.clip(best_x[1], -30, 30)) * scale))
-    return Colour(white, coloured, phi, interval)
+    size = _scale(omega, power, Colour(white, coloured, phi, interval), motion)
+    return Colour(white * size, coloured * size, phi, interval)
+
+
+LINE = 12.0  # a bin so far above the noise belongs to a line of the spectrum; e⁻¹² of the bins of noise do
+
+
+def _scale(omega: Array, power: Array, colour: Colour, motion: float) -> float:
+    """Factor on a noise's standard deviation that sets its mean power right beyond the motion's band (medians are coarse)."""
+    ratio = power / colour.spectrum(omega)
+    beyond = ratio[(omega >= motion) & (ratio < LINE)]
+    return float(np.sqrt(np.mean(beyond))) if len(beyond) >= 20 else 1.0

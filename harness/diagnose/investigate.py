@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 SWINGS = 1.5  # periods of the slowest swing in a short window
 MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected to have its power
+NONLINEAR = 3.0  # times the noise's cost, beyond which free runs of the nominal model say little about what is missing
+SAME_NOISE = 0.03  # relative difference of noise estimates that changes nothing
 GROWTH = 300.0  # an initial error may grow so much within a window; beyond, motion counts as unpredictable
 
 
@@ -159,24 +161,39 @@ def investigate(
         study.fit(Hypothesis(), [first.x], first)
         first = study.empty()
     progress("short windows")
-    ordered = grow(study, [first], effort, progress)
-    groups = horizon_groups(study, ordered[0])
+    groups = horizon_groups(study, first)
     long_study = Study(problem, predictor, likelihood, tuple(candidates), groups, first_states=first.states)
-    seeds = transfer(long_study, ordered, 2 * effort.beam, progress)
     empty = long_study.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
-    ordered = grow(long_study, [*seeds, empty] if empty not in seeds else seeds, effort, progress)
+    progress("free runs of the nominal model")
+    seeds = [empty]
+    if empty.score > NONLINEAR * long_study.samples and groups != short:
+        # Far from the truth, free runs have many wrong valleys; short windows have few. They find where to begin.
+        ordered = grow(study, [first], effort, progress)
+        seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
+    ordered = grow(long_study, seeds, effort, progress)
     ordered = polish(long_study, ordered, effort, progress)
-    # The noise once more, now behind the best model; a last round under it.
+    # The noise once more, now behind the best model; a last round under it if it has changed.
     refined = replace(likelihood, colours=colours_from(problem, likelihood, ordered[0], predictor, motion_hz))
-    final = Study(problem, predictor, refined, tuple(candidates), groups, first_states=first.states)
-    seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
-    empty = final.fit(Hypothesis(), [empty.x], empty)
-    ordered = grow(final, seeds, effort, progress)
-    ordered = polish(final, ordered, effort, progress)
+    final = long_study
+    if _differ(likelihood.colours, refined.colours):
+        final = Study(problem, predictor, refined, tuple(candidates), groups, first_states=first.states)
+        seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
+        empty = final.fit(Hypothesis(), [empty.x], empty)
+        ordered = grow(final, seeds, effort, progress)
+        ordered = polish(final, ordered, effort, progress)
+    refined = final.likelihood
     frozen = np.ones(len(predictor.nominal), dtype=bool)
     nominal = fit(predictor, refined, Hypothesis(), groups, np.zeros(len(frozen)), empty.states, fixed=frozen)
     held_windows = _held_windows(problem, groups, held, period)
     return Outcome(problem, predictor, final, nominal, empty, ordered[0], ordered, held_windows, motion_hz, period)
+
+
+def _differ(before: Sequence[Colour], after: Sequence[Colour]) -> bool:
+    """Whether noise estimates differ by more than tests at the usual sizes of recordings would notice."""
+    return any(
+        abs(np.log(a.std / b.std)) > SAME_NOISE or abs(np.log(a.innovation[1] / b.innovation[1])) > SAME_NOISE
+        for a, b in zip(before, after, strict=True)
+    )
 
 
 def _restated(fitted: Fit, windows: Sequence[Window], hypothesis: Hypothesis) -> Fit:

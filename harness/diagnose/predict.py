@@ -14,6 +14,7 @@ from harness.diagnose.problem import Problem, Run
 from harness.diagnose.windows import Window
 from harness.effects.directions import sideways
 from harness.effects.effect import Parameter
+from harness.recording.sensors import observe
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -302,7 +303,7 @@ class Predictor:
             (run.averaged**2 - 1) / 24.0 * (run.interval / run.averaged) ** 2
         )  # half the variance of time in a block
         for c, channel in enumerate(self.problem.channels):
-            signal = observe(mechanism, rows, channel.site, channel.quantity, sampled)
+            signal = observe(mechanism.model, rows, channel.site, channel.quantity, sampled).copy()
             if run.averaged > 1:
                 if channel.quantity == "position":
                     signal = signal + spread * sampled[2][:, :, mechanism.names.index(channel.site)]
@@ -325,18 +326,6 @@ class Predictor:
                 )
             out[:, c] = signal[:, : window.size]
         return out
-
-
-def observe(mechanism: Mechanism, rows: Array, site: str, quantity: str, sampled: tuple[Array, Array, Array]) -> Array:
-    """An ideal sensor's reading (B, T) of states (B, T, n)."""
-    position, velocity, _ = sampled
-    if quantity == "position":
-        return position[:, :, mechanism.names.index(site)].copy()
-    if quantity == "velocity":
-        return velocity[:, :, mechanism.names.index(site)].copy()
-    from harness.recording.sensors import bending_channel
-
-    return bending_channel(mechanism.model, rows, site, quantity, sampled)
 
 
 def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:

@@ -23,10 +23,10 @@ class Effort:
     fitted for every member of the best set.
     """
 
-    beam: int = 3
-    tries: int = 6
+    beam: int = 2
+    tries: int = 4
     largest: int = 5
-    swaps: int = 5
+    swaps: int = 4
 
 
 def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress) -> list[Fit]:

@@ -68,7 +68,7 @@ class Study:
             states[window] = carry_state(self.predictor, empty, hypothesis, found)
         return states
 
-    def fit(self, hypothesis: Hypothesis, starts: Sequence[Array], near: Fit | None, *, most_steps: int = 25) -> Fit:
+    def fit(self, hypothesis: Hypothesis, starts: Sequence[Array], near: Fit | None, *, most_steps: int = 15) -> Fit:
         """The best fit of a hypothesis over several starting vectors; an earlier better one is kept."""
         best = self.fits.get(hypothesis.identity)
         for start in starts:
@@ -80,6 +80,7 @@ class Study:
                 start,
                 self.states_for(hypothesis, near),
                 most_steps=most_steps,
+                enough=0.2,
             )
             if best is None or found.score < best.score:
                 best = found
@@ -105,7 +106,7 @@ class Study:
             self.scores[key] = score(base, self.predictor, self.likelihood, open_ones, self.problem, space)
         return self.scores[key]
 
-    def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
+    def extend(self, base: Fit, found: Score, *, most_steps: int = 15) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""
         hypothesis = base.hypothesis.with_(found.candidate)
         known = self.fits.get(hypothesis.identity)

@@ -1,0 +1,140 @@
+"""From a search to what may be claimed: every effect must earn its place on data it was not fitted to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.fit import Fit
+from harness.diagnose.hypothesis import Candidate
+from harness.diagnose.investigate import Outcome, heldout_z, judge
+from harness.diagnose.remainder import Remains, examine
+from harness.diagnose.search import Effort, alternatives
+from harness.effects.scale import references
+
+Array = NDArray[np.float64]
+
+PRACTICAL = 0.05  # an effect must change the prediction by this share of the noise at least
+HELD_OUT = 1.0  # standard deviations by which it must improve data held out
+APART = 6.0  # difference in the criterion (odds of twenty to one) below which hypotheses cannot be told apart
+FAKED = (
+    10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
+)
+AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """One member of the best set, weighed. gain: of the training cost; heldout_z: see ``heldout_gain``.
+
+    delta_bic: how much worse the set is without it; rivals: candidates that could stand in its place; probability: its share
+    of the posterior over all sets fitted.
+    """
+
+    candidate: Candidate
+    index: int
+    gain: float
+    heldout_z: float
+    delta_bic: float
+    rivals: tuple[str, ...]
+    rival_candidates: tuple[Candidate, ...]
+    probability: float
+
+
+@dataclass(frozen=True, eq=False)
+class Conclusion:
+    """Verdict and what supports it. best, held: the fit claimed, on training and held-out data."""
+
+    verdict: str
+    best: Fit
+    held: Fit
+    claims: tuple[Claim, ...]
+    remains: Remains
+    doubted: tuple[str, ...]
+
+
+def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
+    """Whether every member earns its place; and the member that fails most clearly (−1 if none)."""
+    study = outcome.study
+    worst, worst_value = -1, np.inf
+    for k, member in enumerate(fitted.hypothesis.members):
+        smaller = study.reduce(fitted, k)
+        gain = smaller.score - fitted.score
+        enough = gain > study.price(member, len(fitted.hypothesis.members) - 1)
+        visible = gain > PRACTICAL**2 * study.samples
+        z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
+        if not (z > HELD_OUT) and min(z, gain / 100.0) < worst_value:
+            worst, worst_value = k, min(z, gain / 100.0)
+    return worst < 0, worst
+
+
+def settle(outcome: Outcome) -> Fit:
+    """The best set all of whose members earn their place: the first such near the top, or the best one pruned."""
+    study = outcome.study
+    best = outcome.best
+    near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + APART][:6]
+    for fitted in near:
+        if _passes(outcome, fitted)[0]:
+            return fitted
+    fitted = best
+    while fitted.hypothesis.members:
+        good, worst = _passes(outcome, fitted)
+        if good:
+            break
+        fitted = study.reduce(fitted, worst)
+    return fitted
+
+
+def _probabilities(outcome: Outcome) -> dict[str, float]:
+    """Posterior probability of every effect, summed over the sets fitted."""
+    fits = list(outcome.study.fits.values())
+    values = np.array([outcome.study.criterion(f) for f in fits])
+    weights = np.exp(-0.5 * (values - values.min()))
+    weights /= weights.sum()
+    out: dict[str, float] = {}
+    for f, w in zip(fits, weights, strict=True):
+        for key in f.hypothesis.keys:
+            out[key] = out.get(key, 0.0) + float(w)
+    return out
+
+
+def conclude(outcome: Outcome, effort: Effort) -> Conclusion:
+    """Weigh what the search found and judge it on the data held out."""
+    study, problem = outcome.study, outcome.problem
+    best = settle(outcome)
+    held = judge(outcome, best)
+    joints = problem.system.joint_names
+    torques = [references(problem.system, joint).torque for joint in joints]
+    remains = examine(outcome.predictor, study.likelihood, best, held, joints, torques, outcome.period)
+    floor_ratio = float(np.sqrt(held.cost / max(study.likelihood.samples(outcome.held_windows), 1.0)))
+    incomplete = remains.significant or floor_ratio > AT_FLOOR
+    excess = max(remains.excess, (floor_ratio**2 - AT_FLOOR**2) * study.samples if floor_ratio > AT_FLOOR else 0.0)
+    probabilities = _probabilities(outcome)
+    claims, doubted = [], []
+    log_n = float(np.log(study.samples))
+    for k, member in enumerate(best.hypothesis.members):
+        smaller = study.reduce(best, k)
+        gain = smaller.score - best.score
+        if incomplete and gain < FAKED * excess:
+            doubted.append(member.key)
+            continue
+        rivals = []
+        for other in alternatives(study, best, k, effort):
+            if study.criterion(other) < study.criterion(best) + APART:
+                rivals += [m for m in other.hypothesis.members if m.key not in best.hypothesis.keys]
+        own = gain - member.size * log_n
+        claims.append(
+            Claim(
+                member, k, gain, heldout_z(outcome, smaller, best), own, tuple(r.key for r in rivals), tuple(rivals),
+                min(1.0, probabilities.get(member.key, 0.0)),
+            )
+        )  # fmt: skip
+    if not best.hypothesis.members:
+        verdict = "unexplained" if incomplete else "consistent"
+    elif not incomplete:
+        verdict = "explained"
+    else:
+        verdict = "partly_explained" if claims else "unexplained"
+    return Conclusion(verdict, best, held, tuple(claims), remains, tuple(doubted))

@@ -1,0 +1,255 @@
+"""``diagnose``: from recordings and a nominal model to what the model left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.diagnose.candidates import candidates
+from harness.diagnose.conclude import Claim, Conclusion, conclude
+from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.explain import finding_words, summary
+from harness.diagnose.hypothesis import Hypothesis, scaled
+from harness.diagnose.investigate import Outcome, investigate, judge
+from harness.diagnose.locate import locate, rmse
+from harness.diagnose.problem import pose
+from harness.diagnose.search import Effort
+from harness.diagnose.uncertainty import Estimate, estimates
+from harness.effects.effect import Effect
+from harness.effects.scale import references
+from harness.effects.user import load_user_effects
+from harness.errors import InputError
+from harness.recording import Recording, read_recordings
+from harness.system import Attachment, System, load
+
+Progress = Callable[[int, int, str], None]
+SHOWN = 8  # hypotheses in the ranking
+
+
+def diagnose(
+    recordings: Sequence[str | Path | Recording],
+    model: str | Path | System,
+    *,
+    holdout: str | Path | Recording | None = None,
+    mapping: Sequence[str] = (),
+    tolerance: float | None = None,
+    fit_effort: bool = False,
+    effects: Sequence[str | Path | Effect] = (),
+    only: Sequence[str] = (),
+    effort: Effort | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Locate where a model leaves recordings, name the physics it left out, and judge the improvement on data held out.
+
+    recordings: files or ``Recording``; the last of several is held out, or the last 30 % of a single one. model: file or System.
+    holdout: recording to judge on instead. mapping: rules for foreign columns. tolerance: relative 1σ of the nominal masses,
+    lengths, inertias and stiffnesses, overriding the model's. effects: effects of the user's own. only: restricts the catalogue
+    to these names. progress: called with (done, total, what).
+    Raises InputError for recordings or models that cannot be used.
+    """
+    if isinstance(recordings, (str, Path, Recording)):
+        recordings = [recordings]
+    system = model if isinstance(model, System) else load(model)
+    if tolerance is not None:
+        if not 0.0 < tolerance < 1.0:
+            raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
+        system = replace(system, tolerance=tolerance)
+    if fit_effort:
+        raise InputError(
+            "efforts cannot be fitted yet", mend="leave --fit-effort out; efforts are taken as known inputs"
+        )
+    read = _read(recordings, holdout, mapping, system)
+    held = read.pop() if holdout is not None else None
+    steps = 0
+
+    def tell(what: str) -> None:
+        nonlocal steps
+        steps += 1
+        if progress is not None:
+            progress(steps, max(40, steps + 5), what)
+
+    tell("reading")
+    problem = pose(system, read, heldout=held)
+    further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
+    every = [*read, *([held] if held is not None else [])]
+    known = candidates(system, every, only=only, further=further)
+    frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)
+    outcome = investigate(problem, known, frequency, effort=effort, progress=tell)
+    conclusion = conclude(outcome, effort or Effort())
+    tell("telling")
+    return _tell(outcome, conclusion, every)
+
+
+def _read(
+    recordings: Sequence[str | Path | Recording],
+    holdout: str | Path | Recording | None,
+    mapping: Sequence[str],
+    system: System,
+) -> list[Recording]:
+    items = [*recordings, *([holdout] if holdout is not None else [])]
+    paths = [item for item in items if not isinstance(item, Recording)]
+    from_files = iter(read_recordings(paths, mapping=mapping, system=system)) if paths else iter(())
+    found = [item if isinstance(item, Recording) else next(from_files) for item in items]
+    if not found:
+        raise InputError("no recording given", mend="name at least one recording file")
+    return found
+
+
+def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
+    """What the mismatch is attributed to: the weightiest claim, else the best score test of the empty hypothesis."""
+    if conclusion.claims:
+        claim = max(conclusion.claims, key=lambda c: c.gain)
+        return claim.candidate.effect.side, claim.candidate.site
+    ranked = outcome.study.ranked(outcome.empty)
+    if ranked:
+        return ranked[0].candidate.effect.side, ranked[0].candidate.site
+    return "dynamics", outcome.problem.system.joint_names[0]
+
+
+def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
+    member = claim.candidate
+    joints = {j.name: j.prismatic for j in outcome.problem.system.joints}
+    unit = next((c.unit for c in outcome.problem.channels if c.name == member.site), "")
+    units = member.effect.units(prismatic=joints.get(member.site, False), channel_unit=unit)
+    return dict(zip(member.effect.parameter_names, units, strict=True))
+
+
+def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate]) -> dict[str, Any]:
+    units = _units(outcome, claim)
+    return {
+        "effect": claim.candidate.effect.name,
+        "site": claim.candidate.site,
+        "parameters": {
+            name: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[name]}
+            for name, e in values.items()
+        },
+        "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
+        "indistinguishable_from": [_short(key, claim.candidate.site) for key in claim.rivals],
+    }
+
+
+def _short(key: str, site: str) -> str:
+    """The effect's name alone where it sits at the same site, else with its own."""
+    name, _, at = key.partition("@")
+    return name if at == site else key
+
+
+def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording]) -> Diagnosis:
+    problem, study = outcome.problem, outcome.study
+    noise = [
+        {"channel": c.name, "std": colour.std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
+        for c, colour in zip(problem.channels, study.likelihood.colours, strict=True)
+    ]
+    side, site = _side_and_site(outcome, conclusion)
+    places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
+    values = {
+        claim.candidate.key: estimates(outcome.predictor, conclusion.best, claim.index) for claim in conclusion.claims
+    }
+    findings = [_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims]
+    nominal_held = judge(outcome, outcome.nominal)
+    empty_held = judge(outcome, outcome.empty)
+    fits = []
+    severity = 0.0
+    for c, channel in enumerate(problem.channels):
+        floor = study.likelihood.colours[c].std
+        train = rmse(outcome, outcome.nominal, c)
+        severity = max(severity, train / floor)
+        fits.append(
+            {
+                "channel": channel.name,
+                "unit": channel.unit,
+                "nominal": {"train_rmse": train, "heldout_rmse": rmse(outcome, nominal_held, c)},
+                "refitted": {
+                    "train_rmse": rmse(outcome, outcome.empty, c),
+                    "heldout_rmse": rmse(outcome, empty_held, c),
+                },
+                "augmented": {
+                    "train_rmse": rmse(outcome, conclusion.best, c),
+                    "heldout_rmse": rmse(outcome, conclusion.held, c),
+                },
+                "noise_floor": floor,
+            }
+        )
+    ranking = []
+    log_n = float(np.log(study.samples))
+    for fitted in outcome.ordered[:SHOWN]:
+        held = judge(outcome, fitted)
+        ranking.append(
+            {
+                "effects": list(fitted.hypothesis.keys),
+                "bic": fitted.score + fitted.hypothesis.size * log_n,
+                "heldout_rmse": rmse(outcome, held, 0),
+            }
+        )
+    titles = [
+        finding_words(c.candidate.effect.title, c.candidate.site, values[c.candidate.key], _units(outcome, c))
+        for c in conclusion.claims
+    ]
+    rivals = [
+        f"{c.candidate.effect.title.capitalize()} cannot be told here from "
+        + ", ".join(_short(k, c.candidate.site) for k in c.rivals)
+        + "."
+        for c in conclusion.claims
+        if c.rivals
+    ]
+    remainder: dict[str, Any] = {
+        "significant": conclusion.remains.significant,
+        "tests": [
+            {"what": t.name, "gain": t.gain, "chance": t.chance, "heldout_sigma": t.heldout_z, "where": list(t.where)}
+            for t in conclusion.remains.tests
+        ],
+        "doubted": list(conclusion.doubted),
+    }
+    separates = sorted(
+        {c.candidate.effect.name for c in conclusion.claims if c.rivals}
+        | {k.partition("@")[0] for c in conclusion.claims for k in c.rivals}
+    )
+    quality = [
+        {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
+        for r in recordings
+        for n in getattr(r, "quality", ())
+    ]
+    return Diagnosis(
+        verdict=conclusion.verdict,
+        summary=summary(conclusion, severity, titles, rivals, conclusion.doubted),
+        noise=noise,
+        mismatch=[
+            {
+                "channel": m.channel, "side": m.side, "site": m.site, "time": [list(t) for t in m.time],
+                "frequency_hz": list(m.frequency_hz), "region": {k: list(v) for k, v in m.region.items()},
+                "severity": m.severity, "what": m.what,
+            }
+            for m in places
+        ],
+        findings=findings,
+        ranking=ranking,
+        fit=fits,
+        remainder=remainder,
+        next_experiment={"what": "", "separates": separates},
+        quality=quality,
+        augmented=augmented(outcome, conclusion, values),
+    )  # fmt: skip
+
+
+def augmented(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> System:
+    """The nominal system with its quantities refitted within tolerance and the findings attached."""
+    predictor = outcome.predictor
+    factors = np.exp(outcome.problem.system.tolerance * conclusion.best.x[: len(predictor.nominal)])
+    system = scaled(outcome.problem.system, predictor.nominal, list(factors))
+    attachments = [
+        Attachment(
+            claim.candidate.effect.name,
+            claim.candidate.site,
+            {name: e.value for name, e in values[claim.candidate.key].items()},
+            {name: e.std for name, e in values[claim.candidate.key].items() if e.std is not None},
+        )
+        for claim in conclusion.claims
+    ]
+    return replace(system, attachments=(*system.attachments, *attachments))
+
+
+__all__ = ["Hypothesis", "diagnose"]

@@ -1,0 +1,72 @@
+"""The answer of a diagnosis, immutable, for people and programs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from harness.system import System
+
+SCHEMA = "denoc.diagnosis/1"
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What a diagnosis found; fields as in ``denoc.diagnosis/1``.
+
+    verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
+    series: what plots are made of, by name.
+    """
+
+    verdict: str
+    summary: str
+    noise: Sequence[Mapping[str, Any]]
+    mismatch: Sequence[Mapping[str, Any]]
+    findings: Sequence[Mapping[str, Any]]
+    ranking: Sequence[Mapping[str, Any]]
+    fit: Sequence[Mapping[str, Any]]
+    remainder: Mapping[str, Any]
+    next_experiment: Mapping[str, Any]
+    quality: Sequence[Mapping[str, Any]] = ()
+    augmented: System | None = None
+    series: Mapping[str, Any] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """The document ``denoc.diagnosis/1`` as plain data; numbers that are not finite become null."""
+        document = {
+            "schema": SCHEMA,
+            "verdict": self.verdict,
+            "summary": self.summary,
+            "noise": list(self.noise),
+            "mismatch": list(self.mismatch),
+            "findings": list(self.findings),
+            "ranking": list(self.ranking),
+            "fit": list(self.fit),
+            "remainder": dict(self.remainder),
+            "next_experiment": dict(self.next_experiment),
+            "quality": list(self.quality),
+        }
+        plain = _plain(document)
+        assert isinstance(plain, dict)
+        return plain
+
+    def __str__(self) -> str:
+        return f"{self.verdict}: {self.summary}"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, (bool, str)) or value is None:
+        return value
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    number = float(value)
+    return number if np.isfinite(number) else None

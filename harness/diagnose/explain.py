@@ -1,0 +1,49 @@
+"""A diagnosis in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from harness.diagnose.conclude import Conclusion
+from harness.diagnose.uncertainty import Estimate
+
+VERDICTS = {
+    "consistent": "The model and the recordings agree: what is left is at the level of the noise, and no effect of the catalogue "
+    "earns a place.",
+    "explained": "The nominal model leaves the recordings {severity}; with {names} the residual is at the noise floor, also on "
+    "data held out.",
+    "partly_explained": "The nominal model leaves the recordings {severity}; {names} hold up on data held out, but a significant "
+    "remainder stays.",
+    "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
+}
+
+
+def number(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def finding_words(title: str, site: str, values: dict[str, Estimate], units: dict[str, str]) -> str:
+    """One finding with its parameters."""
+    parts = []
+    for name, e in values.items():
+        unit = units[name] if units[name] != "1" else ""
+        spread = f" ± {e.std:.2g}" if e.std is not None else " (at its bound)"
+        parts.append(f"{name.replace('_', ' ')} {number(e.value)}{spread} {unit}".strip())
+    return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
+
+
+def summary(
+    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], doubts: Sequence[str]
+) -> str:
+    """The paragraph."""
+    size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
+    text = VERDICTS[conclusion.verdict].format(severity=size, names=" and ".join(findings))
+    if rivals:
+        text += " " + " ".join(rivals)
+    if doubts:
+        text += " The remainder could have imitated " + ", ".join(doubts) + ", so that is not claimed."
+    if conclusion.remains.significant:
+        tests = sorted(conclusion.remains.tests, key=lambda t: t.chance)
+        where = ", ".join(w for w in tests[0].where if w)
+        text += f" What is left shows as {tests[0].name.split(' at ')[0]} ({where})."
+    return text

@@ -1,0 +1,71 @@
+"""Intervals of effect parameters: from the curvature of the likelihood, nominal tolerances and initial states profiled out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from harness.diagnose.fit import Fit, covariance
+from harness.diagnose.predict import Predictor, from_internal, is_logarithmic
+
+Array = NDArray[np.float64]
+
+WIDE = float(norm.ppf(0.975))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Value, standard deviation and 95 % interval in SI; std is None where the value lies at a bound of what is possible."""
+
+    value: float
+    std: float | None
+    low: float
+    high: float
+
+
+def inflation(fitted: Fit) -> float:
+    """Variance of the whitened residual, never below one: what the noise model leaves unexplained widens the intervals."""
+    rows = np.concatenate(fitted.linear.residuals)
+    used = rows[rows != 0.0]
+    dof = max(len(used) - int(fitted.free.sum()) - sum(len(s) for s in fitted.states.values()), 1)
+    return max(1.0, float(used @ used) / dof)
+
+
+def estimates(predictor: Predictor, fitted: Fit, k: int) -> dict[str, Estimate]:
+    """Estimates of member k's parameters, by name."""
+    member = fitted.hypothesis.members[k]
+    span = fitted.hypothesis.span(k)
+    first = len(predictor.nominal) + span.start
+    sigma = np.sqrt(np.diag(covariance(fitted, len(predictor.nominal), inflation(fitted))))
+    log = is_logarithmic(member)
+    u = fitted.x[first : first + member.size]
+    values = from_internal(member, u)
+    out = {}
+    for j, parameter in enumerate(member.effect.parameters):
+        s = float(sigma[first + j])
+        value = float(values[j])
+        if not np.isfinite(s):
+            # At a bound: one-sided, from the curvature there if it can be had.
+            width = _bound_width(fitted, first + j, len(predictor.nominal))
+            edge = from_internal(member, np.where(np.arange(member.size) == j, u + WIDE * width, u))[j]
+            other = from_internal(member, np.where(np.arange(member.size) == j, u - WIDE * width, u))[j]
+            low, high = sorted((float(edge), float(other)))
+            out[parameter.name] = Estimate(value, None, max(low, parameter.lower), min(high, parameter.upper))
+            continue
+        if log[j]:
+            low, high = value * float(np.exp(-WIDE * min(s, 20.0))), value * float(np.exp(WIDE * min(s, 20.0)))
+            std = value * s
+        else:
+            std = s * float(member.scales[j])
+            low, high = value - WIDE * std, value + WIDE * std
+        out[parameter.name] = Estimate(value, std, max(low, parameter.lower), min(high, parameter.upper))
+    return out
+
+
+def _bound_width(fitted: Fit, index: int, nominal: int) -> float:
+    column = fitted.linear.matrix[:, index]
+    information = float(column @ column) + (1.0 if index < nominal else 0.0)
+    return min(float(1.0 / np.sqrt(information)), 20.0) if information > 0.0 else 20.0
