@@ -9,6 +9,7 @@ import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -29,19 +30,43 @@ _log = logging.getLogger(__name__)
 _announced = False
 
 
-@lru_cache(maxsize=1)
-def _method() -> tuple[Array, ...]:
-    """Coefficients of the Dormand-Prince method of order 8, as scipy publishes them."""
-    from scipy.integrate import DOP853
+@lru_cache(maxsize=2)
+def _method(order: int) -> tuple[Any, ...]:
+    """A Dormand-Prince method of order 8 or 5 with its dense output, from the coefficients that scipy publishes.
 
-    table = np.zeros((13, 13))
-    table[:12, :12] = DOP853.A[:12, :12]
-    table[12, :12] = DOP853.B
-    fractions = np.append(np.asarray(DOP853.C, dtype=float)[:12], 1.0)
-    arrays = (
-        table, fractions, DOP853.E5, DOP853.E3, DOP853.A_EXTRA, DOP853.C_EXTRA, DOP853.D,
+    Table of the stages, the end of the step as the last row; their fractions of the step; weights of the two error
+    estimates; further stages of the dense output and their fractions; weights of all slopes in the powers 1 … 7 of
+    the step's fraction; exponent of the step's control.
+    """
+    from scipy.integrate import DOP853, RK45
+
+    source = DOP853 if order == 8 else RK45
+    stages = len(source.B)
+    table = np.zeros((stages + 1, stages + 1))
+    table[:stages, : source.A[:stages, :stages].shape[1]] = source.A[:stages, :stages]
+    table[stages, :stages] = source.B
+    fractions = np.append(np.asarray(source.C, dtype=float)[:stages], 1.0)
+    if order == 5:
+        weights = np.zeros((7, stages + 1))
+        weights[:4] = RK45.P.T
+        none = np.zeros((0, stages + 1))
+        return table, fractions, RK45.E * 1.0, np.zeros(stages + 1), none, np.zeros(0), weights, -1.0 / 5.0
+    # Hairer's nested form y + x (F0 + (1 − x) (F1 + x (F2 + …))), each F a combination of slopes, in powers of x.
+    slopes = DOP853.D.shape[1]
+    rise = np.zeros(slopes)
+    rise[:stages] = DOP853.B
+    first, last = np.eye(slopes)[0], np.eye(slopes)[stages]
+    nested = [rise, first - rise, 2.0 * rise - first - last, *DOP853.D]
+    powers = np.zeros((9, slopes))
+    for k, combination in enumerate(reversed(nested)):
+        powers[0] += combination
+        shifted = np.roll(powers, 1, axis=0)
+        powers = shifted if k % 2 == 0 else powers - shifted
+    weights = np.ascontiguousarray(powers[1:8])
+    extra = np.ascontiguousarray(DOP853.A_EXTRA, dtype=float)
+    return (
+        table, fractions, DOP853.E5 * 1.0, DOP853.E3 * 1.0, extra, DOP853.C_EXTRA * 1.0, weights, -1.0 / 8.0,
     )  # fmt: skip
-    return tuple(np.ascontiguousarray(a, dtype=float) for a in arrays)
 
 
 def _kernel() -> Callable[..., None]:
@@ -51,20 +76,26 @@ def _kernel() -> Callable[..., None]:
 
     if not _announced:
         _announced = True
-        if not run_groups.signatures and not _cached(run_groups):
+        if not _cached(run_groups):
             _log.warning("compiling the simulation kernels, once (about ten seconds) …")
     return run_groups
 
 
 def _cached(dispatcher: Any) -> bool:
-    """Whether an earlier process left a compiled version on disk."""
-    try:
-        path = dispatcher.stats.cache_path
-    except AttributeError:
-        return False
-    from pathlib import Path
+    """Whether an earlier process left a compiled version on disk; one older than any of its sources is removed.
 
-    return any(Path(path).glob(f"*{dispatcher.py_func.__name__}*.nbi"))
+    The compiler's own cache looks at the file of a function only, not at the files of the functions it calls.
+    """
+    sources = [p for pattern in ("lanes*.py", "laws.py") for p in Path(__file__).parent.glob(pattern)]
+    try:
+        newest = max(p.stat().st_mtime for p in sources)
+        found = list(Path(dispatcher.stats.cache_path).glob("la[nw]*.nbi"))
+        for index in found:
+            if index.stat().st_mtime < newest:
+                index.unlink(missing_ok=True)
+        return any(dispatcher.py_func.__name__ in p.name and p.exists() for p in found)
+    except OSError:
+        return False
 
 
 def _user_address(function: Callable[..., float] | None) -> tuple[int, Any]:
@@ -207,7 +238,8 @@ class LaneModel:
         rows = np.atleast_2d(np.asarray(rows, dtype=np.float64))
         q0 = np.atleast_2d(np.asarray(q0, dtype=np.float64))
         qd0 = np.atleast_2d(np.asarray(qd0, dtype=np.float64))
-        time = np.ascontiguousarray(time, dtype=np.float64)
+        # Copies: a read-only array would be another type to the compiler.
+        time = np.array(time, dtype=np.float64)
         n = self.n
         copies = max(len(rows), len(q0), len(qd0))
         for what, array, columns in (("rows", rows, self.P), ("q0", q0, n), ("qd0", qd0, n)):
@@ -220,21 +252,21 @@ class LaneModel:
         longest = 0.25 if step is None else float(step)
         if not longest > 0.0:
             raise InputError(f"step={step!r}", mend="a positive time in seconds")
-        rows = np.ascontiguousarray(np.broadcast_to(rows, (copies, self.P)))
+        rows = np.array(np.broadcast_to(rows, (copies, self.P)), order="C")
         start = np.concatenate([np.broadcast_to(q0, (copies, n)), np.broadcast_to(qd0, (copies, n))], axis=1)
         driven, effort = 0, np.zeros((1, 1, n))
         if tau is not None:
-            effort = np.ascontiguousarray(tau, dtype=np.float64)
+            effort = np.array(tau, dtype=np.float64, order="C")
             if effort.ndim == 2:
                 effort = effort[None]
             if effort.shape not in ((1, len(time), n), (copies, len(time), n)):
                 raise InputError(f"tau has shape {np.shape(tau)}", mend=f"expected ({len(time)}, {n}) or ({copies}, …)")
             driven = 2 if len(effort) > 1 else 1
-            effort = np.ascontiguousarray(effort)
         # The shaking of the base bounds a copy's step: the error estimate could step over whole periods.
         shaken = rows[:, self.slot("base", "excitation_amplitude")] != 0.0
         frequency = np.abs(rows[:, self.slot("base", "excitation_frequency")])
         limits = np.where(shaken & (frequency * longest > 0.125), 0.125 / np.maximum(frequency, 1e-300), longest)
+        order = 5 if driven and np.median(np.diff(time)) < 0.02 else 8
         shape = (copies, len(time), n)
         position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
         run = _kernel()
@@ -242,7 +274,7 @@ class LaneModel:
         def part(first: int, last: int) -> None:
             run(
                 first, last, rows, start, *self._topology, self._law_start, self._user,
-                time, effort, driven, int(hold == "linear"), limits, tolerance, *_method(),
+                time, effort, driven, int(hold == "linear"), limits, tolerance, *_method(order),
                 position, velocity, acceleration,
             )  # fmt: skip
 

@@ -1,11 +1,12 @@
-"""Eight copies in time: the Dormand-Prince method of order 8 with a step of its own in every lane, and events located in time.
+"""Eight copies in time: a Dormand-Prince method of order 8 or 5 with a step of its own in every lane, and events located in time.
 
 A lane's step is cut where its motion changes its kind: a joint with dry friction comes to rest (it then sticks if
 friction can hold it, else slides the other way), a held joint breaks loose, a stop is met or left. The instant is found on
-the method's dense output of order 7, and the lane goes on from there; lanes wait for nobody, and the result of a
+the method's dense output, and the lane goes on from there; lanes wait for nobody, and the result of a
 lane does not depend on which others run beside it.
 
-Method: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, DOP853 (coefficients as scipy publishes them).
+Method: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, DOP853, and DOPRI5 where a
+sampled effort cuts the motion into short pieces anyway (coefficients as scipy publishes them).
 """
 
 from __future__ import annotations
@@ -43,8 +44,7 @@ from harness.denoc.lanes_tree import (
 )
 from harness.denoc.lanes_vector import load, magnitude, spread, store
 
-STAGES = 12
-KEPT = 16  # slopes kept: the stages, the one at the end, three for the dense output
+KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
 LOOKS = 8  # places in a step where signs are checked
 ALMOST = 1e-9  # relative slack between sticking and breaking loose, so that rounding cannot make them alternate
@@ -55,7 +55,7 @@ CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, S
 LEDGER = 13
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _slopes(
     parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int, dry: int, state: Any, slopes: Any, at: int, ledger: Any,
@@ -86,51 +86,24 @@ def _slopes(
                             ledger[SUSPECT * 8 + lane] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
-def _polynomials(state: Any, after: Any, slopes: Any, dense: Any, ledger: Any, width: int, weights: Any) -> None:
-    """Coefficients of the dense output in powers of the step's fraction, to ``dense[(power · width + row) · 8]``."""
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _polynomials(state: Any, slopes: Any, dense: Any, ledger: Any, width: int, weights: Any) -> None:
+    """Coefficients of the dense output in powers of the step's fraction, to ``dense[(power · width + row) · 8]``.
+
+    weights: of the slopes in every power, shape (DEGREE, slopes).
+    """
     h = load(ledger, USED * 8)
     for f in range(width):
-        y = load(state, f * 8)
-        first = load(slopes, f * 8)
-        last = load(slopes, (STAGES * width + f) * 8)
-        f0 = load(after, f * 8) - y
-        f1 = h * first - f0
-        f2 = f0 + f0 - h * (first + last)
-        f3 = spread(0.0)
-        f4 = f3
-        f5 = f3
-        f6 = f3
-        for s in range(KEPT):
-            if weights[0, s] != 0.0 or weights[3, s] != 0.0:
-                k = load(slopes, (s * width + f) * 8)
-                f3 = f3 + weights[0, s] * k
-                f4 = f4 + weights[1, s] * k
-                f5 = f5 + weights[2, s] * k
-                f6 = f6 + weights[3, s] * k
-        f3 = h * f3
-        f4 = h * f4
-        f5 = h * f5
-        f6 = h * f6
-        c0 = f5 + f4
-        c1 = f6 - f5
-        c2 = -f6
-        d0 = f3 + f2
-        d1 = c0 - f3
-        d2 = c1 - c0
-        d3 = c2 - c1
-        d4 = -c2
-        store(dense, f * 8, y)
-        store(dense, (width + f) * 8, f1 + f0)
-        store(dense, (2 * width + f) * 8, d0 - f1)
-        store(dense, (3 * width + f) * 8, d1 - d0)
-        store(dense, (4 * width + f) * 8, d2 - d1)
-        store(dense, (5 * width + f) * 8, d3 - d2)
-        store(dense, (6 * width + f) * 8, d4 - d3)
-        store(dense, (7 * width + f) * 8, -d4)
+        store(dense, f * 8, load(state, f * 8))
+        for power in range(DEGREE):
+            total = spread(0.0)
+            for s in range(weights.shape[1]):
+                if weights[power, s] != 0.0:
+                    total = total + weights[power, s] * load(slopes, (s * width + f) * 8)
+            store(dense, ((power + 1) * width + f) * 8, h * total)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
     """One row of the dense output in one lane, at the fraction x of the step."""
     value = dense[(DEGREE * width + row) * 8 + lane]
@@ -139,7 +112,7 @@ def _at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
     return value
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _slope_at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
     """Derivative of one row of the dense output with respect to the step's fraction."""
     value = DEGREE * dense[(DEGREE * width + row) * 8 + lane]
@@ -148,7 +121,7 @@ def _slope_at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
     return value
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _watched(dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, x: float) -> float:
     """A function that is positive while a joint's mode holds: kind 0 its velocity along the sliding direction, kind 1 the stop."""
     if kind == 0:
@@ -158,7 +131,7 @@ def _watched(dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind:
     return sense * law.stop_gap(laws, i * law.WIDTH * 8, lane, q, v)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _root(
     dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, low: float, high: float
 ) -> float:
@@ -192,7 +165,7 @@ def _root(
     return high
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _first_event(
     dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int, lane: int, joints: int
 ) -> tuple[float, int, int]:
@@ -237,12 +210,12 @@ def _first_event(
     return best, which, what
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
 def run_group(
     parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int,
     time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
-    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any,
+    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any, exponent: float,
     state: Any, after: Any, slopes: Any, dense: Any, ledger: Any, next_sample: Any,
     lanes: int, first_lane: int, position: Any, velocity: Any, acceleration: Any,
 ) -> None:  # fmt: skip
@@ -253,11 +226,13 @@ def run_group(
     """
     joints = n * BODY * 8
     group = joints + n * JOINT * 8
+    stages = table.shape[0] - 1
     samples = time.shape[0]
     end = time[samples - 1]
-    dry = 0
-    signed = 0
-    stops = 0
+    dry = np.int64(0)
+    no = np.int64(0)
+    signed = np.int64(0)
+    stops = np.int64(0)
     for i in range(n):
         if flags[i] & law.HAS_DRY:
             dry = 1
@@ -334,7 +309,7 @@ def run_group(
             for _ in range(4 * n + 4):
                 store(ws, group + TIME * 8, load(ledger, CLOCK * 8))
                 _slopes(
-                    parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, 0,
+                    parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, no,
                     state, slopes, width * 8 * KEPT, ledger,
                 )  # fmt: skip
                 changed = 0
@@ -417,7 +392,7 @@ def run_group(
         # The stages.
         clock = load(ledger, CLOCK * 8)
         steps = load(ledger, USED * 8)
-        for s in range(1, STAGES + 1):
+        for s in range(1, stages + 1):
             for f in range(width):
                 total = spread(0.0)
                 for earlier in range(s):
@@ -435,7 +410,7 @@ def run_group(
         for f in range(width):
             error_5 = spread(0.0)
             error_3 = spread(0.0)
-            for s in range(STAGES + 1):
+            for s in range(stages + 1):
                 k = load(slopes, (s * width + f) * 8)
                 error_5 = error_5 + errors_5[s] * k
                 error_3 = error_3 + errors_3[s] * k
@@ -459,7 +434,7 @@ def run_group(
                 error = ledger[USED * 8 + lane] * e5 / ((e5 + 0.01 * e3) * (2.0 * n)) ** 0.5
             h = ledger[USED * 8 + lane]
             if error < 1.0:
-                factor = 6.0 if error < 1e-7 else min(6.0, 0.9 * error**-0.125)
+                factor = 6.0 if error < 1e-9 else min(6.0, 0.9 * error**exponent)
                 ledger[ERROR_5 * 8 + lane] = 1.0
                 if ledger[CUT * 8 + lane] == 0.0 or factor * h > ledger[STEP * 8 + lane]:
                     ledger[STEP * 8 + lane] = factor * h
@@ -467,7 +442,7 @@ def run_group(
                 ledger[ERROR_5 * 8 + lane] = 0.0
                 factor = 0.2
                 if error < 1e30:
-                    factor = max(0.2, 0.9 * error**-0.125)
+                    factor = max(0.2, 0.9 * error**exponent)
                 ledger[STEP * 8 + lane] = factor * h
                 if not (factor * h > 1e-13 * (1.0 + abs(ledger[CLOCK * 8 + lane]))):
                     # Not a number, or stiffer than any step: given up, its samples stay what they were (nan).
@@ -476,8 +451,8 @@ def run_group(
             if ledger[CUT * 8 + lane] == 0.0 or time[next_sample[lane]] < ledger[UNTIL * 8 + lane]:
                 wanted = 1
         if wanted:
-            for e in range(3):
-                s = STAGES + 1 + e
+            for e in range(extra.shape[0]):
+                s = stages + 1 + e
                 # ``after`` keeps the end of the step; the extra stages borrow the rows behind it.
                 for f in range(width):
                     total = spread(0.0)
@@ -491,7 +466,7 @@ def run_group(
                     parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, dry,
                     after[width * 8 :], slopes, s * width * 8, ledger,
                 )  # fmt: skip
-            _polynomials(state, after, slopes, dense, ledger, width, weights)
+            _polynomials(state, slopes, dense, ledger, width, weights)
         # Held joints that may break loose: look along the step with the forces themselves.
         broken = 0
         if dry:
@@ -547,7 +522,7 @@ def run_group(
             if what < 0:
                 for f in range(width):
                     state[f * 8 + lane] = after[f * 8 + lane]
-                    slopes[f * 8 + lane] = slopes[(STAGES * width + f) * 8 + lane]
+                    slopes[f * 8 + lane] = slopes[(stages * width + f) * 8 + lane]
                 if ledger[LOADED * 8 + lane] != 0.0:
                     ledger[DIRTY * 8 + lane] = 1.0
                 continue
@@ -573,7 +548,7 @@ def run_group(
                 ws[j + DIRECTION * 8] = -1.0 if ws[j + HOLD * 8] > 0.0 else 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _excess(ws: Any, joints: int, n: int, lane: int) -> tuple[float, int]:
     """How far the most strained held joint of a lane is beyond its limit (negative within), and which it is."""
     worst = -1e300
@@ -588,7 +563,7 @@ def _excess(ws: Any, joints: int, n: int, lane: int) -> tuple[float, int]:
     return worst, which
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _break_loose(
     parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int, after: Any, slopes: Any, dense: Any, ledger: Any, lanes: int,
@@ -622,7 +597,7 @@ def _break_loose(
                 trial[f * 8 + lane] = _at(dense, width, f, lane, x)
             ws[group + TIME * 8 + lane] = ledger[CLOCK * 8 + lane] + x * ledger[USED * 8 + lane]
         _slopes(
-            parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, 0,
+            parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, np.int64(0),
             trial, slopes, width * 8 * KEPT, ledger,
         )  # fmt: skip
         for lane in range(lanes):
@@ -675,7 +650,7 @@ def run_groups(
     first: int, last: int, rows: Any, start: Any,
     above: Any, body: Any, parent: Any, child: Any, prismatic: Any, prefix: Any, axes: Any, nominal: Any, law_start: int,
     user: int, time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
-    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any,
+    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any, exponent: float,
     position: Any, velocity: Any, acceleration: Any,
 ) -> None:  # fmt: skip
     """Advance the groups first … last − 1 of eight rows each; ``start``: positions then velocities, (B, 2 n)."""
@@ -695,8 +670,9 @@ def run_groups(
     shake = ws[(n * (BODY + JOINT) + SHAKE) * 8 :]
     for g in range(first, last):
         lanes = min(8, copies - 8 * g)
-        flags[:] = 0
-        shaken = 0
+        for i in range(n):
+            flags[i] = 0
+        shaken = np.int64(0)  # not the literal 0, which would be compiled for separately
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
             prepare_lane(
@@ -710,7 +686,7 @@ def run_groups(
             if rows[source, 3] != 0.0:
                 shaken = 1
         width = 2 * n
-        loaded = 0
+        loaded = np.int64(0)
         for i in range(n):
             if flags[i] & law.HAS_DAHL:
                 width = 3 * n
@@ -719,7 +695,7 @@ def run_groups(
         run_group(
             parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded,
             time, effort, driven, hold, longest, tolerance,
-            table, fractions, errors_5, errors_3, extra, extra_fractions, weights,
+            table, fractions, errors_5, errors_3, extra, extra_fractions, weights, exponent,
             state, after, slopes, dense, ledger, next_sample,
             lanes, 8 * g, position, velocity, acceleration,
         )  # fmt: skip

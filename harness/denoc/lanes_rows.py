@@ -122,15 +122,23 @@ def prepare_lane(
     local = np.empty((3, 3))
     placed = np.empty((3, 3))
     axis = np.zeros((n, 3))
+    whole = np.empty((3, 3))
+    move = np.empty(3)
+    identity = np.zeros((3, 3))
+    zero = np.zeros(3)
+    x = np.zeros(3)
+    zc = np.zeros(3)
+    r = np.empty(3)
+    turned = np.zeros(10)
+    for i in range(3):
+        identity[i, i] = 1.0
     for j in range(joints):
         at = 9 + j * PER_JOINT
         _rotation(row[at + 3], row[at + 4], row[at + 5], local)
         _multiply(nominal[j], local, placed)
         up = above[j]
-        whole = np.empty((3, 3))
-        move = np.empty(3)
         if up < 0:
-            whole[:, :] = placed
+            _multiply(identity, placed, whole)
             for i in range(3):
                 move[i] = row[at + i]
         else:
@@ -142,24 +150,25 @@ def prepare_lane(
         here = body[j]
         above_here = -1 if up < 0 else body[up]
         if here >= 0 and (here != above_here):
-            mount[here] = whole
-            offset[here] = move
-            axis[here] = axes[j]
+            _multiply(identity, whole, mount[here])
             for i in range(3):
+                offset[here, i] = move[i]
+                axis[here, i] = axes[j, i]
                 turn[j, i, i] = 1.0
         else:
-            turn[j] = whole
-            shift[j] = move
+            _multiply(identity, whole, turn[j])
+            for i in range(3):
+                shift[j, i] = move[i]
         if here >= 0:
             _add_inertia(row, at + 6, turn[j], shift[j], total[here])
     # Body frames: z along the axis, x across the axes of the body and its first child.
     frames = np.zeros((n, 3, 3))  # link frame to body frame
     for i in range(n):
         z = axis[i]
-        x = np.zeros(3)
+        for a in range(3):
+            x[a] = 0.0
         if child[i] >= 0:
             c = child[i]
-            zc = np.zeros(3)
             for a in range(3):
                 zc[a] = mount[c, a, 0] * axis[c, 0] + mount[c, a, 1] * axis[c, 1] + mount[c, a, 2] * axis[c, 2]
             x[0] = z[1] * zc[2] - z[2] * zc[1]
@@ -170,7 +179,8 @@ def prepare_lane(
             for a in range(1, 3):
                 if abs(z[a]) < abs(z[least]):
                     least = a
-            x[:] = 0.0
+            for a in range(3):
+                x[a] = 0.0
             x[least] = 1.0
         for _ in range(2):
             along = x[0] * z[0] + x[1] * z[1] + x[2] * z[2]
@@ -179,11 +189,12 @@ def prepare_lane(
             size = math.sqrt(x[0] ** 2 + x[1] ** 2 + x[2] ** 2)
             for a in range(3):
                 x[a] /= size
-        frames[i, 0] = x
+        for a in range(3):
+            frames[i, 0, a] = x[a]
+            frames[i, 2, a] = z[a]
         frames[i, 1, 0] = z[1] * x[2] - z[2] * x[1]
         frames[i, 1, 1] = z[2] * x[0] - z[0] * x[2]
         frames[i, 1, 2] = z[0] * x[1] - z[1] * x[0]
-        frames[i, 2] = z
     relative = np.empty((3, 3))
     for i in range(n):
         p = parent[i]
@@ -191,7 +202,7 @@ def prepare_lane(
         if p >= 0:
             _multiply(frames[p], local, relative)
         else:
-            relative[:, :] = local
+            _multiply(identity, local, relative)
         # relative = turn about z by gamma · about x by alpha · about z by delta
         gamma = 0.0
         if (p < 0 or child[p] != i) and relative[0, 2] ** 2 + relative[1, 2] ** 2 > 1e-16:
@@ -211,7 +222,6 @@ def prepare_lane(
         constants[k + (DELTA + 1) * 8] = math.sin(delta)
         constants[k + GAMMA * 8] = cg
         constants[k + (GAMMA + 1) * 8] = sg
-        r = np.empty(3)
         for a in range(3):
             if p >= 0:
                 r[a] = frames[p, a, 0] * offset[i, 0] + frames[p, a, 1] * offset[i, 1] + frames[p, a, 2] * offset[i, 2]
@@ -220,8 +230,9 @@ def prepare_lane(
         constants[k + R * 8] = cg * r[0] + sg * r[1]
         constants[k + (R + 1) * 8] = cg * r[1] - sg * r[0]
         constants[k + (R + 2) * 8] = r[2]
-        turned = np.zeros(10)
-        _add_inertia(total[i], 0, frames[i], np.zeros(3), turned)
+        for a in range(10):
+            turned[a] = 0.0
+        _add_inertia(total[i], 0, frames[i], zero, turned)
         constants[k + MASS * 8] = turned[0]
         for a in range(3):
             constants[k + (FIRST + a) * 8] = turned[1 + a]

@@ -127,7 +127,7 @@ def shift_tensors(
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy", _nrt=False, forceinline=True)
 def _outward(parent: Any, prismatic: Any, prefix: Any, constants: Any, ws: Any, n: int) -> None:
     """Velocities of all bodies and their bias wrenches; articulated inertias start as the bodies' own."""
     joints = n * BODY * 8
@@ -234,7 +234,7 @@ def _outward(parent: Any, prismatic: Any, prefix: Any, constants: Any, ws: Any, 
         store(ws, a + 40, zero)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _user_forces(flags: Any, laws: Any, ws: Any, n: int, user: int, time: int, j: int, i: int) -> Any:
     """The user's own law, called lane by lane; eight forces in the scratch vector."""
     scratch = time + (SCRATCH - TIME) * 8
@@ -251,7 +251,7 @@ def _user_forces(flags: Any, laws: Any, ws: Any, n: int, user: int, time: int, j
         ws[scratch + lane] = value
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy", _nrt=False, forceinline=True)
 def _inward(
     parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, user: int
 ) -> None:
@@ -457,7 +457,7 @@ def _inward(
         store(ws, a + 40, load(ws, a + 40) + fz)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy", _nrt=False, forceinline=True)
 def _outward_accelerations(
     parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, shaken: int
 ) -> float:
@@ -581,7 +581,7 @@ def _outward_accelerations(
     return unsettled
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def accelerations(
     parent: Any,
     prismatic: Any,

@@ -94,7 +94,7 @@ USER_1 = SLOT_NAMES.index("user_1")
 HAS_DRY, HAS_STRIBECK, HAS_LOAD, HAS_DAHL, HAS_COGGING, HAS_STOP, HAS_USER, HAS_SIGN = 1, 2, 4, 8, 16, 32, 64, 128
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def terms_in_use(parameters: Any, start: int, stride: int) -> int:
     """Bit set (HAS_…) of the terms that one joint's slots switch on."""
     flags = 0
@@ -126,8 +126,9 @@ def sliding_friction(laws: Any, start: int, flags: int, v: Any, reaction: Any) -
     if flags & HAS_STRIBECK:
         static = load(laws, start + STATIC * 8)
         speed = load(laws, start + STRIBECK * 8)
-        ratio = v / choose(speed, speed, 1e-12)
-        square = ratio * ratio
+        ratio = v / choose(speed, speed, 1.0)
+        # At a Stribeck velocity of zero friction falls to Coulomb's as soon as the joint moves.
+        square = choose(speed, ratio * ratio, 700.0)
         extra = choose(static - level, static - level, 0.0)
         level = level + extra * exponential(-choose(700.0 - square, square, 700.0))
     if flags & HAS_LOAD:
@@ -188,7 +189,7 @@ def bristle_rate(laws: Any, start: int, v: Any, direction: Any, bristle: Any) ->
     return choose(torque * stiffness, v * (1.0 - direction * ratio * bristle), 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def stop_gap(laws: Any, start: int, lane: int, q: float, v: float) -> float:
     """Positive exactly while one lane's stop pushes: the lesser of how far the joint is beyond it and the push."""
     angle = laws[start + STOP_ANGLE * 8 + lane]
