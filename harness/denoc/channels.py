@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.denoc.beam import BENDING
+from harness.denoc.beam import BENDING, BENDING2, TORSION
 from harness.denoc.elastic import AXES
-from harness.denoc.rows import ACCELERATION, BEAM, FIRST, FIXED, KIND, SPIN, TURN
+from harness.denoc.rows import BEAM, FIRST, FIXED, KIND
 
 if TYPE_CHECKING:
     from harness.denoc.model import Denoc
@@ -33,42 +33,38 @@ def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array
         if np.isfinite(data.half_depth):
             found[f"{data.link}.root_strain"] = data.half_depth * (b[:, bends] @ data.at(0.0).curvature[bends])
         if acceleration is not None:
-            found[f"{data.link}.tip_acceleration"] = np.array(
-                [
-                    tip_acceleration(model, body, q, v, a)
-                    for q, v, a in zip(position, velocity, acceleration, strict=True)
-                ]
-            )
+            found[f"{data.link}.tip_acceleration"] = tip_acceleration(model, body, position, velocity, acceleration)
     return found
 
 
-def tip_acceleration(model: Denoc, body: int, q: Array, qd: Array, qdd: Array) -> float:
-    """Specific force of a beam's tip along its section's bending direction [m/s²]."""
+def tip_acceleration(model: Denoc, body: int, position: Array, velocity: Array, acceleration: Array) -> Array:
+    """Specific force of a beam's tip along its section's bending direction [m/s²]; arguments (T, n), result (T,)."""
     data = model.beams[body]
-    tree = model.tree
-    # Fills spin and acceleration of the hub; the base carries -g, so this is acceleration less gravity.
-    model.inverse_dynamics(q, qd, qdd)
-    row = tree.rows[body]
-    packed = model.packed_beams
-    axes = packed[tree.topology[body, BEAM] + AXES :][:9].reshape(3, 3)
-    turn = row[TURN : TURN + 9].reshape(3, 3) @ axes
-    spin = turn.T @ row[SPIN : SPIN + 3]
-    angular = turn.T @ row[ACCELERATION : ACCELERATION + 3]
-    linear = turn.T @ row[ACCELERATION + 3 : ACCELERATION + 6]
-    first = int(tree.topology[body, FIRST] + (tree.topology[body, KIND] != FIXED))
-    b, bd, bdd = (x[first : first + data.coordinates] for x in (q, qd, qdd))
+    axes = model.packed_beams[model.tree.topology[body, BEAM] + AXES :][:9].reshape(3, 3)
+    hub = model.hub_motion(body, position, velocity, acceleration)
+    # All in the beam's axes f, h, n.
+    turn = hub[:, :9].reshape(-1, 3, 3) @ axes
+    spin, angular, linear = (np.einsum("tij,ti->tj", turn, hub[:, k : k + 3]) for k in (9, 12, 15))
+    first = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
+    b, bd, bdd = (x[:, first : first + data.coordinates] for x in (position, velocity, acceleration))
     s, slope = data.tip.s, data.tip.slope
+    one, two, twist = (data.plane == kind for kind in (BENDING, BENDING2, TORSION))
+    shapes = np.column_stack([np.zeros(len(s)), s * one, s * two])
     h = data.tip.H if data.geometric_stiffening else np.zeros_like(data.tip.H)
-    along = [data.plane == kind for kind in range(3)]
-    place = np.array([data.length - 0.5 * b @ h @ b, s[along[0]] @ b[along[0]], s[along[1]] @ b[along[1]]])
-    rate = np.array([-b @ h @ bd, s[along[0]] @ bd[along[0]], s[along[1]] @ bd[along[1]]])
-    second = np.array([-b @ h @ bdd - bd @ h @ bd, s[along[0]] @ bdd[along[0]], s[along[1]] @ bdd[along[1]]])
-    acceleration = (
+    axial = np.array([1.0, 0.0, 0.0])
+
+    def quadratic(x: Array, y: Array) -> Array:
+        return np.einsum("tk,kl,tl->t", x, h, y)[:, None] * axial
+
+    place = data.length * axial + b @ shapes - 0.5 * quadratic(b, b)
+    rate = bd @ shapes - quadratic(b, bd)
+    second = bdd @ shapes - quadratic(b, bdd) - quadratic(bd, bd)
+    total = (
         linear + np.cross(angular, place) + np.cross(spin, np.cross(spin, place)) + 2.0 * np.cross(spin, rate) + second
     )
-    one, two = float(slope[along[0]] @ b[along[0]]), float(slope[along[1]] @ b[along[1]])
-    twist = float(s[along[2]] @ b[along[2]])
-    # The section's h in the beam's axes: turned about n, then about -h, then twisted.
-    side = np.array([-np.sin(one), np.cos(one), 0.0])
-    normal = np.array([-np.cos(one) * np.sin(two), -np.sin(one) * np.sin(two), np.cos(two)])
-    return float((side * np.cos(twist) + normal * np.sin(twist)) @ acceleration)
+    # The section's h: turned about n, then about -h, then twisted.
+    c1, s1 = np.cos(b @ (slope * one)), np.sin(b @ (slope * one))
+    c2, s2 = np.cos(b @ (slope * two)), np.sin(b @ (slope * two))
+    c3, s3 = np.cos(b @ (s * twist)), np.sin(b @ (s * twist))
+    side = np.column_stack([-s1 * c3 - c1 * s2 * s3, c1 * c3 - s1 * s2 * s3, c2 * s3])
+    return np.asarray(np.einsum("ti,ti->t", side, total))

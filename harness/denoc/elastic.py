@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc.beam import BENDING, BENDING2, TORSION, BeamData, Station, beam_data
 from harness.denoc.rows import BEAM, EXTENDED, INERTIA, MASS, MODES, MOMENT, OFFSET, PARENT, POINTS, STATION
@@ -76,7 +76,7 @@ def pack_beams(tree: Tree) -> tuple[Array, dict[int, BeamData]]:
         inertia = polar * data.S1 * np.outer(twist, twist)
         local = np.column_stack([data.direction, data.bending, data.normal])
         tip = local.T @ data.payload_inertia @ local
-        head = [axes.ravel(), [turning, float(tip.any())], tip.ravel()]
+        head: list[ArrayLike] = [axes.ravel(), [turning, float(tip.any())], tip.ravel()]
         constants = [np.concatenate(head), data.K, data.C, moment, inertia, section(data, data.tip), points]
         begin = add(np.concatenate([np.ravel(part) for part in constants]))
         tree.topology[body, [BEAM, POINTS]] = begin, len(points)

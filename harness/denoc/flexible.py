@@ -1049,3 +1049,70 @@ def energy_and_momentum(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, 
         px, py, pz = px + fx, py + fy, pz + fz
     out[0], out[1] = kinetic, potential
     out[2], out[3], out[4], out[5], out[6], out[7] = lx, ly, lz, px, py, pz
+
+
+@compiled
+def forward_dynamics_rows(
+    bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, Tau: Matrix, out: Matrix
+) -> int:
+    """``forward_dynamics`` for every row; Tau may be empty for none."""
+    none = np.zeros(Q.shape[1])
+    for k in range(len(Q)):
+        status = forward_dynamics(bodies, d, t, e, Q[k], Qd[k], Tau[k] if len(Tau) > 0 else none, out[k])
+        if status != 0:
+            return status
+    return 0
+
+
+@compiled
+def inverse_dynamics_rows(
+    bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, Qdd: Matrix, out: Matrix
+) -> None:
+    """``inverse_dynamics`` for every row, passive forces left out as there."""
+    for k in range(len(Q)):
+        inverse_dynamics(bodies, d, t, e, Q[k], Qd[k], Qdd[k], out[k])
+
+
+@compiled
+def passive_rows(bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
+    """``passive`` for every row."""
+    for k in range(len(Q)):
+        passive(bodies, d, t, e, Q[k], Qd[k], out[k])
+
+
+@compiled
+def mass_matrix_rows(bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, out: Any) -> None:
+    """``mass_matrix`` for every row."""
+    for k in range(len(Q)):
+        mass_matrix(bodies, d, t, e, Q[k], out[k])
+
+
+@compiled
+def energy_rows(bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
+    """Energies and momenta of every row; out (B, 8)."""
+    for k in range(len(Q)):
+        energy_and_momentum(bodies, d, t, e, Q[k], Qd[k], out[k])
+
+
+@compiled
+def hub_rows(
+    bodies: int,
+    d: Rows,
+    t: Topology,
+    e: Beams,
+    i: int,
+    Q: Matrix,
+    Qd: Matrix,
+    Qdd: Matrix,
+    scratch: Vector,
+    out: Matrix,
+) -> None:
+    """Rotation (9), spin (3) and acceleration less gravity (6) of body i in every row; out (B, 18)."""
+    for k in range(len(Q)):
+        inverse_dynamics(bodies, d, t, e, Q[k], Qd[k], Qdd[k], scratch)
+        for c in range(9):
+            out[k, c] = d[i, TURN + c]
+        for c in range(3):
+            out[k, 9 + c] = d[i, SPIN + c]
+        for c in range(6):
+            out[k, 12 + c] = d[i, ACCELERATION + c]

@@ -87,10 +87,11 @@ def simulate(
         said += _integrate(
             model, chosen, times, forces, linear, step, rtol, atol, friction, row_of, armature, position, velocity
         )
-    energy = np.array([sum(model.energy(q, v)) for q, v in zip(position, velocity, strict=True)])
+    energy = model.energies(position, velocity)[:, :2].sum(axis=1)
     signals: dict[str, Array] = {}
     if model.beams:
-        acceleration = _accelerations(model, position, velocity, times, forces, friction)
+        acceleration = None if friction.any() else model.accelerations(position, velocity, forces[: len(position)])
+        # Dry friction at rest leaves the acceleration to the friction itself.
         signals = channels(model, position, velocity, acceleration)
     return Trajectory(times, model.names, position, velocity, signals, energy, said, found)
 
@@ -208,18 +209,6 @@ def _friction(model: Denoc) -> tuple[Array, Any, Array]:
         name = model.names[int(np.argmax(friction < 0.0))]
         raise InputError(f"joint {name!r} has negative friction", mend="give zero or a positive torque")
     return friction, row_of, armature
-
-
-def _accelerations(
-    model: Denoc, position: Array, velocity: Array, times: Array, forces: Array, friction: Array
-) -> Array | None:
-    """Accelerations at the samples, or None where dry friction leaves them open."""
-    if friction.any():
-        return None
-    rows = forces if len(forces) else np.zeros_like(position)
-    return np.array(
-        [model.forward_dynamics(q, v, u) for q, v, u in zip(position, velocity, rows[: len(position)], strict=True)]
-    )
 
 
 def _with_events(

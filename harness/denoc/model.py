@@ -136,6 +136,10 @@ class Denoc:
         """A matrix C(q, q̇) with C q̇ the velocity forces and Ṁ - 2C skew-symmetric, shape (n, n)."""
         out = np.empty((self.n, self.n))
         q, qd = self.vector("q", q), self.vector("qd", qd)
+        if self.beams:
+            from harness.denoc.coriolis import christoffel_matrix
+
+            return christoffel_matrix(self, q, qd)
         self._kernels.coriolis_matrix(*self._arguments, q, qd, out)
         return out
 
@@ -176,23 +180,43 @@ class Denoc:
         Q, Qd = self._table("Q", Q), self._table("Qd", Qd)
         Tau = np.zeros_like(Q) if Tau is None else self._table("Tau", Tau)
         self._same_length(Q=Q, Qd=Qd, Tau=Tau)
-        out = np.empty_like(Q)
-        for k in range(len(Q)):
-            out[k] = self.forward_dynamics(Q[k], Qd[k], Tau[k])
-        return out
+        return self.accelerations(Q, Qd, Tau)
 
     def inverse_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike) -> Array:
         """``inverse_dynamics`` for many states at once: Q, Qd, Qdd and the result have shape (B, n)."""
         Q, Qd, Qdd = self._table("Q", Q), self._table("Qd", Qd), self._table("Qdd", Qdd)
         self._same_length(Q=Q, Qd=Qd, Qdd=Qdd)
-        out = np.empty_like(Q)
-        for k in range(len(Q)):
-            out[k] = self.inverse_dynamics(Q[k], Qd[k], Qdd[k])
-        return out
+        out, passive = np.empty_like(Q), np.empty_like(Q)
+        self._kernels.inverse_dynamics_rows(*self._arguments, Q, Qd, Qdd, out)
+        self._kernels.passive_rows(*self._arguments, Q, Qd, passive)
+        return out - passive
 
     def mass_matrix_batch(self, Q: ArrayLike) -> Array:
         """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n)."""
-        return np.array([self.mass_matrix(q) for q in self._table("Q", Q)]).reshape(-1, self.n, self.n)
+        Q = self._table("Q", Q)
+        out = np.empty((len(Q), self.n, self.n))
+        self._kernels.mass_matrix_rows(*self._arguments, Q, out)
+        return out
+
+    def accelerations(self, Q: Array, Qd: Array, Tau: Array) -> Array:
+        """``forward_dynamics`` row by row, for arrays known to be sound; Tau may have no rows, for no forces."""
+        out = np.empty_like(Q)
+        status = self._kernels.forward_dynamics_rows(*self._arguments, Q, Qd, Tau, out)
+        if status > 0:
+            raise self.singular(status)
+        return out
+
+    def energies(self, Q: Array, Qd: Array) -> Array:
+        """Kinetic and potential energy, angular and linear momentum of every row, (B, 8), for arrays known to be sound."""
+        out = np.empty((len(Q), 8))
+        self._kernels.energy_rows(*self._arguments, Q, Qd, out)
+        return out
+
+    def hub_motion(self, body: int, Q: Array, Qd: Array, Qdd: Array) -> Array:
+        """Rotation (9), spin (3), acceleration less gravity (6) of a body in every row, (B, 18); flexible systems only."""
+        out = np.empty((len(Q), 18))
+        self._kernels.hub_rows(*self._arguments, body, Q, Qd, Qdd, np.empty(self.n), out)
+        return out
 
     def simulate(
         self,

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from harness.denoc.compiled import compiled
 from harness.denoc.rows import (
     ACCELERATION,
@@ -520,3 +522,42 @@ def passive(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, out: Vector) ->
     """Forces of joint dampers and springs on the joints they sit at."""
     for i in range(n):
         out[i] = -d[i + 1, DAMPING] * qd[i] - d[i + 1, STIFFNESS] * (q[i] - d[i + 1, REST])
+
+
+@compiled
+def forward_dynamics_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, Tau: Matrix, out: Matrix) -> int:
+    """``forward_dynamics`` for every row; Tau may be empty for none."""
+    none = np.zeros(Q.shape[1])
+    for k in range(len(Q)):
+        status = forward_dynamics(n, d, t, Q[k], Qd[k], Tau[k] if len(Tau) > 0 else none, out[k])
+        if status != 0:
+            return status
+    return 0
+
+
+@compiled
+def inverse_dynamics_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, Qdd: Matrix, out: Matrix) -> None:
+    """``inverse_dynamics`` for every row, passive forces left out as there."""
+    for k in range(len(Q)):
+        inverse_dynamics(n, d, t, Q[k], Qd[k], Qdd[k], out[k])
+
+
+@compiled
+def passive_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
+    """``passive`` for every row."""
+    for k in range(len(Q)):
+        passive(n, d, t, Q[k], Qd[k], out[k])
+
+
+@compiled
+def mass_matrix_rows(n: int, d: Rows, t: Topology, Q: Matrix, out: Any) -> None:
+    """``mass_matrix`` for every row."""
+    for k in range(len(Q)):
+        mass_matrix(n, d, t, Q[k], out[k])
+
+
+@compiled
+def energy_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
+    """Energies and momenta of every row; out (B, 8)."""
+    for k in range(len(Q)):
+        energy_and_momentum(n, d, t, Q[k], Qd[k], out[k])
