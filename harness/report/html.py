@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import resources
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -28,11 +29,11 @@ def sections_for(results: Results) -> list[Section]:
 
 def html(results: Results, title: str = "DeNOC validation") -> str:
     """The page: styles, pictures and figures inlined, no script needed, every text escaped."""
-    return page(title, results, sections_for(results))
+    return page(title, results, sections_for(results), results.created)
 
 
-def page(title: str, results: Results, sections: Sequence[Section]) -> str:
-    """A page from sections, in order; sections without content are left out."""
+def page(title: str, subject: Any, sections: Sequence[Section], created: str = "") -> str:
+    """A page from sections about a subject, in order; sections without content are left out."""
     environment = Environment(
         loader=PackageLoader("harness.report", "templates"),
         autoescape=True,
@@ -42,11 +43,9 @@ def page(title: str, results: Results, sections: Sequence[Section]) -> str:
     )
     parts = []
     for section in sections:
-        content = section.content(results)
+        content = section.content(subject)
         if content is not None:
             body = environment.get_template(section.template).render(title=section.title, **content)
             parts.append((section.anchor, section.title, Markup(body)))
     style = resources.files("harness.report").joinpath("templates/style.css").read_text(encoding="utf-8")
-    return environment.get_template("page.html").render(
-        title=title, parts=parts, style=Markup(style), created=results.created
-    )
+    return environment.get_template("page.html").render(title=title, parts=parts, style=Markup(style), created=created)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from harness.cases.results import Results
-
 
 class Section(Protocol):
     """A part of the page. ``template``: file in ``report/templates``; ``anchor``: its place in the page's address."""
@@ -20,6 +18,6 @@ class Section(Protocol):
     @property
     def template(self) -> str: ...
 
-    def content(self, results: Results) -> Mapping[str, Any] | None:
-        """What the template needs, or None if the results have nothing for this section."""
+    def content(self, subject: Any, /) -> Mapping[str, Any] | None:
+        """What the template needs, or None if the subject (results, a diagnosis) has nothing for this section."""
         ...

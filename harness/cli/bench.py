@@ -1,0 +1,53 @@
+"""``denoc bench``: time and memory against the peers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from harness.cli.options import console, output_options, progress, write_json
+
+
+@click.command()
+@click.option(
+    "--only", multiple=True, metavar="WHAT", help="Only this benchmark or row ('forward*': all that start so)."
+)
+@click.option("--quick", is_flag=True, help="Small mechanisms only, fewer rounds.")
+@click.option("--list", "list_them", is_flag=True, help="List the benchmarks and their rows.")
+@output_options("Write bench.json, bench.md and report.html with the scaling plots there.")
+def bench(only: tuple[str, ...], quick: bool, list_them: bool, out: Path | None, json_file: str | None) -> int:
+    """Measure time and memory against the peers, side by side in one run.
+
+    Ratios are theirs over ours: above 1 the native code is faster.
+
+    \b
+    Examples:
+      denoc bench
+      denoc bench --only 'forward_dynamics*' --out bench
+    """
+    import json
+
+    from harness.compare.bench import BENCHMARKS, Options, document, machine, run, select
+    from harness.report.bench import bench_files, print_bench
+
+    screen = console(json_file)
+    if list_them:
+        for name, benchmark in BENCHMARKS.items():
+            screen.print(f"{name}: {benchmark.title} ({', '.join(benchmark.rows)})", markup=False)
+        return 0
+    total = len(select(only))
+    rows = []
+    with progress("bench") as step:
+        for row in run(only, Options(quick=quick, rounds=7 if quick else 15)):
+            rows.append(row)
+            step(len({r.what for r in rows}), max(total, len({r.what for r in rows})), row.what)
+    answer = document(rows, machine())
+    print_bench(answer, screen)
+    if out is not None:
+        from harness.report.files import write_folder
+
+        for path in write_folder(out, bench_files(answer)):
+            screen.print(f"wrote {path}", markup=False)
+    write_json(json.dumps(answer, indent=1, ensure_ascii=False), json_file)
+    return 0

@@ -1,0 +1,76 @@
+"""``denoc diagnose``: what did the model leave out?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from harness.cli.options import console, output_options, progress, write_json
+
+
+@click.command()
+@click.argument("recordings", nargs=-1, required=True, metavar="RECORDING …")
+@click.option("--model", required=True, metavar="MODEL", help="The nominal model: URDF, MJCF or TOML.")
+@click.option(
+    "--map",
+    "mapping",
+    multiple=True,
+    metavar="'SRC=DST[UNIT]'",
+    help="A foreign column: 'theta_meas=pivot.position[deg]'; repeatable. Or a TOML file beside the recording.",
+)
+@click.option(
+    "--holdout", metavar="FILE", help="Judge on this recording; default: the last one, or the last 30 % of one."
+)
+@click.option(
+    "--tolerance", type=float, metavar="X", help="Relative 1σ of nominal masses, lengths, inertias, stiffnesses."
+)
+@click.option("--fit-effort", is_flag=True, help="Efforts are measurements to fit, not known inputs.")
+@click.option(
+    "--effects", "effects_files", multiple=True, metavar="FILE", help="Effects of your own beside the catalogue."
+)
+@click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
+@output_options("Write diagnosis.json, report.html and the augmented model there.")
+def diagnose(
+    recordings: tuple[str, ...],
+    model: str,
+    mapping: tuple[str, ...],
+    holdout: str | None,
+    tolerance: float | None,
+    fit_effort: bool,
+    effects_files: tuple[str, ...],
+    strict: bool,
+    out: Path | None,
+    json_file: str | None,
+) -> int:
+    """Locate where a model leaves the recordings, name the physics it left out, fit it, and judge on data held out.
+
+    \b
+    Examples:
+      denoc diagnose run1.csv run2.csv --model rig.urdf
+      denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
+    """
+    import json
+
+    from harness.diagnose.diagnose import diagnose as find
+    from harness.report.diagnosis import print_diagnosis, write_diagnosis
+
+    with progress("diagnose") as step:
+        found = find(
+            list(recordings),
+            model=model,
+            mapping=mapping,
+            holdout=holdout,
+            tolerance=tolerance,
+            fit_effort=fit_effort,
+            effects=effects_files,
+            progress=step,
+        )
+    document = found.to_json()
+    screen = console(json_file)
+    print_diagnosis(document, screen)
+    if out is not None:
+        for path in write_diagnosis(found, out):
+            screen.print(f"wrote {path}", markup=False)
+    write_json(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False), json_file)
+    return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0

@@ -1,0 +1,103 @@
+"""Sections of a diagnosis's page: what it says, what was found, before and after, where, and what else it could be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from harness.cases.case import Series
+from harness.report.diagnosis.figures import errors, windows
+from harness.report.figures.kinds import kind_of
+
+Document = Mapping[str, Any]
+
+
+def figure(value: float | None) -> str:
+    """Three digits, or a dash."""
+    return "–" if value is None else f"{value:.3g}"
+
+
+@dataclass(frozen=True)
+class Answer:
+    anchor: str = "answer"
+    title: str = "Answer"
+    template: str = "diagnosis_answer.html"
+
+    def content(self, document: Document) -> Mapping[str, Any]:
+        return {
+            "verdict": document["verdict"].replace("_", " "),
+            "good": document["verdict"] in ("consistent", "explained"),
+            "summary": document["summary"],
+            "findings": document["findings"],
+            "next_experiment": document.get("next_experiment") or {},
+            "figure": figure,
+        }
+
+
+@dataclass(frozen=True)
+class BeforeAndAfter:
+    anchor: str = "fit"
+    title: str = "Before and after"
+    template: str = "diagnosis_fit.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        fit = document["fit"]
+        if not fit:
+            return None
+        return {"fit": fit, "picture": Markup(errors(fit)), "figure": figure}
+
+
+@dataclass(frozen=True)
+class Where:
+    anchor: str = "where"
+    title: str = "Where the model leaves the recordings"
+    template: str = "diagnosis_where.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        places = document["mismatch"]
+        if not places:
+            return None
+        picture = Markup(windows(places)) if any(place["time"] for place in places) else ""
+        return {"places": places, "picture": picture, "figure": figure}
+
+
+@dataclass(frozen=True)
+class Lines:
+    series: Sequence[Series]
+    anchor: str = "pictures"
+    title: str = "Pictures"
+    template: str = "pictures.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        pictures = []
+        for key in dict.fromkeys(line.figure for line in self.series):
+            mine = [line for line in self.series if line.figure == key]
+            pictures.append((mine[0].title or key.replace("_", " "), Markup(kind_of(key).draw(mine, f"line-{key}"))))
+        return {"words": "", "pictures": pictures} if pictures else None
+
+
+@dataclass(frozen=True)
+class Rivals:
+    anchor: str = "ranking"
+    title: str = "What else it could be"
+    template: str = "diagnosis_ranking.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        ranking = document.get("ranking") or []
+        if not ranking:
+            return None
+        known = [row["bic"] for row in ranking if row.get("bic") is not None]
+        return {"ranking": ranking, "best": min(known) if known else 0.0, "figure": figure}
+
+
+@dataclass(frozen=True)
+class Data:
+    anchor: str = "data"
+    title: str = "The recordings"
+    template: str = "diagnosis_data.html"
+
+    def content(self, document: Document) -> Mapping[str, Any]:
+        return {"noise": document["noise"], "quality": document.get("quality") or [], "figure": figure}
