@@ -10,6 +10,7 @@ which is what the assumed modes mean by u(l).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from harness.engines.checked import held_forces, installed_version, positive_step, sample_times, vectors
+from harness.engines.exudyn_joint import Side, add_joint_element
 from harness.engines.exudyn_run import exudyn_package, grid, item, quiet, settings, solve_dynamic, solve_static, stored
 from harness.engines.planar import PlanarChain, PlanarLink, planar_chain, poses_and_rates, why_not_planar
 from harness.engines.protocol import Array, EngineError
@@ -79,21 +81,23 @@ class AncfModel:
         """Generalized-α with steps of at most ``step`` [s]; elastic coordinates are not given and stand as NaN.
 
         q0, qd0 count in our coordinates: the beams start in the shape that the assumed modes have there.
-        Raises UnsupportedError for applied forces, EngineError where the solver gives up.
+        tau: torques (T, n) at the joints, held between samples; zero on the elastic coordinates.
+        Raises UnsupportedError for forces on elastic coordinates, EngineError where the solver gives up.
         """
         n = len(self.names)
         q0, qd0 = vectors(n, q0=q0, qd0=qd0)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
-        if forces is not None and np.any(forces):
-            raise UnsupportedError("exudyn_ancf takes no applied joint torques")
+        elastic = np.concatenate([link.elastic for link in self.chain.links])
+        if forces is not None and np.any(forces[:, elastic]):
+            raise UnsupportedError("exudyn_ancf takes torques at joints, not forces on elastic coordinates")
         if time.size == 1:
             raise UnsupportedError("exudyn_ancf needs at least two samples of time")
         exudyn = exudyn_package()
         since = time - time[0]
         steps, every = grid(time, positive_step(step) or DEFAULT_STEP)
         with quiet(exudyn):
-            built = self._build(exudyn, q0, qd0)
+            built = self._build(exudyn, q0, qd0, _torques(self.chain, since, forces))
             relative, absolute = self._tolerances()
             made = settings(exudyn, float(since[-1]), steps, every, relative=relative, absolute=absolute)
             solve_dynamic(exudyn, built.mbs, made)
@@ -151,11 +155,12 @@ class AncfModel:
         axial = max(_axial_stiffness(link) for link in self.chain.links if link.data is not None)
         return (1e-6 if self.elements <= 16 else 1e-5), max(1e-8, 2e-15 * axial)
 
-    def _build(self, exudyn: Any, q: Array, qd: Array) -> _Assembly:
+    def _build(
+        self, exudyn: Any, q: Array, qd: Array, torques: dict[int, Callable[[float], float]] | None = None
+    ) -> _Assembly:
         items = exudyn.itemInterface
         built = _Assembly(exudyn.SystemContainer().AddSystem())
         mbs = built.mbs
-        ground = mbs.AddObject(items.ObjectGround())
         ground_node = mbs.AddNode(items.NodePointGround())
         zero, _ = poses_and_rates(self.chain, np.zeros_like(q), np.zeros_like(q), self.elements + 1)
         now, rates = poses_and_rates(self.chain, q, qd, self.elements + 1)
@@ -194,7 +199,8 @@ class AncfModel:
                 bodies.append(None)
                 built.nodes.append(nodes)
                 built.reference.append(reference)
-            self._join(items, mbs, k, built, bodies, ground, ground_node)
+            self._join(items, mbs, k, built, bodies, ground_node)
+            self._drive(items, mbs, k, built, (torques or {}).get(k))
             ends = [built.nodes[k][0]] if link.data is None else [built.nodes[k][0], built.nodes[k][-1]]
             kinds = (exudyn.OutputVariableType.Coordinates, exudyn.OutputVariableType.Coordinates_t)
             built.sensors.append(
@@ -266,9 +272,7 @@ class AncfModel:
                 )
             )
 
-    def _join(
-        self, items: Any, mbs: Any, k: int, built: _Assembly, bodies: list[Any], ground: Any, ground_node: Any
-    ) -> None:
+    def _join(self, items: Any, mbs: Any, k: int, built: _Assembly, bodies: list[Any], ground_node: Any) -> None:
         link = self.chain.links[k]
         root = built.nodes[k][0]
         if link.parent < 0:
@@ -296,6 +300,22 @@ class AncfModel:
             before = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=built.nodes[link.parent][-1]))
         after = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=root))
         mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=[before, after]))
+
+    def _drive(self, items: Any, mbs: Any, k: int, built: _Assembly, torque: Callable[[float], float] | None) -> None:
+        """What acts on the joint's own turn and is not told in constant matrices: see ``exudyn_joint``."""
+        link = self.chain.links[k]
+        inner = link.parent >= 0
+        inertia = link.joint.armature if inner else 0.0
+        damping = link.joint.damping if inner else 0.0
+        if link.coordinate < 0 or not (inertia or damping or torque):
+            return
+
+        def side(index: int, place: int) -> Side:
+            slope = None if self.chain.links[index].data is None else built.reference[index][place, 2:]
+            return Side(built.nodes[index][place], slope)
+
+        parent = side(link.parent, -1) if inner else None
+        add_joint_element(items, mbs, parent, side(k, 0), inertia=inertia, damping=damping, torque=torque)
 
     def _trajectory(self, built: _Assembly, time: Array, since: Array, q0: Array) -> Trajectory:
         n = len(self.names)
@@ -333,6 +353,24 @@ class AncfModel:
             if link.coordinate >= 0:
                 channels[f"{link.joint.name}.position"] = position[:, link.coordinate]
         return Trajectory(time=time, names=self.names, position=position, velocity=velocity, channels=channels)
+
+
+def _torques(chain: PlanarChain, since: Array, forces: Array | None) -> dict[int, Callable[[float], float]]:
+    """Torque about z over time on each link's joint that has one, by the link's index."""
+    found: dict[int, Callable[[float], float]] = {}
+    if forces is None:
+        return found
+    for k, link in enumerate(chain.links):
+        if link.coordinate < 0 or not np.any(forces[:, link.coordinate]):
+            continue
+        held = link.sign * forces[:, link.coordinate]
+
+        def torque(t: float, held: Array = held) -> float:
+            # An end of a step that rounds below a sample's time belongs to the interval that begins there.
+            return float(held[max(0, int(np.searchsorted(since, t + 1e-9 * since[-1], side="right")) - 1)])
+
+        found[k] = torque
+    return found
 
 
 def _angle(x: Any, y: Any) -> Any:
@@ -394,8 +432,6 @@ def _refuses_joint(system: System, link: PlanarLink) -> str | None:
     joint = link.joint
     if joint.friction or joint.stiffness:
         return f"exudyn_ancf models neither dry friction nor a spring at joint {joint.name!r}"
-    if link.parent >= 0 and (joint.armature or joint.damping):
-        return f"exudyn_ancf models armature and damping at the base joint only, not at {joint.name!r}"
     if link.parent >= 0:
         parent = system.links[link.parent]
         if parent.beam is not None:
