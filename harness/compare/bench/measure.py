@@ -118,8 +118,10 @@ def in_child(code: str, *, environment: Mapping[str, str] | None = None) -> Chil
     done = command([sys.executable, "-c", _WRAP.format(code=code)], environment=environment)
     seconds = perf_counter() - start
     if done.returncode:
-        lines = [line for line in done.stderr.splitlines() if line.strip()]
-        raise RuntimeError(lines[-1] if lines else f"ended with status {done.returncode}")
+        lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
+        # Messages of several lines end anywhere; the kind of error stands at the beginning of one.
+        named = [line for line in lines if line.split(":")[0].endswith("Error")]
+        raise RuntimeError((named or lines or [f"ended with status {done.returncode}"])[-1])
     told = json.loads(done.stdout.strip().splitlines()[-1])
     return Child(seconds, float(told["memory"]), told["answer"])
 
