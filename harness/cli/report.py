@@ -8,7 +8,7 @@ import click
 
 from harness.cli.options import console, output_options, write_json
 
-FORMATS = ("html", "md", "csv", "junit", "json", "table")
+FORMATS = ("html", "md", "csv", "junit", "json", "svg", "table")
 
 
 @click.command()
@@ -18,7 +18,7 @@ FORMATS = ("html", "md", "csv", "junit", "json", "table")
     "formats",
     multiple=True,
     type=click.Choice(FORMATS, case_sensitive=False),
-    help="What to render, repeatable; default: everything with --out, the table without.",
+    help="What to render, repeatable; svg: every picture as a file. Default: all but svg with --out, the table without.",
 )
 @output_options("Where to write; default: the folder of RESULTS.")
 @click.option("--rows", "every_row", is_flag=True, help="Print every row, not the worst of each case and engine.")
@@ -38,7 +38,7 @@ def report(results: str, formats: tuple[str, ...], out: Path | None, json_file: 
     screen = console(json_file)
     files = tuple(name for name in formats if name != "table")
     if out is not None and not formats:
-        files = tuple(name for name in FORMATS if name != "table")
+        files = tuple(name for name in FORMATS if name not in ("table", "svg"))
     if files:
         source = Path(results)
         folder = out if out is not None else (source if source.is_dir() else source.parent)

@@ -45,13 +45,22 @@ FILES: dict[str, tuple[str, Callable[[Results], str | bytes]]] = {
 }
 
 
+# Every picture of the page as a file of its own; only when asked for.
+PICTURES = "svg"
+
+
 def write_reports(results: Results, folder: str | Path, formats: Sequence[str] | None = None) -> list[Path]:
     """Write the formats asked for (all by default) into a folder; returns their paths.
 
     Raises InputError for an unknown format or a folder that cannot be written to.
     """
     for name in formats or ():
-        if name not in FILES:
-            raise InputError(f"no format is named {name!r}", mend=did_you_mean(name, FILES))
-    chosen = {name: FILES[name] for name in (formats or FILES)}
-    return write_folder(folder, {file: render(results) for file, render in chosen.values()})
+        if name not in FILES and name != PICTURES:
+            raise InputError(f"no format is named {name!r}", mend=did_you_mean(name, (*FILES, PICTURES)))
+    chosen = {name: FILES[name] for name in (formats or FILES) if name != PICTURES}
+    files: dict[str, str | bytes] = {file: render(results) for file, render in chosen.values()}
+    if PICTURES in (formats or ()):
+        from harness.report.pictures import pictures
+
+        files.update(pictures(results))
+    return write_folder(folder, files)

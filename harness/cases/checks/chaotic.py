@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -37,8 +37,12 @@ class ChaoticAgreement:
         q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
         time = np.linspace(0.0, self.duration, round(self.duration * self.rate) + 1)
         native = bench.models[NATIVE]
-        ours = native.simulate(q0, qd0, time)
         reach = horizon(native, q0, qd0, time, allowed=self.allowed, nudge=self.nudge, seed=bench.seed)
+        # Beyond the horizon a while is enough to see the engines part.
+        shown = time <= reach.until + max(2.0, reach.until)
+        time = time[shown]
+        ours = native.simulate(q0, qd0, time)
+        reach = replace(reach, separation=reach.separation[shown])
         yield self._line(bench, f"denoc, nudged by {self.nudge:g}", time, reach.separation, reach.until)
         unit = unit_of(bench.system, list(bench.system.joint_names))
         for name, model in bench.peers():

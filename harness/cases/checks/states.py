@@ -149,11 +149,12 @@ def random_states(bench: Bench, count: int, speed: float, effort: float, elastic
     system = bench.system
     rng = bench.rng()
     low, high, soft = [], [], []
+    joints = {joint.name: joint for joint in system.movable_joints}
     for name in system.coordinate_names:
-        soft.append(name not in system.joint_names)
+        joint = joints.get(name)
+        soft.append(joint is None)
         lower, upper = -np.pi, np.pi
-        if not soft[-1]:
-            joint = system.joint(name)
+        if joint is not None:
             if joint.prismatic:
                 lower, upper = -1.0, 1.0
             if np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper:

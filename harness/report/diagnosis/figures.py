@@ -52,5 +52,6 @@ def windows(mismatch: Sequence[Mapping[str, Any]], name: str = "windows") -> str
             range(len(mismatch)), [f"{place['channel']} ({place['side']} at {place['site']})" for place in mismatch]
         )
         ax.set_ylim(len(mismatch) - 0.5, -0.5)
+        ax.set_xlim(left=0.0)
         ax.set_xlabel("time [s]")
     return str(made.svg)
