@@ -14,6 +14,7 @@ from harness.system.description import Array
 TURN = 2.0 * np.pi
 SAFE_STEP = 0.5 * np.pi  # largest true motion from sample to sample at which a wrap is beyond doubt
 OUTLIER_SIGMAS = 12.0
+LONE = 0.2  # of an outlier's distance: what its neighbours may be off; 0.3 at a corner on a sample
 PLATEAU = 4  # equal samples in a row at an extreme
 SHORT_GAP = 5  # samples of an effort that are filled by a straight line
 
@@ -159,34 +160,23 @@ def _runs_into(signal: Array, run: tuple[int, int], step: float) -> bool:
 def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[Array, QualityNote | None]:
     """Single samples far off the line of their neighbours, set to nan.
 
-    A sample is held against the cubic through two neighbours on either side; it is an outlier if its distance is beyond
-    twelve robust standard deviations and its neighbours, held against theirs without it, are not.
+    A sample is held against the cubic through two neighbours on either side. It is an outlier if its distance is beyond
+    twelve robust standard deviations, and its neighbours, held against theirs without it, are on their line: at a corner of
+    the motion (a stop) they are not.
     """
     present = np.flatnonzero(np.isfinite(values))
     if len(present) < 32:
         return values, None
     x, t = values[present], time[present]
-    nodes = [np.roll(t, shift) for shift in (2, 1, -1, -2)]
-    levels = [np.roll(x, shift) for shift in (2, 1, -1, -2)]
-    predicted = np.zeros_like(x)
-    # Weights bounded at even spacing: (−1, 4, 4, −1)/6.
-    for j in range(4):
-        weight = np.ones_like(x)
-        for k in range(4):
-            if k != j:
-                weight *= (t - nodes[k]) / (nodes[j] - nodes[k])
-        predicted += weight * levels[j]
-    error = np.abs(x - predicted)
-    error[:2] = error[-2:] = 0.0
-    scale = 1.4826 * float(np.median(error[2:-2])) + 0.5 * step + 1e-9 * float(np.ptp(x))
-    # Its neighbours' predictions err by 4/6 of an outlier; the outlier itself by all of it.
-    peak = (error >= np.roll(error, 1)) & (error >= np.roll(error, -1)) & (error > OUTLIER_SIGMAS * scale)
-    lone = peak.copy()
-    for k in np.flatnonzero(peak).tolist():
-        around = np.concatenate([error[max(k - 6, 0) : max(k - 2, 0)], error[k + 3 : k + 7]])
-        smooth = abs(x[k] - predicted[k]) > 4.0 * max(abs(x[k - 1] - x[k + 1]), abs(x[k - 2] - x[k + 2]) / 2.0)
-        lone[k] = bool(around.size) and float(around.max()) < 0.25 * error[k] and smooth
-    where = np.flatnonzero(lone)
+    index = np.arange(4, len(x) - 4)
+    error = np.abs(x[index] - _predicted(t, x, index, index, (-2, -1, 1, 2)))
+    scale = 1.4826 * float(np.median(error)) + 0.5 * step + 1e-9 * float(np.ptp(x))
+    far = index[error > OUTLIER_SIGMAS * scale]
+    size = np.abs(x[far] - _predicted(t, x, far, far, (-2, -1, 1, 2)))
+    after = np.abs(x[far + 1] - _predicted(t, x, far, far + 1, (-2, -1, 2, 3)))
+    before = np.abs(x[far - 1] - _predicted(t, x, far, far - 1, (-3, -2, 1, 2)))
+    lone = np.maximum(after, before) < LONE * size
+    where, size = far[lone], size[lone]
     if not len(where) or len(where) > 0.02 * len(x):
         return values, None
     mended = values.copy()
@@ -194,13 +184,27 @@ def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[A
     note = QualityNote(
         "outlier",
         name,
-        f"{len(where)} single samples lie up to {float(error[where].max()):.3g} off the line of their neighbours",
+        f"{len(where)} single samples lie up to {float(size.max()):.3g} off the line of their neighbours",
         "left out",
         len(where),
         tuple((float(t[k]), float(t[k])) for k in where[:16]),
-        float(error[where].max()),
+        float(size.max()),
     )
     return mended, note
+
+
+def _predicted(
+    time: Array, values: Array, centre: NDArray[np.intp], target: NDArray[np.intp], nodes: tuple[int, ...]
+) -> Array:
+    """Value at the samples ``target`` of the polynomial through the samples ``centre`` + nodes."""
+    total = np.zeros(len(centre))
+    for j in nodes:
+        weight = np.ones(len(centre))
+        for k in nodes:
+            if k != j:
+                weight *= (time[target] - time[centre + k]) / (time[centre + j] - time[centre + k])
+        total += weight * values[centre + j]
+    return total
 
 
 def fill_effort(name: str, time: Array, values: Array, source: Path) -> tuple[Array, QualityNote | None]:

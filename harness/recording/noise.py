@@ -30,13 +30,15 @@ HALF_BANDWIDTH = 6.0  # of the tapers, in bins
 TAPERS = 6  # of 2 · 6 − 1 usable ones: those that leak less than 1e-6
 DIFFERENCES = 2
 SHORTEST = 64  # samples of a piece of the recording
-CUTOFFS = 28  # frequencies tried as the lower end of the noise band
+CUTOFFS = 20  # frequencies tried as the lower end of the noise band
 BANDS = 5  # neighbouring bands, in thirds of an octave, that a noise model must fit above its lower end
 EXCESS = 3.0  # standard deviations of such a band's power over the model
 DEGREE = 5  # of the polynomial that a sample is moved along to an even grid
 LINE = 9.0  # power over the model's beyond which a bin belongs to a line: e⁻⁹ of the bins of noise
 MOST_LINES = 0.1  # of the bins
 CORNER = 0.5  # of a noise's corner frequency to the band's lower end, at least
+MIXED_CORNER = 1.5  # the same beside white noise, where only the corner tells colour from the motion's tail
+CONFIRM = 3.0  # of a band's lower end to that of the band that must show the same colour
 GROUPS = 160  # of bins that the likelihood is summed over
 
 Model = tuple[float, float, float]
@@ -212,29 +214,33 @@ def _on_even_grid(time: Array, values: Array) -> Array:
 def _search(frequency: Array, power: Array) -> tuple[Model, float, str]:
     """Noise model above the lowest frequency from which on it fits, that frequency, and how far to trust it."""
     lowest = min(1.5 * HALF_BANDWIDTH * float(frequency[0]), 0.2)
-    best: tuple[Model, float] | None = None
-    start: Model | None = None
+    found: list[tuple[Model, float]] = []
     for lower in np.geomspace(0.35, lowest, CUTOFFS):
         use = frequency >= lower
         if int(use.sum()) < 12:
             continue
-        fit, kept = _fit(frequency[use], power[use], lower, start)
-        if not _fits(frequency[use], power[use], kept, fit, lower):
-            continue
-        best, start = (fit, float(lower)), fit
-    if best is None:
+        fit, kept = _fit(frequency[use], power[use], lower, found[-1][0] if found else None)
+        if _fits(frequency[use], power[use], kept, fit, lower):
+            found.append((fit, float(lower)))
+    if not found:
         use = frequency >= 0.25
         return (float(np.sqrt(power[use].mean())), 0.0, 0.0), 0.25, "poor"
-    fit, lower = best
+    fit, lower = found[-1]
+    # Colour that a band well above does not show is the motion's own tail at the band's lower end.
+    while fit[1] > 0.0:
+        higher = [entry for entry in found if entry[1] > CONFIRM * lower]
+        if not higher or higher[-1][0][1] > 0.0:
+            break
+        fit, lower = higher[-1]
     wide = lower < 0.25 and int((frequency >= lower).sum()) >= 60
     # Colour whose corner is at its bound is known by its slope only.
     seen = fit[1] < 0.3 * fit[0] or fit[2] < 0.98 * _reddest(lower)
     return fit, lower, "good" if wide and seen else "fair"
 
 
-def _reddest(lower: float) -> float:
+def _reddest(lower: float, corner: float = CORNER) -> float:
     """The largest φ whose corner frequency (1 − φ)/2π the band from ``lower`` on can show."""
-    return float(max(1.0 - 2.0 * np.pi * CORNER * lower, 0.05))
+    return float(max(1.0 - 2.0 * np.pi * corner * lower, 0.05))
 
 
 def _fits(frequency: Array, power: Array, kept: NDArray[np.bool_], fit: Model, lower: float) -> bool:
@@ -265,7 +271,7 @@ def _fit(frequency: Array, power: Array, lower: float, start: Model | None) -> t
     kept = np.ones(len(frequency), dtype=bool)
     fit = (0.0, 0.0, 0.0)
     for _ in range(3):
-        fit = _fit_once(*_grouped(frequency[kept], power[kept]), _reddest(lower), start)
+        fit = _fit_once(*_grouped(frequency[kept], power[kept]), _reddest(lower), _reddest(lower, MIXED_CORNER), start)
         line = power > LINE * _model(frequency, *fit)
         if float(line.mean()) > MOST_LINES or np.array_equal(~line, kept):
             break
@@ -285,44 +291,48 @@ def _grouped(frequency: Array, power: Array) -> tuple[Array, Array, Array]:
     return centre[used], mean[used], size[used]
 
 
-def _fit_once(frequency: Array, power: Array, size: Array, reddest: float, start: Model | None) -> Model:
+def _fit_once(
+    frequency: Array, power: Array, size: Array, reddest: float, mixed_reddest: float, start: Model | None
+) -> Model:
     count = float(size.sum())
     level = float(power @ size) / count
     cosine = np.cos(2.0 * np.pi * frequency)
     log_level = np.log(level)
 
-    def shape(logit: float) -> Array:
-        phi = reddest / (1.0 + np.exp(-logit))
+    def shape(phi: float) -> Array:
         return (1.0 - phi * phi) / (1.0 - 2.0 * phi * cosine + phi * phi)
+
+    def phi_of(logit: float, most: float) -> float:
+        return float(most / (1.0 + np.exp(-logit)))
 
     def loss(model: Array) -> float:
         return float(size @ (np.log(model) + power / model))
 
     def coloured_loss(x: Array) -> float:
-        return loss(np.exp(x[0]) * shape(x[1]))
+        return loss(np.exp(x[0]) * shape(phi_of(x[1], reddest)))
 
     def mixed_loss(x: Array) -> float:
-        return loss(np.exp(x[0]) * shape(x[1]) + np.exp(x[2]))
-
-    def phi_of(logit: float) -> float:
-        return float(reddest / (1.0 + np.exp(-logit)))
+        return loss(np.exp(x[0]) * shape(phi_of(x[1], mixed_reddest)) + np.exp(x[2]))
 
     box = ((log_level - 30.0, log_level + 30.0), (-6.0, 6.0))
     ends = [minimize(coloured_loss, (log_level, logit), method="L-BFGS-B", bounds=box) for logit in (0.0, 2.5)]
     single = min(ends, key=lambda end: float(end.fun))
     guesses = [(single.x[0], single.x[1], np.log(power.min()))]
     if start is not None and start[0] > 0.0 and start[1] > 0.0:
-        share = min(max(start[2] / reddest, 0.01), 0.99)
+        share = min(max(start[2] / mixed_reddest, 0.01), 0.99)
         guesses.append((2.0 * np.log(start[1]), np.log(share / (1.0 - share)), 2.0 * np.log(start[0])))
     doubles = [minimize(mixed_loss, g, method="L-BFGS-B", bounds=(*box, box[0])) for g in guesses]
     double = min(doubles, key=lambda end: float(end.fun))
     penalty = np.log(count)
     scores: list[tuple[float, Model]] = [
         (2.0 * loss(np.full(len(power), level)) + penalty, (float(np.sqrt(level)), 0.0, 0.0)),
-        (2.0 * float(single.fun) + 2.0 * penalty, (0.0, float(np.exp(single.x[0] / 2.0)), phi_of(single.x[1]))),
+        (
+            2.0 * float(single.fun) + 2.0 * penalty,
+            (0.0, float(np.exp(single.x[0] / 2.0)), phi_of(single.x[1], reddest)),
+        ),
         (
             2.0 * float(double.fun) + 3.0 * penalty,
-            (float(np.exp(double.x[2] / 2.0)), float(np.exp(double.x[0] / 2.0)), phi_of(double.x[1])),
+            (float(np.exp(double.x[2] / 2.0)), float(np.exp(double.x[0] / 2.0)), phi_of(double.x[1], mixed_reddest)),
         ),
     ]
     return min(scores, key=lambda score: score[0])[1]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import InputError
 from harness.recording.clean import (
@@ -96,7 +97,11 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
             mend="a position or another measured column is needed",
             source=file,
         )
-    time, channels, efforts, dropped = _drop_blank(timing.time, channels, efforts)
+    headers = [column.header for column in columns[1:] if column.quantity != "effort"]
+    measured = np.array(
+        [np.isfinite(grouped_mean(_finite(table.columns[h]), timing.groups, len(timing.time))) for h in headers]
+    )
+    time, channels, efforts, dropped = _drop_blank(timing.time, measured, channels, efforts)
     notes += dropped
     first = float(time[0])
     _refuse_short(len(time), file)
@@ -193,10 +198,12 @@ def _channel(
 
 
 def _drop_blank(
-    time: Array, channels: list[Channel], efforts: list[Channel]
+    time: Array, present: NDArray[np.bool_], channels: list[Channel], efforts: list[Channel]
 ) -> tuple[Array, list[Channel], list[Channel], list[QualityNote]]:
-    """Samples at which nothing was measured are left out; what single channels lack is told."""
-    present = np.array([np.isfinite(channel.values) for channel in channels])
+    """Samples at which nothing was measured are left out; what single channels lack is told.
+
+    present: whether the file has a number, shape (channels, samples).
+    """
     keep = present.any(axis=0)
     notes: list[QualityNote] = []
     blank = int((~keep).sum())
