@@ -6,7 +6,7 @@ This is the workhorse of fitting and sweeping: a Jacobian is a few extra lanes. 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
@@ -17,9 +17,46 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc import laws
-from harness.denoc.lanes_rows import BASE_SLOTS, INERTIA_SLOTS, PER_JOINT, PLACEMENT_SLOTS
+from harness.denoc.lanes_beams import beam_block_size, most_points, write_beams
+from harness.denoc.lanes_rows import (
+    ABOVE,
+    BASE_SLOTS,
+    BEAM_HEAD,
+    BEAM_NODE,
+    BEAM_ROW,
+    BEAM_SLOTS,
+    INERTIA_SLOTS,
+    LAW_ROW,
+    LINK_COLUMNS,
+    NODE,
+    PER_JOINT,
+    PLACEMENT_SLOTS,
+    SECTION_NODE,
+    SECTION_ROW,
+    TIP_NODE,
+)
+from harness.denoc.lanes_tree import (
+    BEAM,
+    BODY,
+    COLUMNS,
+    COORDINATE,
+    GROUP,
+    JOINT,
+    KIND,
+    MODES,
+    PARENT,
+    PRISMATIC,
+    REVOLUTE,
+    SECTION,
+    WORK,
+    beam_table_size,
+    beam_work_size,
+    section_table_size,
+    section_work_size,
+)
 from harness.errors import InputError, UnsupportedError
-from harness.system import System
+from harness.system import Link, System
+from harness.system.inertia import about_origin
 
 Array = NDArray[np.float64]
 
@@ -117,8 +154,8 @@ def _user_address(function: Callable[..., float] | None) -> tuple[int, Any]:
 class LaneModel:
     """One topology, compiled for many copies at once.
 
-    names: generalized coordinates; n: their number; P: length of a parameter row.
-    slots: index of every parameter in a row by (site, name). Sites and names:
+    names: generalized coordinates (joints, each followed by the modes of its link); n: their number; P: length of a row.
+    slots: index of the parameters in a row by (site, name). Sites and names:
 
     - ``base``: gravity_x, gravity_y, gravity_z [m/s²]; excitation_amplitude [m/s²], excitation_frequency [Hz],
       excitation_phase [rad] of the base's acceleration amplitude · sin(2π frequency · time + phase) along the
@@ -127,22 +164,28 @@ class LaneModel:
       vector that follows the rotation of the joint in the system the model was made from;
     - every movable joint: the terms of ``laws.SLOTS``;
     - every link: mass [kg], first_x … [kg·m], inertia_xx … [kg·m²], first and second moments about the
-      link frame's origin (so a point mass m at r adds m, m r and m (|r|² 1 − r rᵀ)).
+      link frame's origin (so a point mass m at r adds m, m r and m (|r|² 1 − r rᵀ)); of a flexible link, those of its
+      hub, which does not bend;
+    - every flexible link: payload, point mass at the tip [kg]; stiffness_factor on EI and mass_factor on the beam's mass;
+      material_damping [s]; stiffening, 1 with and 0 without foreshortening; modal_damping_1 …, ratios of the modes as mounted.
+      Lengths, shapes and what follows from them stand behind these without names; ``row`` fills them from the system.
 
     law: the user's own joint law ``(q, qd, t, p) -> generalized force`` with four parameters p, compiled on its own; it acts at
     every joint whose ``user_scale`` slot is not zero.
-    Raises UnsupportedError for systems with flexible links.
+    Raises UnsupportedError for links that bend in two planes or twist.
     """
 
     def __init__(self, system: System, *, law: Callable[..., float] | None = None) -> None:
-        if system.flexible:
-            raise UnsupportedError(
-                f"{system.name}: lanes of flexible links", mend="use System.rigid() or Denoc.simulate"
-            )
-        if not system.movable_joints:
-            raise InputError(f"{system.name}: no movable joint", mend="give at least one revolute or prismatic joint")
+        if not system.coordinate_names:
+            raise InputError(f"{system.name}: nothing moves", mend="give at least one revolute or prismatic joint")
+        for link in system.links:
+            if link.beam is not None and (link.beam.bending2 or link.beam.torsion_modes):
+                raise UnsupportedError(
+                    f"link {link.name}: lanes of a link that bends in two planes or twists",
+                    mend="leave one bending plane, or use Denoc.simulate",
+                )
         self.system = system
-        self.names = system.joint_names
+        self.names = system.coordinate_names
         self.n = len(self.names)
         slots: dict[tuple[str, str], int] = {("base", name): k for k, name in enumerate(BASE_SLOTS)}
         at = len(BASE_SLOTS)
@@ -154,14 +197,24 @@ class LaneModel:
                 # A link may share its joint's name; their parameters have different ones.
                 slots[link.name, name] = at
                 at += 1
-        self._law_start = at
         for joint in system.movable_joints:
             for name in laws.SLOT_NAMES:
                 slots[joint.name, name] = at
                 at += 1
+        for link in system.links:
+            if link.beam is not None:
+                names = [*BEAM_SLOTS, *[""] * (BEAM_HEAD - len(BEAM_SLOTS))]
+                names += [f"modal_damping_{k + 1}" for k in range(link.beam.modes)]
+                for k, name in enumerate(names):
+                    if name:
+                        slots[link.name, name] = at + k
+                at += beam_block_size(link.beam.modes)
+        for joint in system.joints:
+            if joint.parent != system.base and system.link(joint.parent).flexible:
+                at += section_table_size(_modes(system.link(joint.parent)))
         self.P = at
         self.slots = MappingProxyType(slots)
-        self._topology = _topology(system)
+        self._tables = _topology(system, slots)
         self._user, self._alive = _user_address(law)
 
     def slot(self, site: str, name: str) -> int:
@@ -193,11 +246,7 @@ class LaneModel:
             row[at : at + 3] = joint.xyz
             if not np.array_equal(joint.rotation, nominal.rotation):
                 row[at + 3 : at + 6] = _rotation_vector(nominal.rotation.T @ joint.rotation)
-            row[at + 6] = link.mass
-            row[at + 7 : at + 10] = link.mass * link.com
-            c = link.com
-            second = link.inertia + link.mass * (c @ c * np.eye(3) - np.outer(c, c))
-            row[at + 10 : at + 16] = second[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+            row[at + 6 : at + 16] = _rigid_part(link)
             at += PER_JOINT
         for joint in system.movable_joints:
             for name, value in (
@@ -208,6 +257,7 @@ class LaneModel:
                 ("rest_angle", joint.rest_position),
             ):
                 row[self.slot(joint.name, name)] = value
+        write_beams(row, system, self.slots, self._tables[0])
         return row
 
     def simulate(
@@ -273,7 +323,7 @@ class LaneModel:
 
         def part(first: int, last: int) -> None:
             run(
-                first, last, rows, start, *self._topology, self._law_start, self._user,
+                first, last, rows, start, *self._tables, self._user,
                 time, effort, driven, int(hold == "linear"), limits, tolerance, *_method(order),
                 position, velocity, acceleration,
             )  # fmt: skip
@@ -297,30 +347,81 @@ def _rotation_vector(rotation: Array) -> Array:
     return np.asarray(Rotation.from_matrix(rotation).as_rotvec())
 
 
-def _topology(system: System) -> tuple[Any, ...]:
-    """Index arrays that the kernels read: above, body, parent, child, prismatic, prefix, axes, nominal rotations."""
+def _modes(link: Link) -> int:
+    return 0 if link.beam is None else link.beam.modes
+
+
+def _rigid_part(link: Link) -> Array:
+    """Ten inertial parameters about the link's origin of what does not bend: mass, first and second moments, (10,)."""
+    about = about_origin(link)
+    own = np.concatenate([[link.mass], link.mass * link.com, about[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]])
+    beam = link.beam
+    if beam is None:
+        return own
+    l, f = beam.length, beam.direction
+    second = beam.mass * l * l / 3.0 * (np.eye(3) - np.outer(f, f)) + beam.payload_inertia
+    second = second + beam.payload * l * l * (np.eye(3) - np.outer(f, f))
+    first = (beam.mass / 2.0 + beam.payload) * l * f
+    taken = np.concatenate([[beam.mass + beam.payload], first, second[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]])
+    left = own - taken
+    # Differences of rounding are no hub.
+    size = np.repeat([abs(own[0]), np.abs(own[1:4]).max(), np.abs(own[4:]).max()], [1, 3, 6])
+    left[np.abs(left) < 1e-12 * size] = 0.0
+    return left
+
+
+def _topology(system: System, slots: Mapping[tuple[str, str], int]) -> tuple[Any, ...]:
+    """What the kernels read of the topology: table of links, table of nodes, sizes, joint axes, nominal rotations."""
     carrier = {joint.child: k for k, joint in enumerate(system.joints)}
-    above = np.array([carrier.get(joint.parent, -1) for joint in system.joints], dtype=np.int64)
-    body = np.full(len(system.joints), -1, dtype=np.int64)
-    parent: list[int] = []
-    prismatic: list[int] = []
-    for k, joint in enumerate(system.joints):
-        up = -1 if above[k] < 0 else int(body[above[k]])
+    links = np.full((len(system.joints), LINK_COLUMNS), -1, dtype=np.int64)
+    nodes: list[list[int]] = []
+    coordinate = 0
+    table = work = 0
+    flexible = [link for link in system.links if link.beam is not None]
+    section_row = 0
+    if flexible:
+        section_row = slots[flexible[-1].name, BEAM_SLOTS[0]] + beam_block_size(_modes(flexible[-1]))
+
+    def add(parent: int, kind: int, own: int, m: int = 0, points: int = 0, row: int = 0, head: int = 0) -> int:
+        nonlocal table, work
+        # Only a joint's body chooses its axes so that its first child needs no turn about z.
+        free = parent < 0 or nodes[parent][KIND] > PRISMATIC or any(node[PARENT] == parent for node in nodes)
+        prefix = int(free and kind != SECTION)
+        nodes.append([parent, kind, prefix, own, m, table, points, work, row, head])
+        if kind == BEAM:
+            table += beam_table_size(m, points)
+            work += beam_work_size(m)
+        elif kind == SECTION:
+            table += section_table_size(m)
+            work += section_work_size(m)
+        return len(nodes) - 1
+
+    for k, (joint, link) in enumerate(zip(system.joints, system.links, strict=True)):
+        up = carrier.get(joint.parent, -1)
+        links[k, ABOVE] = up
+        here = -1 if up < 0 else int(links[up, NODE])
+        if up >= 0 and links[up, BEAM_NODE] >= 0:
+            beam = int(links[up, BEAM_NODE])
+            m = nodes[beam][MODES]
+            here = add(beam, SECTION, nodes[beam][COORDINATE], m, row=section_row, head=int(links[up, BEAM_ROW]))
+            links[k, SECTION_NODE], links[k, SECTION_ROW] = here, section_row
+            section_row += section_table_size(m)
         if joint.movable:
-            body[k] = len(parent)
-            parent.append(up)
-            prismatic.append(int(joint.prismatic))
-        else:
-            body[k] = up
-    child = np.full(len(parent), -1, dtype=np.int64)
-    prefix = np.zeros(len(parent), dtype=np.int64)
-    for i, p in enumerate(parent):
-        if p >= 0 and child[p] < 0:
-            child[p] = i
-        else:
-            prefix[i] = 1
+            here = add(here, PRISMATIC if joint.prismatic else REVOLUTE, coordinate)
+            coordinate += 1
+            links[k, LAW_ROW] = slots[joint.name, laws.SLOT_NAMES[0]]
+        links[k, NODE] = here
+        if link.beam is not None:
+            m = link.beam.modes
+            beam = add(here, BEAM, coordinate, m, most_points(m))
+            links[k, BEAM_NODE] = beam
+            links[k, BEAM_ROW] = head = slots[link.name, BEAM_SLOTS[0]]
+            tip = head + beam_block_size(m) - section_table_size(m)
+            links[k, TIP_NODE] = add(beam, SECTION, coordinate, m, row=tip, head=head)
+            coordinate += m
+    tree = np.array(nodes, dtype=np.int64).reshape(-1, COLUMNS)
+    tree[:, WORK] += coordinate * JOINT + GROUP + len(nodes) * BODY
+    sizes = np.array([coordinate * JOINT + GROUP + len(nodes) * BODY + work, table], dtype=np.int64)
     axes = np.array([joint.axis for joint in system.joints], dtype=np.float64)
     nominal = np.array([joint.rotation for joint in system.joints], dtype=np.float64)
-    return (
-        above, body, np.array(parent, dtype=np.int64), child, np.array(prismatic, dtype=np.int64), prefix, axes, nominal,
-    )  # fmt: skip
+    return links, tree, sizes, axes, nominal

@@ -19,14 +19,12 @@ from numba import njit
 from harness.denoc import laws as law
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import (
-    BODY,
     BRISTLE,
     BRISTLE_RATE,
     CONSTANTS,
     CONTACT,
     DIRECTION,
     FREE,
-    GROUP,
     HOLD,
     JOINT,
     LIMIT,
@@ -57,20 +55,19 @@ LEDGER = 13
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def _slopes(
-    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
+    tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int, dry: int, state: Any, slopes: Any, at: int, ledger: Any,
 ) -> None:  # fmt: skip
     """Time derivative of ``state`` (positions, velocities, bristles) at the workspace's time, to ``slopes[at:]``."""
-    joints = n * BODY * 8
     for i in range(n):
-        j = joints + i * JOINT * 8
+        j = i * JOINT * 8
         store(ws, j + Q * 8, load(state, i * 8))
         store(ws, j + QD * 8, load(state, (n + i) * 8))
         if width > 2 * n:
             store(ws, j + BRISTLE * 8, load(state, (2 * n + i) * 8))
-    accelerations(parent, prismatic, prefix, flags, constants, laws, ws, n, user, shaken, loaded)
+    accelerations(tree, flags, constants, beams, laws, ws, n, user, shaken, loaded)
     for i in range(n):
-        j = joints + i * JOINT * 8
+        j = i * JOINT * 8
         store(slopes, at + i * 8, load(ws, j + QD * 8))
         store(slopes, at + (n + i) * 8, load(ws, j + QDD * 8))
         if width > 2 * n:
@@ -78,7 +75,7 @@ def _slopes(
     if dry:
         for i in range(n):
             if flags[i] & law.HAS_DRY:
-                j = joints + i * JOINT * 8
+                j = i * JOINT * 8
                 for lane in range(8):
                     if ws[j + FREE * 8 + lane] == 0.0:
                         limit = ws[j + LIMIT * 8 + lane]
@@ -166,9 +163,7 @@ def _root(
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def _first_event(
-    dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int, lane: int, joints: int
-) -> tuple[float, int, int]:
+def _first_event(dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int, lane: int) -> tuple[float, int, int]:
     """Earliest change of mode in one lane's step: (fraction, joint, kind); fraction 2 if there is none.
 
     A fraction of 0 means that the mode is already contradicted where the step began.
@@ -177,7 +172,7 @@ def _first_event(
     which = -1
     what = -1
     for i in range(n):
-        j = joints + i * JOINT * 8 + lane
+        j = i * JOINT * 8 + lane
         for kind in range(2):
             if kind == 0:
                 if flags[i] & law.HAS_SIGN == 0 or ws[j + FREE * 8] == 0.0 or ws[j + DIRECTION * 8] == 0.0:
@@ -212,7 +207,7 @@ def _first_event(
 
 @njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
 def run_group(
-    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
+    tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int,
     time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any, exponent: float,
@@ -224,15 +219,14 @@ def run_group(
     state: initial state, lane-contiguous, rows positions, velocities, bristles; effort: (1 or B, T, n);
     driven: 0 none, 1 one effort for all, 2 one a lane; hold: 1 linear between samples, 0 held.
     """
-    joints = n * BODY * 8
-    group = joints + n * JOINT * 8
+    group = n * JOINT * 8
     stages = table.shape[0] - 1
     samples = time.shape[0]
     end = time[samples - 1]
-    dry = np.int64(0)
-    no = np.int64(0)
-    signed = np.int64(0)
-    stops = np.int64(0)
+    dry: Any = np.int64(0)
+    no: Any = np.int64(0)
+    signed: Any = np.int64(0)
+    stops: Any = np.int64(0)
     for i in range(n):
         if flags[i] & law.HAS_DRY:
             dry = 1
@@ -251,7 +245,7 @@ def run_group(
         ledger[LOADED * 8 + lane] = 0.0
         next_sample[lane] = 0
         for i in range(n):
-            j = joints + i * JOINT * 8 + lane
+            j = i * JOINT * 8 + lane
             start = i * law.WIDTH * 8
             ws[j + FREE * 8] = 1.0
             ws[j + DIRECTION * 8] = 0.0
@@ -289,7 +283,7 @@ def run_group(
                 ws[group + TAU_TIME * 8 + lane] = time[k]
                 ledger[UNTIL * 8 + lane] = time[k + 1]
                 for i in range(n):
-                    j = joints + i * JOINT * 8 + lane
+                    j = i * JOINT * 8 + lane
                     ws[j + TAU * 8] = effort[source, k, i]
                     if hold:
                         ws[j + TAU_SLOPE * 8] = (effort[source, k + 1, i] - effort[source, k, i]) / (
@@ -309,7 +303,7 @@ def run_group(
             for _ in range(4 * n + 4):
                 store(ws, group + TIME * 8, load(ledger, CLOCK * 8))
                 _slopes(
-                    parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, no,
+                    tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, no,
                     state, slopes, width * 8 * KEPT, ledger,
                 )  # fmt: skip
                 changed = 0
@@ -320,7 +314,7 @@ def run_group(
                         worst = 0.0
                         loose = -1
                         for i in range(n):
-                            j = joints + i * JOINT * 8 + lane
+                            j = i * JOINT * 8 + lane
                             if ws[j + FREE * 8] == 0.0:
                                 limit = ws[j + LIMIT * 8] * (1.0 + 2.0 * ALMOST)
                                 over = abs(ws[j + HOLD * 8]) - limit
@@ -328,14 +322,14 @@ def run_group(
                                     worst = over
                                     loose = i
                         if loose >= 0:
-                            j = joints + loose * JOINT * 8 + lane
+                            j = loose * JOINT * 8 + lane
                             ws[j + FREE * 8] = 1.0
                             ws[j + DIRECTION * 8] = -1.0 if ws[j + HOLD * 8] > 0.0 else 1.0
                             changed = 1
                         elif ledger[GRIPPED * 8 + lane] < 2.0 * n:
                             # Letting another joint go may turn round one that was let go before.
                             for i in range(n):
-                                j = joints + i * JOINT * 8 + lane
+                                j = i * JOINT * 8 + lane
                                 if (
                                     flags[i] & law.HAS_DRY
                                     and ws[j + FREE * 8] != 0.0
@@ -357,7 +351,7 @@ def run_group(
                     for f in range(width):
                         slopes[f * 8 + lane] = slopes[(KEPT * width + f) * 8 + lane]
                     for i in range(n):
-                        j = joints + i * JOINT * 8 + lane
+                        j = i * JOINT * 8 + lane
                         ws[j + REACTION_START * 8] = ws[j + REACTION * 8]
         # Samples that lie just where a lane stands; steps.
         anyone = 0
@@ -402,7 +396,7 @@ def run_group(
                 store(after, f * 8, load(state, f * 8) + steps * total)
             store(ws, group + TIME * 8, clock + fractions[s] * steps)
             _slopes(
-                parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, dry,
+                tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
                 after, slopes, s * width * 8, ledger,
             )  # fmt: skip
         sum_5 = spread(0.0)
@@ -463,7 +457,7 @@ def run_group(
                     store(after, (width + f) * 8, load(state, f * 8) + steps * total)
                 store(ws, group + TIME * 8, clock + extra_fractions[e] * steps)
                 _slopes(
-                    parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, dry,
+                    tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
                     after[width * 8 :], slopes, s * width * 8, ledger,
                 )  # fmt: skip
             _polynomials(state, slopes, dense, ledger, width, weights)
@@ -477,7 +471,7 @@ def run_group(
                     ledger[SUSPECT * 8 + lane] = 0.0
         if broken:
             _break_loose(
-                parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded,
+                tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
                 after, slopes, dense, ledger, lanes,
             )  # fmt: skip
         # Commit lane by lane.
@@ -490,7 +484,7 @@ def run_group(
             which = -1
             what = -1
             if eventful and (ledger[STALL * 8 + lane] < 4.0 or h_lane > 1e-7):
-                until, which, what = _first_event(dense, laws, ws, flags, n, width, lane, joints)
+                until, which, what = _first_event(dense, laws, ws, flags, n, width, lane)
             breaks = ledger[SUSPECT * 8 + lane]
             if broken and 0.0 < breaks <= 1.0 and breaks < until:
                 until = breaks
@@ -530,9 +524,9 @@ def run_group(
                 state[f * 8 + lane] = _at(dense, width, f, lane, until)
             ledger[DIRTY * 8 + lane] = 1.0
             for i in range(n):
-                if ws[joints + i * JOINT * 8 + FREE * 8 + lane] == 0.0:
+                if ws[i * JOINT * 8 + FREE * 8 + lane] == 0.0:
                     state[(n + i) * 8 + lane] = 0.0
-            j = joints + which * JOINT * 8 + lane
+            j = which * JOINT * 8 + lane
             if what == 0:
                 used = law.terms_in_use(laws, which * law.WIDTH * 8 + lane, 8)
                 state[(n + which) * 8 + lane] = 0.0
@@ -549,12 +543,12 @@ def run_group(
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def _excess(ws: Any, joints: int, n: int, lane: int) -> tuple[float, int]:
+def _excess(ws: Any, n: int, lane: int) -> tuple[float, int]:
     """How far the most strained held joint of a lane is beyond its limit (negative within), and which it is."""
     worst = -1e300
     which = 0
     for i in range(n):
-        j = joints + i * JOINT * 8 + lane
+        j = i * JOINT * 8 + lane
         if ws[j + FREE * 8] == 0.0:
             over = abs(ws[j + HOLD * 8]) - ws[j + LIMIT * 8] * (1.0 + ALMOST)
             if over > worst:
@@ -565,7 +559,7 @@ def _excess(ws: Any, joints: int, n: int, lane: int) -> tuple[float, int]:
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def _break_loose(
-    parent: Any, prismatic: Any, prefix: Any, flags: Any, constants: Any, laws: Any, ws: Any, n: int, width: int,
+    tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int, after: Any, slopes: Any, dense: Any, ledger: Any, lanes: int,
 ) -> None:  # fmt: skip
     """Find when held joints break loose within the step.
@@ -573,8 +567,7 @@ def _break_loose(
     On return SUSPECT holds the fraction of the step (2 if the joints hold), GRIPPED the joint, and the workspace's HOLD
     of that joint the force at that instant.
     """
-    joints = n * BODY * 8
-    group = joints + n * JOINT * 8
+    group = n * JOINT * 8
     trial = after[2 * width * 8 :]
     # SUSPECT: 1 searching … ; low, high and values lie in the trial rows behind the state.
     low = after[3 * width * 8 :]
@@ -597,18 +590,18 @@ def _break_loose(
                 trial[f * 8 + lane] = _at(dense, width, f, lane, x)
             ws[group + TIME * 8 + lane] = ledger[CLOCK * 8 + lane] + x * ledger[USED * 8 + lane]
         _slopes(
-            parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded, np.int64(0),
+            tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, np.int64(0),
             trial, slopes, width * 8 * KEPT, ledger,
         )  # fmt: skip
         for lane in range(lanes):
             if low[48 + lane] != 0.0:
                 continue
             x = low[8 + lane]
-            over, which = _excess(ws, joints, n, lane)
+            over, which = _excess(ws, n, lane)
             if over > 0.0:
                 low[16 + lane] = x
                 low[40 + lane] = over
-                low[24 + lane] = ws[joints + which * JOINT * 8 + HOLD * 8 + lane]
+                low[24 + lane] = ws[which * JOINT * 8 + HOLD * 8 + lane]
                 ledger[GRIPPED * 8 + lane] = which
             else:
                 low[lane] = x
@@ -642,24 +635,28 @@ def _break_loose(
             ledger[SUSPECT * 8 + lane] = low[16 + lane] if low[16 + lane] <= 1.0 else 2.0
         if ledger[SUSPECT * 8 + lane] <= 1.0:
             which = int(ledger[GRIPPED * 8 + lane])
-            ws[joints + which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
+            ws[which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
-    above: Any, body: Any, parent: Any, child: Any, prismatic: Any, prefix: Any, axes: Any, nominal: Any, law_start: int,
+    links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any,
     user: int, time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any, exponent: float,
     position: Any, velocity: Any, acceleration: Any,
 ) -> None:  # fmt: skip
-    """Advance the groups first … last − 1 of eight rows each; ``start``: positions then velocities, (B, 2 n)."""
-    n = parent.shape[0]
+    """Advance the groups first … last − 1 of eight rows each; ``start``: positions then velocities, (B, 2 n).
+
+    sizes: vectors of eight lanes in the workspace and in the beams' tables.
+    """
+    n = position.shape[2]
     copies = rows.shape[0]
     most = 3 * n
-    constants = np.zeros(n * CONSTANTS * 8)
+    constants = np.zeros(tree.shape[0] * CONSTANTS * 8)
+    beams = np.zeros(sizes[1] * 8)
     laws = np.zeros(n * law.WIDTH * 8)
-    ws = np.zeros((n * (BODY + JOINT) + GROUP) * 8)
+    ws = np.zeros(sizes[0] * 8)
     state = np.zeros(most * 8)
     after = np.zeros((3 * most + 8) * 8)
     slopes = np.zeros((KEPT + 1) * most * 8)
@@ -667,17 +664,15 @@ def run_groups(
     ledger = np.zeros(LEDGER * 8)
     next_sample = np.zeros(8, dtype=np.int64)
     flags = np.zeros(n, dtype=np.int64)
-    shake = ws[(n * (BODY + JOINT) + SHAKE) * 8 :]
+    shake = ws[(n * JOINT + SHAKE) * 8 :]
     for g in range(first, last):
         lanes = min(8, copies - 8 * g)
         for i in range(n):
             flags[i] = 0
-        shaken = np.int64(0)  # not the literal 0, which would be compiled for separately
+        shaken: Any = np.int64(0)  # not the literal 0, which would be compiled for separately
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
-            prepare_lane(
-                rows[source], lane, above, body, parent, child, axes, nominal, n, law_start, constants, laws, shake
-            )
+            prepare_lane(rows[source], lane, links, tree, axes, nominal, constants, beams, laws, shake)
             for i in range(n):
                 flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
                 state[i * 8 + lane] = start[source, i]
@@ -686,14 +681,14 @@ def run_groups(
             if rows[source, 3] != 0.0:
                 shaken = 1
         width = 2 * n
-        loaded = np.int64(0)
+        loaded: Any = np.int64(0)
         for i in range(n):
             if flags[i] & law.HAS_DAHL:
                 width = 3 * n
             if flags[i] & law.HAS_LOAD:
                 loaded = 1
         run_group(
-            parent, prismatic, prefix, flags, constants, laws, ws, n, width, user, shaken, loaded,
+            tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
             time, effort, driven, hold, longest, tolerance,
             table, fractions, errors_5, errors_3, extra, extra_fractions, weights, exponent,
             state, after, slopes, dense, ledger, next_sample,

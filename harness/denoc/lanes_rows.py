@@ -1,4 +1,5 @@
-"""From a parameter row to the constants of the recursion: fixed joints merged, frames turned so that joint axes are z."""
+"""From a parameter row to the constants of the recursion: fixed joints merged, frames turned so
+that joint axes are z, beams scaled."""
 
 from __future__ import annotations
 
@@ -9,7 +10,26 @@ import numpy as np
 from numba import njit
 
 from harness.denoc import laws as law
-from harness.denoc.lanes_tree import ALPHA, CONSTANTS, DELTA, FIRST, GAMMA, MASS, SECOND, R
+from harness.denoc.lanes_tree import (
+    ALPHA,
+    CONSTANTS,
+    COORDINATE,
+    DELTA,
+    FIRST,
+    GAMMA,
+    HEAD,
+    KIND,
+    MASS,
+    MODES,
+    PARENT,
+    POINTS,
+    PRISMATIC,
+    ROW,
+    SECOND,
+    SECTION,
+    TABLE,
+    R,
+)
 
 BASE_SLOTS = (
     "gravity_x",
@@ -36,6 +56,18 @@ INERTIA_SLOTS = (
     "inertia_yz",
 )
 PER_JOINT = len(PLACEMENT_SLOTS) + len(INERTIA_SLOTS)
+
+BEAM_SLOTS = ("payload", "stiffness_factor", "mass_factor", "material_damping", "stiffening")
+PAYLOAD, STIFFNESS_FACTOR, MASS_FACTOR, MATERIAL_DAMPING, STIFFENING = range(5)
+# Behind the slots with names: directions f and h in the link frame, inertia of the payload about the tip; then, m and
+# m² at a time, modal damping ratios (named), stiffness K, damping for a ratio of one of each mode, mass points.
+BEAM_AXES, PAYLOAD_INERTIA, BEAM_HEAD = 5, 11, 17
+
+# Columns of the table of joints and their child links: joint that carries the parent link (-1: base), node that the
+# child link belongs to (-1: base), section node that the joint rides on or -1, node of the child's beam or -1, its tip
+# node, where in a row the child's beam, the joint's section and the joint's law begin.
+ABOVE, NODE, SECTION_NODE, BEAM_NODE, TIP_NODE, BEAM_ROW, SECTION_ROW, LAW_ROW = range(8)
+LINK_COLUMNS = 8
 
 
 @njit(cache=True, error_model="numpy")
@@ -103,25 +135,24 @@ def _add_inertia(row: Any, at: int, turn: Any, shift: Any, total: Any) -> None:
 
 @njit(cache=True, error_model="numpy")
 def prepare_lane(
-    row: Any, lane: int, above: Any, body: Any, parent: Any, child: Any, axes: Any, nominal: Any, n: int, law_start: int,
-    constants: Any, laws: Any, shake: Any,
+    row: Any, lane: int, links: Any, tree: Any, axes: Any, nominal: Any, constants: Any, beams: Any, laws: Any, shake: Any,
 ) -> None:  # fmt: skip
     """Write one row's constants into one lane of a group.
 
-    above: joint that carries each joint's parent link, −1 for the base, shape (joints,);
-    body: movable-joint number of the body that each joint's child belongs to, −1 for the base, shape (joints,);
-    parent: body that carries each body, −1 for the base, shape (n,); child: a body's first child body or −1, shape (n,);
+    links: one line a joint (with its child link), columns ABOVE …; tree: one line a node, as in ``lanes_tree``;
     axes: joint axes, shape (joints, 3); nominal: joint rotations, shape (joints, 3, 3).
     """
-    joints = above.shape[0]
-    turn = np.zeros((joints, 3, 3))  # pose of each link in its body's link frame
+    joints = links.shape[0]
+    nodes = tree.shape[0]
+    turn = np.zeros((joints, 3, 3))  # pose of each link in the frame of the node that carries it
     shift = np.zeros((joints, 3))
-    mount = np.zeros((n, 3, 3))  # pose of each body's link frame in the parent body's link frame, at zero position
-    offset = np.zeros((n, 3))
-    total = np.zeros((n, 10))
+    mount = np.zeros((nodes, 3, 3))  # pose of each node's link frame in the parent node's link frame, at zero position
+    offset = np.zeros((nodes, 3))
+    frames = np.zeros((nodes, 3, 3))  # link frame to node frame; of joint nodes only z is known at first
+    child = np.full(nodes, -1)
+    total = np.zeros((nodes, 10))
     local = np.empty((3, 3))
     placed = np.empty((3, 3))
-    axis = np.zeros((n, 3))
     whole = np.empty((3, 3))
     move = np.empty(3)
     identity = np.zeros((3, 3))
@@ -133,11 +164,19 @@ def prepare_lane(
     for i in range(3):
         identity[i, i] = 1.0
     for j in range(joints):
-        at = 9 + j * PER_JOINT
+        at = len(BASE_SLOTS) + j * PER_JOINT
         _rotation(row[at + 3], row[at + 4], row[at + 5], local)
         _multiply(nominal[j], local, placed)
-        up = above[j]
-        if up < 0:
+        up = links[j, ABOVE]
+        section = links[j, SECTION_NODE]
+        if section >= 0:
+            # On a flexible link: what is left of the origin is an offset from the section.
+            start = links[up, BEAM_ROW]
+            station = row[links[j, SECTION_ROW]]
+            _multiply(identity, placed, whole)
+            for i in range(3):
+                move[i] = row[at + i] - station * row[start + BEAM_AXES + i]
+        elif up < 0:
             _multiply(identity, placed, whole)
             for i in range(3):
                 move[i] = row[at + i]
@@ -147,13 +186,12 @@ def prepare_lane(
                 move[i] = shift[up, i] + (
                     turn[up, i, 0] * row[at] + turn[up, i, 1] * row[at + 1] + turn[up, i, 2] * row[at + 2]
                 )
-        here = body[j]
-        above_here = -1 if up < 0 else body[up]
-        if here >= 0 and (here != above_here):
+        here = links[j, NODE]
+        if links[j, LAW_ROW] >= 0:
             _multiply(identity, whole, mount[here])
             for i in range(3):
                 offset[here, i] = move[i]
-                axis[here, i] = axes[j, i]
+                frames[here, 2, i] = axes[j, i]
                 turn[j, i, i] = 1.0
         else:
             _multiply(identity, whole, turn[j])
@@ -161,16 +199,51 @@ def prepare_lane(
                 shift[j, i] = move[i]
         if here >= 0:
             _add_inertia(row, at + 6, turn[j], shift[j], total[here])
+        beam = links[j, BEAM_NODE]
+        if beam >= 0:
+            start = links[j, BEAM_ROW]
+            tip = links[j, TIP_NODE]
+            _multiply(identity, turn[j], mount[beam])
+            for i in range(3):
+                offset[beam, i] = shift[j, i]
+                frames[beam, 0, i] = row[start + BEAM_AXES + i]
+                frames[beam, 1, i] = row[start + BEAM_AXES + 3 + i]
+            for i in range(3):
+                a, b = (i + 1) % 3, (i + 2) % 3
+                frames[beam, 2, i] = frames[beam, 0, a] * frames[beam, 1, b] - frames[beam, 0, b] * frames[beam, 1, a]
+            total[tip, 0] += row[start + PAYLOAD]
+            for i in range(6):
+                total[tip, 4 + i] += row[start + PAYLOAD_INERTIA + i]
+            _write_beam(row, start, tree[beam, MODES], tree[beam, POINTS], lane, beams, tree[beam, TABLE])
+    for i in range(nodes):
+        p = tree[i, PARENT]
+        if p >= 0 and child[p] < 0:
+            child[p] = i
+        if tree[i, KIND] == SECTION:
+            _multiply(identity, identity, mount[i])
+            _multiply(identity, frames[p], frames[i])
+            stiffening = row[tree[i, HEAD] + STIFFENING]
+            m = tree[i, MODES]
+            for k in range(1 + 2 * m + m * m):
+                value = row[tree[i, ROW] + k]
+                if k > 2 * m:
+                    value *= stiffening
+                beams[(tree[i, TABLE] + k) * 8 + lane] = value
     # Body frames: z along the axis, x across the axes of the body and its first child.
-    frames = np.zeros((n, 3, 3))  # link frame to body frame
-    for i in range(n):
-        z = axis[i]
+    for i in range(nodes):
+        if tree[i, KIND] > PRISMATIC:
+            continue
+        z = frames[i, 2]
         for a in range(3):
             x[a] = 0.0
         if child[i] >= 0:
             c = child[i]
             for a in range(3):
-                zc[a] = mount[c, a, 0] * axis[c, 0] + mount[c, a, 1] * axis[c, 1] + mount[c, a, 2] * axis[c, 2]
+                zc[a] = (
+                    mount[c, a, 0] * frames[c, 2, 0]
+                    + mount[c, a, 1] * frames[c, 2, 1]
+                    + mount[c, a, 2] * frames[c, 2, 2]
+                )
             x[0] = z[1] * zc[2] - z[2] * zc[1]
             x[1] = z[2] * zc[0] - z[0] * zc[2]
             x[2] = z[0] * zc[1] - z[1] * zc[0]
@@ -191,13 +264,12 @@ def prepare_lane(
                 x[a] /= size
         for a in range(3):
             frames[i, 0, a] = x[a]
-            frames[i, 2, a] = z[a]
         frames[i, 1, 0] = z[1] * x[2] - z[2] * x[1]
         frames[i, 1, 1] = z[2] * x[0] - z[0] * x[2]
         frames[i, 1, 2] = z[0] * x[1] - z[1] * x[0]
     relative = np.empty((3, 3))
-    for i in range(n):
-        p = parent[i]
+    for i in range(nodes):
+        p = tree[i, PARENT]
         _multiply(mount[i], frames[i].T, local)
         if p >= 0:
             _multiply(frames[p], local, relative)
@@ -205,14 +277,15 @@ def prepare_lane(
             _multiply(identity, local, relative)
         # relative = turn about z by gamma · about x by alpha · about z by delta
         gamma = 0.0
-        if (p < 0 or child[p] != i) and relative[0, 2] ** 2 + relative[1, 2] ** 2 > 1e-16:
+        free = p < 0 or child[p] != i or tree[p, KIND] > PRISMATIC
+        if free and relative[0, 2] ** 2 + relative[1, 2] ** 2 > 1e-16:
             gamma = math.atan2(relative[0, 2], -relative[1, 2])
         cg = math.cos(gamma)
         sg = math.sin(gamma)
         for a in range(3):
-            first = cg * relative[0, a] + sg * relative[1, a]
+            swap = cg * relative[0, a] + sg * relative[1, a]
             relative[1, a] = cg * relative[1, a] - sg * relative[0, a]
-            relative[0, a] = first
+            relative[0, a] = swap
         alpha = math.atan2(-relative[1, 2], relative[2, 2])
         delta = math.atan2(-relative[0, 1], relative[0, 0])
         k = i * CONSTANTS * 8 + lane
@@ -238,10 +311,38 @@ def prepare_lane(
             constants[k + (FIRST + a) * 8] = turned[1 + a]
         for a in range(6):
             constants[k + (SECOND + a) * 8] = turned[4 + a]
-        for a in range(law.WIDTH):
-            laws[(i * law.WIDTH + a) * 8 + lane] = row[law_start + i * law.WIDTH + a]
+    for j in range(joints):
+        if links[j, LAW_ROW] >= 0:
+            c = tree[links[j, NODE], COORDINATE]
+            for a in range(law.WIDTH):
+                laws[(c * law.WIDTH + a) * 8 + lane] = row[links[j, LAW_ROW] + a]
     for a in range(3):
         shake[a * 8 + lane] = row[a]
         shake[(5 + a) * 8 + lane] = row[3] * row[6 + a]
     shake[3 * 8 + lane] = 2.0 * math.pi * row[4]
     shake[4 * 8 + lane] = row[5]
+
+
+@njit(cache=True, error_model="numpy")
+def _write_beam(row: Any, start: int, m: int, points: int, lane: int, beams: Any, table: int) -> None:
+    """A beam's stiffness, damping and mass points, its factors applied, into one lane of the beams' tables."""
+    ratios = start + BEAM_HEAD
+    stiffness = ratios + m
+    factor = row[start + STIFFNESS_FACTOR]
+    material = row[start + MATERIAL_DAMPING]
+    for k in range(m * m):
+        value = factor * row[stiffness + k]
+        beams[(table + k) * 8 + lane] = value
+        value *= material
+        for r in range(m):
+            value += row[ratios + r] * row[stiffness + (r + 1) * m * m + k]
+        beams[(table + m * m + k) * 8 + lane] = value
+    values = stiffness + (m + 1) * m * m
+    scale = math.sqrt(max(row[start + MASS_FACTOR], 0.0))
+    size = 2 + m + m * m
+    for p in range(points):
+        for k in range(size):
+            value = scale * row[values + p * size + k]
+            if k >= 2 + m:
+                value *= row[start + STIFFENING]
+            beams[(table + 2 * m * m + p * size + k) * 8 + lane] = value

@@ -570,5 +570,5 @@ def test_what_does_not_fit_is_named():
         model.simulate(row, [0.0], [0.0], time, tau=np.zeros((4, 1)))
     with pytest.raises(InputError, match="not the joints"):
         model.row(double_pendulum())
-    with pytest.raises(UnsupportedError, match="flexible"):
-        LaneModel(random_chain(2, flexible=1.0))
+    with pytest.raises(UnsupportedError, match="two planes"):
+        LaneModel(random_chain(2, flexible=1.0, bending2=True))
