@@ -61,7 +61,7 @@ def state_checks(n: int, states: int = 8) -> tuple[Check, ...]:
     return (
         StateAgreement("acceleration", allowed, why, states, conditioned=True),
         StateAgreement("inverse_dynamics", 1e-12 if n <= 50 else 1e-11, exact, states),
-        StateAgreement("mass_matrix", 1e-12 if n <= 50 else 1e-11, exact, states),
+        StateAgreement("mass_matrix", 1e-12 if n <= 50 else 1e-11, exact, states, conditioned=True),
         StateAgreement("bias", 1e-12 if n <= 50 else 1e-11, exact, states),
         StateAgreement("gravity", 1e-12 if n <= 50 else 1e-11, exact, states),
         StateAgreement("energy", 1e-12 if n <= 50 else 1e-11, exact, states),

@@ -36,8 +36,8 @@ class StateAgreement:
     quantity: a key of ``QUANTITIES``. allowed: relative. why: the reason for it. states: how many random states.
     speed: 1σ of joint velocities [rad/s or m/s]; effort: 1σ of accelerations asked of inverse dynamics [rad/s²],
     torques being of the size that inverse dynamics gives; elastic: 1σ of elastic coordinates.
-    conditioned: the quantity solves with the mass matrix, which multiplies rounding; where that alone explains more
-    than ``allowed``, it is what is allowed, and the row says so.
+    conditioned: (acceleration, mass_matrix) the mechanism may multiply rounding; where that alone explains more than
+    ``allowed``, it is what is allowed, and the row says so.
     """
 
     quantity: str
@@ -68,10 +68,15 @@ class StateAgreement:
         differences = {name: measure(values[NATIVE], value) for name, value in values.items() if name != NATIVE}
         allowed, note = self.allowed, ""
         if mass is not None and self.conditioned and _beyond(differences, allowed):
-            explained = rounding(bench.models[NATIVE], states, mass, values[NATIVE])
+            if self.quantity == "acceleration":
+                explained = rounding(bench.models[NATIVE], states, mass, values[NATIVE])
+                what = "ill-conditioned: rounding of the mass matrix and the forces"
+            else:
+                explained = normwise(mass)
+                what = "inertias of very different size: rounding of the largest, summed about a common point,"
             if explained > allowed:
                 allowed = explained
-                note = f"ill-conditioned: rounding of the mass matrix and the forces alone explains {explained:.0e}"
+                note = f"{what} alone explains {explained:.0e}"
         if _beyond(differences, allowed):
             verdict = vote(values, allowed, lambda a, b: float(measure(a, b).max()))
             note = "; ".join(filter(None, [note, verdict.sentence]))
@@ -199,6 +204,17 @@ def rounding(model: EngineModel, states: States, mass: Array, acceleration: Arra
         errors.append(np.abs(np.linalg.inv(mass[k])) @ forces)
     unit = 2.0 * np.sqrt(states.q.shape[1]) * np.finfo(np.float64).eps
     return float(unit * quantities.accelerations(mass, acceleration, acceleration + np.array(errors)).max())
+
+
+def normwise(mass: Array) -> float:
+    """Relative error of a mass matrix's entries that rounding brings to engines that sum inertia about a common point.
+
+    MuJoCo does so about the centre of mass of the whole tree: a wrist's inertia is what is left of terms of the size of
+    the arm's. 2 √n ε max M_jj / min M_ii, at the worst of the states; mass (B, n, n).
+    """
+    diagonal = np.diagonal(mass, axis1=1, axis2=2)
+    unit = 2.0 * np.sqrt(mass.shape[1]) * np.finfo(np.float64).eps
+    return float(unit * (diagonal.max(axis=1) / diagonal.min(axis=1)).max())
 
 
 def where(system: System, quantity: str, state: int, a: Array, b: Array) -> dict[str, object]:
