@@ -8,6 +8,7 @@ it. That way a misfit is not taken for noise.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,7 +93,7 @@ def _bands(omega: Array, power: Array, averaged: int, motion: float) -> tuple[Ar
     count = len(omega)
     edges = np.unique(np.round(np.geomspace(1, count + 1, 28)).astype(int)) - 1
     centre, level, bins = [], [], []
-    for lo, hi in zip(edges[:-1], edges[1:], strict=True):
+    for lo, hi in pairwise(edges):
         chunk = power[lo:hi]
         k = len(chunk)
         centre.append(float(np.mean(omega[lo:hi])))
@@ -121,11 +122,12 @@ def periodogram(segments: list[Array]) -> tuple[Array, Array]:
     return omega, total / len(segments)
 
 
-def estimate_colour(segments: list[Array], interval: float, motion_band_hz: float) -> Colour:
+def estimate_colour(segments: list[Array], interval: float, motion_band_hz: float, swing_hz: float) -> Colour:
     """Noise behind residual stretches.
 
     segments: residuals on an even grid [channel unit]; interval: [s] a sample; motion_band_hz: below this frequency the
-    motion has power of its own and a misfit may show.
+    motion has power of its own and a misfit may show. swing_hz: no noise remembers longer than the swing lasts: what does is
+    misfit (a jump of the reading has the spectrum of noise with endless memory).
     """
     segments = [s for s in segments if len(s) >= 32]
     if not segments:
@@ -138,31 +140,34 @@ def estimate_colour(segments: list[Array], interval: float, motion_band_hz: floa
     if inside.sum() > len(centre) - 4:
         inside[-4:] = False
     scale = float(np.median(level[~inside]))
+    longest = float(np.exp(-2.0 * np.pi * swing_hz * interval))
 
-    def loss(x: Array) -> float:
+    def loss(x: Array, weights: Array | None = None) -> float:
         white, coloured = np.exp(np.clip(x[0], -30, 30)), np.exp(np.clip(x[1], -30, 30))
-        phi = 1.0 / (1.0 + np.exp(-np.clip(x[2], -12, 9)))
+        phi = longest / (1.0 + np.exp(-np.clip(x[2], -12, 9)))
         shape = (1.0 - phi**2) / np.abs(1.0 - phi * np.exp(-1j * centre)) ** 2
         ratio = level / scale / (white + coloured * shape)
         # Whittle: log S + I/S, zero at its best value; bounded where a misfit may stand far above the noise.
         cost = ratio - 1.0 - np.log(ratio)
         cost = np.where(inside & (ratio > 1.0), np.minimum(cost, MISFIT_COST), cost)
-        return float(np.sum(bins * cost))
+        return float(np.sum((bins if weights is None else weights) * cost))
 
     white_only = minimize(lambda y: loss(np.array([y[0], -40.0, 0.0])), [0.0], method="Nelder-Mead")
     best, best_x = float(white_only.fun), np.array([white_only.x[0], -40.0, 0.0])
-    white_loss = best
+    beyond = np.where(inside, 0.0, bins)
+    bare = minimize(lambda y: loss(np.array([y[0], -40.0, 0.0]), beyond), [0.0], method="Nelder-Mead")
     for start in ([-2.0, 0.0, 0.0], [-2.0, 1.0, 3.0], [0.0, 2.0, 4.5], [-4.0, 1.0, 1.5]):
         trial = minimize(loss, start, method="Nelder-Mead", options={"maxiter": 600, "xatol": 1e-3, "fatol": 1e-3})
         if trial.fun < best:
             best, best_x = float(trial.fun), np.asarray(trial.x)
-    # Two more parameters must earn their place (difference of twice the log-likelihood is 2·cost).
-    if 2.0 * (white_loss - best) < 2.0 * np.log(max(np.sum(bins), 2.0)):
+    # Two more parameters must earn their place (difference of twice the log-likelihood is 2·cost), and beyond the motion's
+    # band: what shows only inside it is misfit until it is explained.
+    if 2.0 * (float(bare.fun) - loss(best_x, beyond)) < 2.0 * np.log(max(np.sum(bins), 2.0)):
         best_x = np.array([white_only.x[0], -60.0, 0.0])
         plain = Colour(float(np.sqrt(np.exp(white_only.x[0]) * scale)), interval=interval)
         size = _scale(omega, power, plain, motion)
         return Colour(plain.white * size, interval=interval)
-    phi = float(1.0 / (1.0 + np.exp(-np.clip(best_x[2], -12, 9))))
+    phi = float(longest / (1.0 + np.exp(-np.clip(best_x[2], -12, 9))))
     white = float(np.sqrt(np.exp(np.clip(best_x[0], -30, 30)) * scale))
     coloured = float(np.sqrt(np.exp(np.clip(best_x[1], -30, 30)) * scale))
     size = _scale(omega, power, Colour(white, coloured, phi, interval), motion)

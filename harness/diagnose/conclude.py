@@ -60,7 +60,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
     study = outcome.study
     worst, worst_value = -1, np.inf
     for k, member in enumerate(fitted.hypothesis.members):
-        smaller = study.reduce(fitted, k)
+        smaller = study.below(fitted, k)
         gain = smaller.score - fitted.score
         enough = gain > study.price(member, len(fitted.hypothesis.members) - 1)
         visible = gain > PRACTICAL**2 * study.samples
@@ -100,6 +100,22 @@ def _probabilities(outcome: Outcome) -> dict[str, float]:
     return out
 
 
+def _imitated(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
+    """Whether a force or a jump that nobody has named explains as well what a member of the best set was called for.
+
+    Asked where a remainder shows that something outside the catalogue is at work: it may have called for the member too.
+    """
+    study, problem = outcome.study, outcome.problem
+    joints = problem.system.joint_names
+    torques = [references(problem.system, joint).torque for joint in joints]
+    left = examine(outcome.predictor, study.likelihood, smaller, None, joints, torques, outcome.period)
+    log_n = float(np.log(study.samples))
+    named = [t for t in left.tests if t.places >= 0]
+    prices = [t.gain - (t.size + t.places) * log_n for t in named]
+    prices += [t.together[0] - t.together[1] * (1 + t.places) * log_n for t in named]
+    return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best))
+
+
 def conclude(outcome: Outcome, effort: Effort) -> Conclusion:
     """Weigh what the search found and judge it on the data held out."""
     study, problem = outcome.study, outcome.problem
@@ -115,9 +131,9 @@ def conclude(outcome: Outcome, effort: Effort) -> Conclusion:
     claims, doubted = [], []
     log_n = float(np.log(study.samples))
     for k, member in enumerate(best.hypothesis.members):
-        smaller = study.reduce(best, k)
+        smaller = study.below(best, k)
         gain = smaller.score - best.score
-        if incomplete and gain < FAKED * excess:
+        if incomplete and (gain < FAKED * excess or _imitated(outcome, best, smaller)):
             doubted.append(member.key)
             continue
         rivals = []

@@ -12,7 +12,9 @@ import numpy as np
 from harness.diagnose.candidates import candidates
 from harness.diagnose.conclude import Claim, Conclusion, conclude
 from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, summary
+from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis, scaled
 from harness.diagnose.investigate import Outcome, investigate, judge
 from harness.diagnose.locate import locate, rmse
@@ -204,10 +206,11 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
         ],
         "doubted": list(conclusion.doubted),
     }
-    separates = sorted(
-        {c.candidate.effect.name for c in conclusion.claims if c.rivals}
-        | {k.partition("@")[0] for c in conclusion.claims for k in c.rivals}
-    )
+    if conclusion.remains.form is not None:
+        remainder["residual_torque"] = f"at {conclusion.remains.form.joint}: {conclusion.remains.form} N·m"
+    if conclusion.remains.force_map is not None:
+        m = conclusion.remains.force_map
+        remainder["map"] = {"joint": m.joint, "position": m.position, "velocity": m.velocity, "torque": m.force}
     quality = [
         {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
         for r in recordings
@@ -229,10 +232,35 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
         ranking=ranking,
         fit=fits,
         remainder=remainder,
-        next_experiment={"what": "", "separates": separates},
+        next_experiment=_next(outcome, conclusion),
         quality=quality,
         augmented=augmented(outcome, conclusion, values),
     )  # fmt: skip
+
+
+def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
+    """The experiment that would part what these recordings cannot."""
+    study = outcome.study
+    pairs: list[tuple[Fit, Fit, tuple[str, ...]]] = []
+    for claim in conclusion.claims:
+        smaller = study.reduce(conclusion.best, claim.index)
+        for rival in claim.rival_candidates:
+            other = study.fits.get(smaller.hypothesis.with_(rival).identity)
+            if other is not None:
+                pairs.append((conclusion.best, other, (claim.candidate.effect.name, rival.effect.name)))
+    if not pairs and conclusion.best.hypothesis.members:
+        # Nothing is left open; the runner-up would still be the first to doubt.
+        for other in outcome.ordered:
+            names = {m.effect.name for m in other.hypothesis.members} ^ {
+                m.effect.name for m in conclusion.best.hypothesis.members
+            }
+            if names and len(other.hypothesis.members) == len(conclusion.best.hypothesis.members):
+                pairs.append((conclusion.best, other, tuple(sorted(names))))
+                break
+    proposal = propose(outcome, pairs[:3])
+    if proposal is None:
+        return {"what": "", "separates": []}
+    return {"what": proposal.what, "separates": list(proposal.separates), "expected_sigma": proposal.separation}
 
 
 def augmented(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> System:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.denoc.lanes import LaneModel
 from harness.diagnose.colour import Colour, estimate_colour
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
@@ -61,7 +62,7 @@ def colours_from(
             out.append(likelihood.colours[c])
             continue
         interval = problem.train[0].interval
-        found = estimate_colour(segments, interval, motion_hz)
+        found = estimate_colour(segments, interval, motion_hz, motion_hz / MOTION_HARMONICS)
         floor = problem.steps[c] / np.sqrt(12.0) / np.sqrt(problem.train[0].averaged)
         out.append(found if found.std >= floor else Colour(floor, interval=interval))
     return tuple(out)
@@ -90,7 +91,7 @@ def horizon_groups(study: Study, fitted: Fit) -> tuple[Window, ...]:
     return tuple(groups)
 
 
-def _transition(predictor: Predictor, fitted: Fit, window: Window, model: object, n: int) -> Array:
+def _transition(predictor: Predictor, fitted: Fit, window: Window, model: LaneModel, n: int) -> Array:
     """Sensitivity of the final to the initial state of a window, in units of one radian and one swing rate."""
     half = n // 2
     grid = predictor.grid(window, predictor.margin(fitted.hypothesis))
@@ -110,7 +111,7 @@ def _transition(predictor: Predictor, fitted: Fit, window: Window, model: object
     row = predictor.row(fitted.hypothesis, fitted.x)
     q, qd, _ = model.simulate(
         np.tile(row, (n + 1, 1)), states[:, :half], states[:, half:], grid.time, tau=tau, tolerance=predictor.tolerance
-    )  # type: ignore[attr-defined]
+    )
     end = np.concatenate([q[:, -1], qd[:, -1]], axis=1)
     change = ((end[1:] - end[0]) / step).T
     rate = np.concatenate([np.ones(half), np.full(half, 2.0 * np.pi / max(float(grid.time[-1]) / SWINGS, 1e-9))])

@@ -162,7 +162,8 @@ def _words(outcome: Outcome, fitted: Fit, channel: int, pieces: list[tuple[Array
     """The misfit's shape in words: offset, amplitude, phase, each by its share of the squared misfit."""
     shares: dict[str, float] = {"offset": 0.0, "amplitude": 0.0, "phase": 0.0}
     total = 0.0
-    early, late = [], []
+    early: list[float] = []
+    late: list[float] = []
     for window, (time, residual) in zip(fitted.windows, pieces, strict=True):
         prediction = outcome.predictor.predict(
             fitted.hypothesis, fitted.x[None, :], [(0, window, fitted.states[window])]

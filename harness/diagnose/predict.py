@@ -62,10 +62,7 @@ def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> G
     stamps = window_stamps(run, window, margin)
     spacing = np.diff(stamps)
     even = bool(np.all(np.abs(spacing - run.interval) < 1e-6 * run.interval + 2e-7))
-    if even:
-        step = run.interval / max(1, int(np.ceil(run.interval / finest - 1e-9)))
-    else:
-        step = min(finest, run.interval)
+    step = run.interval / max(1, int(np.ceil(run.interval / finest - 1e-9))) if even else min(finest, run.interval)
     count = int(np.ceil(stamps[-1] / step - 1e-9)) + 1
     time = step * np.arange(count + 1)
     place = stamps / step
@@ -74,7 +71,7 @@ def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> G
     exact = bool(np.all(np.abs(place - np.round(place)) < 1e-3)) and even
     if exact:
         index, weight = np.round(place).astype(np.intp), np.zeros(len(stamps))
-    return Grid(time, index, weight, exact)
+    return Grid(np.asarray(time, dtype=np.float64), index, weight, exact)
 
 
 def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
@@ -130,7 +127,7 @@ class Predictor:
 
     def altered(self, hypothesis: Hypothesis, x: Array) -> System:
         """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""
-        factors = np.exp(self.system.tolerance * x[: len(self.nominal)])
+        factors = np.exp(self.system.tolerance * x[: len(self.nominal)]).tolist()
         system = scaled(self.system, self.nominal, factors)
         reshaping = [(k, m.effect.reshape, m) for k, m in enumerate(hypothesis.members) if m.effect.reshape is not None]
         # What adds coordinates comes first: its directions are those of the upright system.
@@ -331,7 +328,8 @@ class Predictor:
 def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:
     """Lanes that differ from all earlier ones, and for every lane which of those it equals (sensors share a motion)."""
     seen: dict[bytes, int] = {}
-    first, again = [], []
+    first: list[int] = []
+    again: list[int] = []
     for k in range(len(rows)):
         key = rows[k].tobytes() + states[k].tobytes() + (b"" if tau is None else tau[k].tobytes())
         if key not in seen:

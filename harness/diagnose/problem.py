@@ -120,7 +120,7 @@ def pose(
     if len(runs) > 1:
         return Problem(system, tuple(infos), tuple(runs[:-1]), (runs[-1],), steps=steps)
     only = runs[0]
-    cut = int(round((1.0 - HELD_OUT_SHARE) * len(only.time)))
+    cut = round((1.0 - HELD_OUT_SHARE) * len(only.time))
     return Problem(
         system,
         tuple(infos),

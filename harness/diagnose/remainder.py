@@ -8,8 +8,9 @@ then, with the coefficients found there, on the data held out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from scipy.stats import chi2
 from harness.diagnose.fit import Fit
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
+from harness.diagnose.response import Response, respond, responsive, to_channels
 from harness.diagnose.screen import Nuisance, nuisance
 from harness.diagnose.windows import Window
 
@@ -29,19 +31,12 @@ PUSH = 1e-4  # size of the probing forces, in units of the gravity torque: small
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
-    """A force as a function of a joint's motion: ``what`` in words and formula, ``values(q, qd)`` in units of one."""
-
-    what: str
-    joint: str
-    values: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Test:
     """One question put to the residual: gain in cost by ``size`` shapes, its chance under noise alone, and held out.
 
-    heldout_z: gain on held-out data in standard deviations of what noise would do; nan if not asked.
+    heldout_z: gain on held-out data in standard deviations of what noise would do; nan if not asked. places: parameters
+    beside amplitudes (the moment of a jump); −1 for tests that name no force. together: gain and number of such events if
+    every recording may have its own.
     """
 
     name: str
@@ -50,37 +45,55 @@ class Test:
     chance: float
     heldout_z: float = float("nan")
     where: tuple[str, ...] = ()
+    places: int = 0
+    together: tuple[float, int] = (0.0, 0)
 
 
-def motion(predictor: Predictor, fitted: Fit, window: Window) -> tuple[Array, Array, Array]:
-    """Times on the simulation grid [s], positions and velocities (G, n) of the fitted motion in a window."""
-    mechanism = predictor.mechanism(fitted.hypothesis)
-    n = len(mechanism.names)
-    grid = predictor.grid(window, predictor.margin(fitted.hypothesis))
-    row = predictor.row(fitted.hypothesis, fitted.x)
-    state = fitted.states[window]
-    tau = None
-    if predictor.runs[window.run].effort is not None:
-        tau = predictor.efforts(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], grid.time)
-    q, qd, _ = mechanism.model.simulate(
-        row[None, :], state[None, :n], state[None, n:], grid.time, tau=tau, tolerance=predictor.tolerance
-    )
-    return grid.time, q[0], qd[0]
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """Force responses of one fit: its motion in every window, and what force histories do to the channels."""
+
+    predictor: Predictor
+    likelihood: Likelihood
+    fitted: Fit
+    torque: float
+    motions: dict[Window, Response]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.predictor.mechanism(self.fitted.hypothesis).names
+
+    def changes(self, joint: str, forces: Callable[[Array, Array], Array]) -> list[Array]:
+        """Whitened changes per window (k, M) by forces (k, G) over a joint's position and velocity, in natural torques."""
+        k = self.names.index(joint)
+        return [self._window(w, k, forces(m.q[:, k], m.qd[:, k])) for w, m in self.motions.items()]
+
+    def pulses(self, joint: str, window: Window, histories: Array) -> list[Array]:
+        """The same for force histories (k, G) in one window alone."""
+        k = self.names.index(joint)
+        own = self._window(window, k, histories)
+        return [own if w == window else np.zeros((len(own), len(r))) for w, r in self._residuals()]
+
+    def _residuals(self) -> list[tuple[Window, Array]]:
+        return list(zip(self.fitted.windows, self.fitted.linear.residuals, strict=True))
+
+    def _window(self, window: Window, k: int, histories: Array) -> Array:
+        found = self.motions[window]
+        if responsive(self.predictor, self.fitted):
+            deviations = found.by_force(k, self.torque * histories)
+            return np.nan_to_num(to_channels(self.predictor, self.likelihood, self.fitted, found, deviations))
+        extra = np.zeros((len(histories) + 1, histories.shape[1], len(self.names)))
+        extra[:-1, :, k] = PUSH * self.torque * histories
+        lanes = [(0, window, self.fitted.states[window])] * len(extra)
+        predictions = self.predictor.predict(self.fitted.hypothesis, self.fitted.x[None, :], lanes, extra=extra)
+        white = self.likelihood.whiten(window, predictions)
+        return np.nan_to_num((white[:-1] - white[-1]) / PUSH)
 
 
-def responses(
-    predictor: Predictor, likelihood: Likelihood, fitted: Fit, window: Window, joint: str, forces: Array
-) -> Array:
-    """Whitened response of a window's channels per unit of each force history (k, G) at a joint, shape (k, M)."""
-    mechanism = predictor.mechanism(fitted.hypothesis)
-    extra = np.zeros((len(forces), forces.shape[1], len(mechanism.names)))
-    extra[:, :, mechanism.names.index(joint)] = forces
-    state = fitted.states[window]
-    lanes = [(0, window, state)] * len(forces)
-    predictions = predictor.predict(fitted.hypothesis, fitted.x[None, :], lanes, extra=extra)
-    return likelihood.whiten(window, predictions) - likelihood.whiten(
-        window, predictor.predict(fitted.hypothesis, fitted.x[None, :], [(0, window, state)], extra=extra[:1] * 0.0)
-    )
+def probe(predictor: Predictor, likelihood: Likelihood, fitted: Fit, torque: float) -> Probe:
+    """The linear response of a fit in all its windows. torque: natural size of forces [N·m]."""
+    motions = {w: respond(predictor, fitted, w, torque) for w in fitted.windows}
+    return Probe(predictor, likelihood, fitted, torque, motions)
 
 
 def state_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> tuple[list[str], Array]:
@@ -96,8 +109,8 @@ def state_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> t
             if a + b <= 4:
                 names.append(f"u^{a} w^{b}")
                 values.append(u**a * w**b)
-    for b, sign in (("sign(w)", np.tanh(20.0 * w)), ("u sign(w)", u * np.tanh(20.0 * w))):
-        names.append(b)
+    for label, sign in (("sign(w)", np.tanh(20.0 * w)), ("u sign(w)", u * np.tanh(20.0 * w))):
+        names.append(label)
         values.append(sign)
     centres = np.linspace(-1.0, 1.0, BUMPS)
     width = centres[1] - centres[0]
@@ -108,18 +121,66 @@ def state_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> t
     return names, np.array(values)
 
 
+TERMS: tuple[tuple[str, Callable[[Array, Array], Array]], ...] = (
+    ("1", lambda q, v: np.ones_like(q)),
+    ("q", lambda q, v: q),
+    ("q^2", lambda q, v: q**2),
+    ("q^3", lambda q, v: q**3),
+    ("sin(q)", lambda q, v: np.sin(q)),
+    ("cos(q)", lambda q, v: np.cos(q)),
+    ("sin(2 q)", lambda q, v: np.sin(2 * q)),
+    ("cos(2 q)", lambda q, v: np.cos(2 * q)),
+    ("v", lambda q, v: v),
+    ("v |v|", lambda q, v: v * np.abs(v)),
+    ("v^2", lambda q, v: v**2),
+    ("v^3", lambda q, v: v**3),
+    ("sign(v)", lambda q, v: np.sign(v)),
+    ("q v", lambda q, v: q * v),
+    ("q^2 v", lambda q, v: q**2 * v),
+    ("|q| v", lambda q, v: np.abs(q) * v),
+    ("q sign(v)", lambda q, v: q * np.sign(v)),
+    ("q^2 sign(v)", lambda q, v: q**2 * np.sign(v)),
+    ("max(q, 0)", lambda q, v: np.maximum(q, 0.0)),
+    ("min(q, 0)", lambda q, v: np.minimum(q, 0.0)),
+    ("max(v, 0)", lambda q, v: np.maximum(v, 0.0)),
+)
+"""Library of the sparsest form: forces over position q and velocity v of a joint."""
+
+MOST_TERMS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """The sparsest symbolic form of the residual force at a joint: torque = Σ coefficient · term [N·m]."""
+
+    joint: str
+    terms: tuple[str, ...]
+    coefficients: tuple[float, ...]
+    gain: float
+
+    def __str__(self) -> str:
+        return " ".join(f"{c:+.3g}·{t}" for c, t in zip(self.coefficients, self.terms, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """Residual force at a joint over its position and velocity [N·m], nan where the motion has not been."""
+
+    joint: str
+    position: Array
+    velocity: Array
+    force: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Remains:
-    """Answer of the tests: significant or not, the tests themselves, and the force over position as found."""
+    """Answer of the tests: significant or not, the tests, the cost still to be had, form and map of the force."""
 
     significant: bool
     tests: tuple[Test, ...]
     excess: float
-    coefficients: dict[str, tuple[list[str], Array]]
-
-
-def project_window(space: Nuisance, changes: Sequence[Array]) -> Array:
-    return space.project(changes)
+    form: Form | None = None
+    force_map: Map | None = None
 
 
 def solve_gain(directions: Array, residual: Array, strength: float = 1e-6) -> tuple[float, Array, float]:
@@ -153,57 +214,118 @@ def examine(
     may act and their natural size [N·m]. period: of the slowest swing [s]. level: chance at which a test counts.
     """
     space = nuisance(fitted, predictor)
-    residual = space.residual
+    held_space = nuisance(heldout, predictor) if heldout is not None else None
     noise = max(1.0, float(np.median(_block_variance(fitted))))
     tests: list[Test] = []
-    coefficients: dict[str, tuple[list[str], Array]] = {}
-    histories = {w: motion(predictor, fitted, w) for w in fitted.windows}
-    held_space = nuisance(heldout, predictor) if heldout is not None else None
-    held_histories = {w: motion(predictor, heldout, w) for w in heldout.windows} if heldout is not None else {}
-    best_gain = 0.0
+    excess, chosen, best_chance = 0.0, "", 1.0
+    smooth_maps: dict[str, tuple[list[str], Array, float, float, float]] = {}
     for joint, torque in zip(joints, torque_scales, strict=True):
-        k = predictor.mechanism(fitted.hypothesis).names.index(joint)
-        pooled = np.concatenate([h[1][:, k] for h in histories.values()])
-        speeds = np.concatenate([np.abs(h[2][:, k]) for h in histories.values()])
+        own = probe(predictor, likelihood, fitted, torque)
+        held = probe(predictor, likelihood, heldout, torque) if heldout is not None else None
+        k = own.names.index(joint)
+        pooled = np.concatenate([m.q[:, k] for m in own.motions.values()])
+        speeds = np.abs(np.concatenate([m.qd[:, k] for m in own.motions.values()]))
         low, high = (float(x) for x in np.quantile(pooled, [0.005, 0.995]))
         fast = max(float(np.quantile(speeds, 0.98)), 1e-9)
         if high - low < 1e-9:
             continue
-        names: list[str] = []
-
-        def probe(of: Fit, window: Window, history: tuple[Array, Array, Array]) -> Array:
-            nonlocal names
-            names, values = state_shapes(history[1][:, k], history[2][:, k], low, high, fast)
-            return responses(predictor, likelihood, of, window, joint, PUSH * torque * values) / PUSH
-
-        changes = [probe(fitted, w, histories[w]) for w in fitted.windows]
-        directions = space.project([np.nan_to_num(c) for c in changes])
-        held_directions = None
-        if heldout is not None and held_space is not None:
-            held_directions = held_space.project(
-                [np.nan_to_num(probe(heldout, w, held_histories[w])) for w in heldout.windows]
-            )
+        names, _ = state_shapes(pooled[:2], pooled[:2] * 0.0, low, high, fast)
+        shapes = partial(_shape_values, low=low, high=high, fast=fast)
+        directions = space.project(own.changes(joint, shapes))
+        held_directions = (
+            held_space.project(held.changes(joint, shapes)) if held is not None and held_space is not None else None
+        )
         smooth = [i for i, name in enumerate(names) if not name.startswith("bump")]
-        for label, index in (("smooth force over the state", smooth), ("force at places", list(range(len(names))))):
-            gain, found, size = solve_gain(directions[:, index], residual, 1e-3)
+        for label, index in (
+            ("a smooth force over the state", smooth),
+            ("a force at certain places", list(range(len(names)))),
+        ):
+            gain, found, size = solve_gain(directions[:, index], space.residual, 1e-3)
             chance = float(chi2.sf(gain / noise, max(size, 1.0)))
             z = float("nan")
             if held_directions is not None and held_space is not None:
-                moved = held_directions[:, index] @ found
-                before = held_space.residual
-                z = heldout_gain(before, before + moved)
-            tests.append(Test(f"{label} at {joint}", gain, int(size), min(1.0, chance), z, (joint,)))
-            full = np.zeros(len(names))
-            full[index] = found
-            coefficients[f"{label} at {joint}"] = (names, full * torque)
-            if chance < level and (np.isnan(z) or z > 1.0):
-                best_gain = max(best_gain, gain - size)
-        gain, chance, where = _pulses(predictor, likelihood, fitted, space, histories, joint, torque, period, noise)
-        tests.append(Test(f"a force that acts once at {joint}", gain, 1, chance, float("nan"), where))
-        if chance < level:
-            best_gain = max(best_gain, gain)
-    significant = any(t.chance < level and (np.isnan(t.heldout_z) or t.heldout_z > 1.0) for t in tests)
-    return Remains(significant, tuple(tests), best_gain, coefficients)
+                z = heldout_gain(held_space.residual, held_space.residual + held_directions[:, index] @ found)
+            tests.append(Test(f"{label} at {joint}", gain, int(size), chance, z, (joint,)))
+            if _counts(tests[-1], level):
+                excess = max(excess, gain - size)
+                if chance <= best_chance:
+                    best_chance, chosen = chance, joint
+                full = np.zeros(len(names))
+                full[index] = found * torque
+                smooth_maps[joint] = (names, full, low, high, fast)
+        tests.append(_pulses(own, space, joint, period, noise))
+        if _counts(tests[-1], level):
+            excess = max(excess, tests[-1].gain)
+    tests.append(_trend(fitted))
+    tests.append(_spectrum(own_period=period, predictor=predictor, fitted=fitted))
+    tests.append(_jump(predictor, likelihood, fitted, space, noise))
+    for test in tests[-2:]:
+        if _counts(test, level):
+            excess = max(excess, test.gain)
+    significant = any(_counts(t, level) for t in tests)
+    form = force_map = None
+    if chosen:
+        torque = dict(zip(joints, torque_scales, strict=True))[chosen]
+        form = _sparse(probe(predictor, likelihood, fitted, torque), space, chosen, torque)
+        force_map = _map(chosen, smooth_maps[chosen], fitted, predictor, likelihood, torque)
+    return Remains(significant, tuple(tests), excess, form, force_map)
+
+
+def _counts(test: Test, level: float) -> bool:
+    """Whether a test speaks against noise alone: unlikely on the training data, and borne out where it can be held out."""
+    return test.chance < level and (np.isnan(test.heldout_z) or test.heldout_z > 1.0)
+
+
+def _shape_values(q: Array, qd: Array, low: float, high: float, fast: float) -> Array:
+    return state_shapes(q, qd, low, high, fast)[1]
+
+
+def _sparse(own: Probe, space: Nuisance, joint: str, torque: float) -> Form:
+    """Orthogonal matching of the residual by few terms of the library, as many as the Bayesian criterion pays for."""
+    directions = space.project(own.changes(joint, lambda q, v: np.array([term(q, v) for _, term in TERMS])))
+    residual = space.residual
+    price = float(np.log(len(residual))) + 2.0 * float(np.log(len(TERMS)))
+    chosen: list[int] = []
+    total, coefficients = 0.0, np.zeros(0)
+    while len(chosen) < MOST_TERMS:
+        options = []
+        for j in range(len(TERMS)):
+            if j not in chosen:
+                gain, found, size = solve_gain(directions[:, [*chosen, j]], residual, 1e-4)
+                if size == len(chosen) + 1:
+                    options.append((gain, j, found))
+        if not options:
+            break
+        gain, j, found = max(options, key=lambda o: o[0])
+        if gain - total < price:
+            break
+        chosen.append(j)
+        total, coefficients = gain, found
+    names = tuple(TERMS[j][0] for j in chosen)
+    return Form(joint, names, tuple(float(c) * torque for c in coefficients), total)
+
+
+def _map(
+    joint: str,
+    found: tuple[list[str], Array, float, float, float],
+    fitted: Fit,
+    predictor: Predictor,
+    likelihood: Likelihood,
+    torque: float,
+) -> Map:
+    """The fitted force on a grid over position and velocity, where the motion has been."""
+    _, coefficients, low, high, fast = found
+    position, velocity = np.linspace(low, high, 21), np.linspace(-fast, fast, 21)
+    q, v = np.meshgrid(position, velocity, indexing="ij")
+    force = (coefficients @ _shape_values(q.ravel(), v.ravel(), low, high, fast)).reshape(q.shape)
+    k = predictor.mechanism(fitted.hypothesis).names.index(joint)
+    seen = np.zeros_like(force, dtype=bool)
+    for window in fitted.windows:
+        m = respond(predictor, fitted, window, torque)
+        i = np.clip(np.round((m.q[:, k] - low) / (high - low) * 20).astype(int), 0, 20)
+        j = np.clip(np.round((m.qd[:, k] + fast) / (2 * fast) * 20).astype(int), 0, 20)
+        seen[i, j] = True
+    return Map(joint, position, velocity, np.where(seen, force, np.nan))
 
 
 def heldout_gain(before: Array, after: Array) -> float:
@@ -226,43 +348,106 @@ def _block_variance(fitted: Fit) -> Array:
     return np.array(out)
 
 
-def _pulses(
-    predictor: Predictor,
-    likelihood: Likelihood,
-    fitted: Fit,
-    space: Nuisance,
-    histories: dict[Window, tuple[Array, Array, Array]],
-    joint: str,
-    torque: float,
-    period: float,
-    noise: float,
-) -> tuple[float, float, tuple[str, ...]]:
-    """Largest gain by one pulse of force anywhere, its chance (all places counted), and where it acts."""
+def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float) -> Test:
+    """Largest gain by one pulse of force anywhere, all places counted in its chance."""
     best, count, where = 0.0, 0, ""
-    for number, window in enumerate(fitted.windows):
-        time = histories[window][0]
-        width = PULSE * period
-        centres = np.arange(0.5 * width, time[-1], 0.5 * width)
+    each: list[float] = []
+    width = PULSE * period
+    for window, found in own.motions.items():
+        centres = np.arange(0.5 * width, found.time[-1], 0.5 * width)
         if len(centres) == 0:
             continue
-        pulses = PUSH * torque * np.exp(-(((time[None, :] - centres[:, None]) / (0.4 * width)) ** 2))
-        change = np.nan_to_num(responses(predictor, likelihood, fitted, window, joint, pulses)) / PUSH
-        parts = [
-            change if w == window else np.zeros((len(centres), len(r)))
-            for w, r in zip(fitted.windows, fitted.linear.residuals, strict=True)
-        ]
-        directions = space.project(parts)
+        histories = np.exp(-(((found.time[None, :] - centres[:, None]) / (0.4 * width)) ** 2))
+        directions = space.project(own.pulses(joint, window, histories))
         norms = np.linalg.norm(directions, axis=0)
         ok = norms > 1e-9
         gains = np.zeros(len(centres))
         gains[ok] = (directions[:, ok].T @ space.residual / norms[ok]) ** 2
         count += len(centres)
         top = int(np.argmax(gains))
+        each.append(float(gains[top]))
         if gains[top] > best:
             best = float(gains[top])
-            run = predictor.runs[window.run]
-            at = centres[top] + run.time[window.first]
-            where = f"{run.name} at {at:.2f} s"
-        del number
+            run = own.predictor.runs[window.run]
+            where = f"{run.name} at {centres[top] + run.time[window.first]:.2f} s"
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
-    return best, chance, (joint, where)
+    return Test(
+        f"a force that acts once at {joint}", best, 1, chance, float("nan"), (joint, where), 1, (sum(each), len(each))
+    )
+
+
+MOTION = (0.3, 4.0)  # times the swing's frequency: where a misfit of the motion shows first
+LOUDER = 1.5  # times the noise's power, beyond what an error of the noise's colour can make
+
+
+def _spectrum(own_period: float, predictor: Predictor, fitted: Fit) -> Test:
+    """Whether the whitened residual is louder around the swing's frequency than it should be."""
+    total, count = 0.0, 0
+    channels = len(predictor.problem.channels)
+    for window, r in zip(fitted.windows, fitted.linear.residuals, strict=True):
+        interval = predictor.runs[window.run].interval
+        for x in r.reshape(channels, window.size):
+            if np.count_nonzero(x) < 0.5 * len(x):
+                continue
+            power = np.abs(np.fft.rfft(x)) ** 2 / max(np.count_nonzero(x), 1)
+            frequency = np.fft.rfftfreq(len(x), interval)
+            inside = (frequency > MOTION[0] / own_period) & (frequency < MOTION[1] / own_period)
+            total += float(power[inside].sum())
+            count += int(inside.sum())
+    if count < 10:
+        return Test("the spectrum around the swing", 0.0, 1, 1.0)
+    # Powers of white noise are exponential: twice their sum is chi-squared with two degrees of freedom each.
+    chance = float(chi2.sf(2.0 * total, 2 * count)) if total > LOUDER * count else 1.0
+    return Test("the spectrum around the swing", 2.0 * (total - count), count, chance, places=-1)
+
+
+def _jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisance, noise: float) -> Test:
+    """Largest gain by one lasting jump of a channel's reading, all channels and times counted in its chance."""
+    best, count, where = 0.0, 0, ("", "")
+    each: list[float] = []
+    for window in fitted.windows:
+        run = predictor.runs[window.run]
+        places = np.unique(np.linspace(5, window.size - 5, min(160, window.size // 8)).astype(int))
+        for c, channel in enumerate(predictor.problem.channels):
+            signal = np.zeros((len(places), len(predictor.problem.channels), window.size))
+            signal[:, c] = likelihood.colours[c].std * (np.arange(window.size)[None, :] >= places[:, None])
+            own = likelihood.whiten_signal(window, signal)
+            parts = [
+                own if w == window else np.zeros((len(places), len(r)))
+                for w, r in zip(fitted.windows, fitted.linear.residuals, strict=True)
+            ]
+            directions = space.project(parts)
+            norms = np.linalg.norm(directions, axis=0)
+            ok = norms > 1e-6
+            gains = np.zeros(len(places))
+            gains[ok] = (directions[:, ok].T @ space.residual / norms[ok]) ** 2
+            count += len(places)
+            top = int(np.argmax(gains))
+            each.append(float(gains[top]))
+            if gains[top] > best:
+                best = float(gains[top])
+                where = (channel.name, f"{run.name} at {run.time[window.first + places[top]]:.2f} s")
+    return Test(
+        "a jump of the reading", best, 1, min(1.0, count * float(chi2.sf(best / noise, 1))), float("nan"), where, 1,
+        (sum(each), len(each)),
+    )  # fmt: skip
+
+
+def _trend(fitted: Fit) -> Test:
+    """Whether some stretch of the residual is louder than the others: noise is stationary, a misfit seldom is."""
+    variances, counts = [], []
+    for r in fitted.linear.residuals:
+        for block in np.array_split(r, 16):
+            used = block[block != 0.0]
+            if len(used) >= 20:
+                variances.append(float(np.mean(used**2)))
+                counts.append(len(used))
+    if len(variances) < 8:
+        return Test("a louder stretch", 0.0, 1, 1.0)
+    v, n = np.array(variances), np.array(counts)
+    level = max(1.0, float(np.median(v)))
+    chances = chi2.sf(v * n / level, n)
+    top = int(np.argmin(chances))
+    return Test(
+        "a louder stretch", float((v[top] / level - 1.0) * n[top]), 1, min(1.0, float(chances[top]) * len(v)), places=-1
+    )

@@ -20,13 +20,14 @@ class Effort:
     """How widely to search.
 
     beam: sets kept a round. tries: further effects fitted for each of them. largest: effects in a set. swaps: alternatives
-    fitted for every member of the best set.
+    fitted for every member of the best set. most_fits: of one study; what needs more is not among few effects of the catalogue.
     """
 
     beam: int = 2
     tries: int = 4
-    largest: int = 5
+    largest: int = 4
     swaps: int = 4
+    most_fits: int = 60
 
 
 def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress) -> list[Fit]:
@@ -38,7 +39,7 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
     for _ in range(effort.largest + 2):
         fresh: list[Fit] = []
         for base in frontier:
-            if base.hypothesis.identity in expanded:
+            if base.hypothesis.identity in expanded or len(study.fits) >= effort.most_fits:
                 continue
             expanded.add(base.hypothesis.identity)
             members = len(base.hypothesis.members)
@@ -93,6 +94,8 @@ def alternatives(study: Study, best: Fit, k: int, effort: Effort) -> list[Fit]:
     for scored in study.ranked(without):
         if scored.candidate.key == member.key or tried >= effort.swaps:
             continue
+        if len(study.fits) >= 2 * effort.most_fits:
+            break
         if scored.gain < 0.3 * min(needed, without.score - best.score):
             break
         tried += 1
@@ -104,6 +107,8 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
     """Swap members of the best set for alternatives until nothing improves; all fits known then, best first."""
     for _ in range(3):
         best = ordered[0]
+        if len(study.fits) >= effort.most_fits:
+            break
         before = study.criterion(best)
         for k in range(len(best.hypothesis.members)):
             alternatives(study, best, k, effort)

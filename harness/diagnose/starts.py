@@ -44,7 +44,7 @@ def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
     points = [np.array(point) for point in product(*choices)]
     if quarter is None:
         return [(point,) for point in points]
-    pairs = []
+    pairs: list[Ray] = []
     for point in points:
         other = point.copy()
         other[quarter] = 0.5 * np.pi

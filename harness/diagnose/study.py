@@ -115,6 +115,15 @@ class Study:
         start = np.concatenate([base.x, to_internal(found.candidate, found.start)])
         return self.fit(hypothesis, [start], base, most_steps=most_steps)
 
+    def below(self, base: Fit, k: int) -> Fit:
+        """The best fit known without member ``k`` and without anything that ``base`` does not have.
+
+        A smaller set is a special case of a larger one, so a fit of it that has ended in a wrong valley does not count.
+        """
+        self.reduce(base, k)
+        allowed = base.hypothesis.without(k).identity
+        return min((f for key, f in self.fits.items() if key <= allowed), key=lambda f: f.score)
+
     def reduce(self, base: Fit, k: int) -> Fit:
         """The fit without member ``k``, from where the larger one stands."""
         hypothesis = base.hypothesis.without(k)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +39,7 @@ def cut(runs: Sequence[Run], which: Sequence[int], length: float) -> tuple[Windo
         run = runs[k]
         pieces = max(1, round(run.duration / length))
         edges = np.round(np.linspace(0, len(run.time), pieces + 1)).astype(int)
-        windows += [Window(k, int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        windows += [Window(k, int(a), int(b)) for a, b in pairwise(edges)]
     return tuple(windows)
 
 
