@@ -29,7 +29,7 @@ EFFECT = Effect(
             "1",
             "of that mode",
             lower=0.0,
-            upper=1.0,
+            upper=0.99,
             scale=Scale(0.01),
             starts=(0.3, 3.0),
         ),

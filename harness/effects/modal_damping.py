@@ -30,7 +30,7 @@ EFFECT = Effect(
             "1",
             "of every mode of the link as mounted; the model's own modal damping replaced, that of the material kept",
             lower=0.0,
-            upper=1.0,
+            upper=0.99,
             scale=Scale(0.01),
             starts=(0.3, 3.0),
         ),
