@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from harness.cases.case import Row
+from harness.cases.discover import built_in
 from harness.cases.gate import judge, read_accepted, self_test
 from harness.cases.gate.accepted import Accepted, accept
 from harness.cases.results import Results
@@ -146,3 +148,9 @@ def test_every_planted_defect_is_caught_and_named():
     assert len(found.trials) >= 10
     assert {trial.defect: trial.said for trial in found.trials if not trial.caught} == {}
     assert {trial.defect: trial.said for trial in found.trials if not trial.named} == {}
+
+
+def test_the_shipped_reference_knows_every_case_and_no_other():
+    reference = read_accepted(Path(__file__).parents[2] / "reference" / "accepted.json")
+    assert {key.rsplit("/", 2)[0] for key in reference.rows} == set(built_in())
+    assert all(entry["why"] and entry["date"] and entry["versions"] for entry in reference.history)

@@ -9,6 +9,7 @@ import re
 
 import pytest
 from junitparser import JUnitXml
+from lxml import etree
 from lxml import html as lxml_html
 
 from harness.cases.case import Row, Series
@@ -181,3 +182,12 @@ def test_places_that_cannot_be_written_to_are_one_line(tmp_path):
         write_whole(tmp_path, "x")
     with pytest.raises(InputError, match="cannot be written"):
         write_whole(tmp_path / "file" / "below" / "x.txt", "x")
+
+
+def test_pictures_stand_alone(tmp_path):
+    written = write_reports(RESULTS, tmp_path, ["svg"])
+    assert len(written) == 5
+    for path in written:
+        text = path.read_text()
+        assert "var(--" not in text
+        etree.fromstring(text.encode())

@@ -1,0 +1,114 @@
+"""A diagnosis as a page and on the terminal, from the document of the contract."""
+
+from __future__ import annotations
+
+import io
+import re
+
+from lxml import html as lxml_html
+from rich.console import Console
+
+from harness.report.bench import bench_files, print_bench
+from harness.report.diagnosis import print_diagnosis
+from harness.report.diagnosis.page import diagnosis_html
+
+NASTY = "<b>bold</b>"
+DOCUMENT = {
+    "schema": "denoc.diagnosis/1",
+    "verdict": "partly_explained",
+    "summary": f"Dry friction {NASTY}.",
+    "noise": [{"channel": "pivot.position", "std": 0.0031, "unit": "rad"}],
+    "mismatch": [
+        {
+            "channel": "pivot.position", "side": "dynamics", "site": "pivot", "time": [[4.1, 16.0]], "frequency_hz": [0.4, 1.1],
+            "region": {}, "severity": 57.2, "what": NASTY,
+        }
+    ],
+    "findings": [
+        {
+            "effect": "coulomb_friction", "site": "pivot",
+            "parameters": {"torque": {"value": 0.0118, "std": None, "ci95": [0.0114, 0.0122], "unit": "N*m"}},
+            "evidence": {"delta_bic": 912.0, "probability": 0.999}, "indistinguishable_from": ["base_tilt"],
+        },
+        {
+            "effect": "geometric_stiffening", "site": "rod", "parameters": {}, "evidence": {"delta_bic": 12.0, "probability": 0.9},
+            "indistinguishable_from": [],
+        },
+    ],
+    "ranking": [
+        {"effects": ["coulomb_friction@pivot"], "bic": -4.1e4, "heldout_rmse": 0.0031},
+        {"effects": [], "bic": None, "heldout_rmse": None},
+    ],
+    "fit": [
+        {
+            "channel": "pivot.position", "unit": "rad", "nominal": {"train_rmse": 0.31, "heldout_rmse": None},
+            "augmented": {"train_rmse": 0.0031, "heldout_rmse": 0.0032}, "noise_floor": 0.0031,
+        }
+    ],
+    "remainder": {"significant": False},
+    "next_experiment": {"what": "release from 0.3 rad", "separates": ["coulomb_friction"]},
+}  # fmt: skip
+
+
+def test_the_page_shows_everything_and_escapes_it():
+    page = diagnosis_html(DOCUMENT)
+    text = lxml_html.fromstring(page).text_content()
+    for word in (
+        "Partly explained",
+        "coulomb friction",
+        "0.0114 … 0.0122",
+        "geometric stiffening",
+        "release from 0.3 rad",
+        NASTY,
+    ):
+        assert word in text
+    assert NASTY not in page
+    assert not re.findall(r"""(?:src|href)\s*=\s*["'](?!#)""", page)
+
+
+def test_the_page_of_a_consistent_model():
+    document = {
+        **DOCUMENT,
+        "verdict": "consistent",
+        "mismatch": [],
+        "findings": [],
+        "ranking": [],
+        "next_experiment": {},
+    }
+    text = lxml_html.fromstring(diagnosis_html(document)).text_content()
+    assert "Consistent" in text
+    assert "Where the model leaves" not in text
+
+
+def test_the_terminal_says_the_same():
+    screen = Console(file=io.StringIO(), width=200)
+    print_diagnosis(DOCUMENT, screen)
+    text = screen.file.getvalue()
+    for word in (
+        "partly explained",
+        NASTY,
+        "coulomb_friction",
+        "0.0118",
+        "base_tilt",
+        "release from 0.3 rad",
+        "0.0032",
+    ):
+        assert word in text
+
+
+def test_benchmarks_are_shown_with_their_ratios():
+    rows = [
+        {"what": "forward_dynamics", "n": n, "peer": "pinocchio", "ours": 1e-7 * n, "theirs": 3e-7 * n, "ratio": 3.0, "unit": "s",
+         "wanted": 2.5, "met": True, "note": ""}
+        for n in (1, 7)
+    ]  # fmt: skip
+    rows.append(
+        {**rows[0], "peer": "mujoco", "ours": None, "theirs": None, "ratio": None, "met": None, "note": "a | b"}
+    )
+    document = {"schema": "denoc.bench/1", "machine": {"cpu": "x"}, "rows": rows}
+    files = bench_files(document)
+    assert "forward dynamics" in files["report.html"] and "<svg" in files["report.html"]
+    assert "a \\| b" in files["bench.md"]
+    screen = Console(file=io.StringIO(), width=200)
+    print_bench(document, screen)
+    assert "700 ns" in screen.file.getvalue()
