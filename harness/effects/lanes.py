@@ -87,12 +87,16 @@ def _write_user(row: Array, model: LaneModel, site: str, values: Any) -> None:
 
 
 def teeth(position: float, velocity: float, time: float, p: Any) -> float:
-    """Torque of teeth with play: nothing within ±p[0], beyond it stiffness p[1] and damping p[2], which never pulls."""
+    """Torque of teeth with play: nothing within ±p[0], beyond it stiffness p[1] and damping p[2], which never pulls.
+
+    Damping sets in over half a hundredth of half the play, so that the torque has no jump for the integrator to stumble over.
+    """
     beyond = abs(position) - p[0]
     if beyond <= 0.0:
         return 0.0
     side = 1.0 if position > 0.0 else -1.0
-    push = p[1] * beyond + p[2] * side * velocity
+    share = min(beyond / max(0.005 * p[0], 1e-6), 1.0)
+    push = p[1] * beyond + p[2] * share * side * velocity
     return -side * max(push, 0.0)
 
 
