@@ -17,7 +17,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from harness.denoc.shapes import MODE_LIMIT, ModeShapes, mode_shapes, torsion_shapes
+from harness.denoc.shapes import MODE_LIMIT, ModeShapes, gauss_legendre, mode_shapes, torsion_shapes
 from harness.errors import InputError
 from harness.system import Beam, Joint, JointType, Link, System
 from harness.system.inertia import about_origin
@@ -406,7 +406,7 @@ def _spatial_inertia(link: Link) -> Array:
 
 def _gauss(breaks: Array, nodes: int) -> tuple[Array, Array]:
     """Gauss-Legendre nodes and weights on each interval between breaks, joined."""
-    node, weight = np.polynomial.legendre.leggauss(nodes)
+    node, weight = gauss_legendre(nodes)
     half = 0.5 * np.diff(breaks)[:, None]
     middle = 0.5 * (breaks[1:] + breaks[:-1])[:, None]
     return (middle + half * node).ravel(), (half * weight).ravel()

@@ -13,6 +13,7 @@ the boundary terms follow from the virtual work written out in ``_conditions``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -311,6 +312,12 @@ def mount_ratios(
 
 def characteristic_roots(mount: Mount, count: int) -> Array:
     """The lowest ``count`` roots β l of the mounted beam, the rigid swing left out, shape (count,)."""
+    return np.array(_roots(mount, count))
+
+
+# Fitting compiles the same beam many times over; its roots depend on ratios that rarely change.
+@lru_cache(maxsize=1024)
+def _roots(mount: Mount, count: int) -> tuple[float, ...]:
     low = np.geomspace(_LOWEST_ROOT, 1.0, 200)
     roots: list[float] = []
     start = 1.0
@@ -324,7 +331,7 @@ def characteristic_roots(mount: Mount, count: int) -> Array:
         # Roots of one uniform beam lie about π apart from here on, so sixty-fourths part any two of them.
         grid = np.linspace(start, start + 4.0 * np.pi, 257)
         start = float(grid[-1])
-    return np.array(roots[:count])
+    return tuple(roots[:count])
 
 
 def frequencies(beam: Beam, mount: Mount, count: int) -> Array:
@@ -346,7 +353,7 @@ def exact_shapes(mount: Mount, length: float, count: int, *, name: str, why: str
     if not mount.free_hub:
         lift, ramp = zero, zero
     raw = ExactShapes(name, why, length, roots, coefficients, lift, ramp)
-    node, weight = np.polynomial.legendre.leggauss(raw.nodes)
+    node, weight = gauss_legendre(raw.nodes)
     mean_square = 0.5 * weight @ raw.value(0.5 * length * (node + 1.0)) ** 2
     sign = np.where(raw.value(length)[0] < 0.0, -1.0, 1.0)
     scale = sign * 0.5 / np.sqrt(mean_square)
@@ -380,11 +387,20 @@ def torsion_shapes(length: float, count: int, *, free_hub: bool, hub: float = 0.
     pairs = np.array([pair(z) for z in root])
     how = "hinged" if free_hub else "clamped"
     raw = TorsionShapes("torsion", f"{how} torsion modes", length, root, pairs[:, 0], pairs[:, 1])
-    node, weight = np.polynomial.legendre.leggauss(raw.nodes)
+    node, weight = gauss_legendre(raw.nodes)
     mean_square = 0.5 * weight @ raw.value(0.5 * length * (node + 1.0)) ** 2
     sign = np.where(raw.value(length)[0] < 0.0, -1.0, 1.0)
     scale = sign / np.sqrt(2.0 * mean_square)
     return TorsionShapes(raw.name, raw.why, length, root, raw.cosine * scale, raw.sine * scale)
+
+
+@lru_cache(maxsize=128)
+def gauss_legendre(nodes: int) -> tuple[Array, Array]:
+    """Nodes and weights of the Gauss-Legendre rule on [-1, 1], each (nodes,), not to be written to."""
+    node, weight = np.polynomial.legendre.leggauss(nodes)
+    node.setflags(write=False)
+    weight.setflags(write=False)
+    return node, weight
 
 
 def _nodes(highest_root: float) -> int:

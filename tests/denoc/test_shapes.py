@@ -120,7 +120,8 @@ ratio = st.one_of(st.just(0.0), st.floats(1e-3, 30.0))
 @given(free=st.booleans(), hub=ratio, radius=st.floats(0.0, 1.0), mass=ratio, beyond=st.floats(0.0, 1.0), own=ratio)
 def test_no_root_is_missed_or_invented(free, hub, radius, mass, beyond, own):
     mount = Mount(free, hub * free, radius * free, mass, mass * beyond, mass * beyond**2 + own)
-    np.testing.assert_allclose(characteristic_roots(mount, 8), ritz_roots(mount, 8), rtol=1e-7)
+    # The Ritz side loses digits to its highest eigenvalue: 1e-16 of 1e9 is 1e-7 of a squared root near one.
+    np.testing.assert_allclose(characteristic_roots(mount, 8), ritz_roots(mount, 8), rtol=1e-6)
 
 
 def test_lowest_root_of_a_heavy_tip_is_the_massless_cantilever():
