@@ -1,5 +1,6 @@
 """ANCF beams against closed forms and against a rigid engine in the rigid limit."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from harness.denoc.shapes import frequencies, mount_ratios
 from harness.engines.exudyn_ancf import Ancf
 from harness.engines.mujoco import Mujoco
 from harness.engines.protocol import Engine
-from harness.errors import UnsupportedError
+from harness.errors import EngineUnavailableError, UnsupportedError
 from harness.system import Attachment, Beam, Joint, JointType, Link, System
 from harness.system.description import constant
 from harness.system.flexible_link import flexible_link
@@ -252,3 +253,9 @@ def test_quantities_of_other_coordinates_are_left_out():
     ):
         with pytest.raises(UnsupportedError):
             call()
+
+
+def test_without_exudyn_it_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "exudyn", None)
+    with pytest.raises(EngineUnavailableError, match="pip install exudyn"):
+        Ancf().build(pendulum())

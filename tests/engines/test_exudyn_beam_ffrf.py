@@ -1,5 +1,6 @@
 """The meshed bar in a floating frame against closed forms; the mesh against the bar it stands for."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from harness.denoc.shapes import frequencies, mount_ratios
 from harness.engines.exudyn_ffrf import Ffrf
 from harness.engines.protocol import Engine
 from harness.engines.solid_mesh import _NATURAL, _shape, bar
-from harness.errors import UnsupportedError
+from harness.errors import EngineUnavailableError, UnsupportedError
 from harness.system import Beam, Joint, JointType, System
 from harness.system.description import constant
 from harness.system.flexible_link import flexible_link
@@ -142,3 +143,9 @@ def test_what_it_cannot_express_is_refused_in_one_line(system, word):
     assert word in Ffrf().refuses(system)
     with pytest.raises(UnsupportedError, match=word):
         Ffrf().build(system)
+
+
+def test_without_exudyn_it_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "exudyn", None)
+    with pytest.raises(EngineUnavailableError, match="pip install exudyn"):
+        Ffrf().build(pendulum())
