@@ -44,7 +44,6 @@ from harness.denoc.lanes_tree import (
     JOINT,
     KIND,
     MODES,
-    PARENT,
     PRISMATIC,
     REVOLUTE,
     SECTION,
@@ -214,7 +213,7 @@ class LaneModel:
                 at += section_table_size(_modes(system.link(joint.parent)))
         self.P = at
         self.slots = MappingProxyType(slots)
-        self._tables = _topology(system, slots)
+        self.tables = _topology(system, slots)
         self._user, self._alive = _user_address(law)
 
     def slot(self, site: str, name: str) -> int:
@@ -257,7 +256,7 @@ class LaneModel:
                 ("rest_angle", joint.rest_position),
             ):
                 row[self.slot(joint.name, name)] = value
-        write_beams(row, system, self.slots, self._tables[0])
+        write_beams(row, system, self.slots, self.tables[0])
         return row
 
     def simulate(
@@ -323,7 +322,7 @@ class LaneModel:
 
         def part(first: int, last: int) -> None:
             run(
-                first, last, rows, start, *self._tables, self._user,
+                first, last, rows, start, *self.tables, self._user,
                 time, effort, driven, int(hold == "linear"), limits, tolerance, *_method(order),
                 position, velocity, acceleration,
             )  # fmt: skip
@@ -375,6 +374,7 @@ def _topology(system: System, slots: Mapping[tuple[str, str], int]) -> tuple[Any
     carrier = {joint.child: k for k, joint in enumerate(system.joints)}
     links = np.full((len(system.joints), LINK_COLUMNS), -1, dtype=np.int64)
     nodes: list[list[int]] = []
+    mothers: set[int] = set()
     coordinate = 0
     table = work = 0
     flexible = [link for link in system.links if link.beam is not None]
@@ -385,7 +385,8 @@ def _topology(system: System, slots: Mapping[tuple[str, str], int]) -> tuple[Any
     def add(parent: int, kind: int, own: int, m: int = 0, points: int = 0, row: int = 0, head: int = 0) -> int:
         nonlocal table, work
         # Only a joint's body chooses its axes so that its first child needs no turn about z.
-        free = parent < 0 or nodes[parent][KIND] > PRISMATIC or any(node[PARENT] == parent for node in nodes)
+        free = parent < 0 or nodes[parent][KIND] > PRISMATIC or parent in mothers
+        mothers.add(parent)
         prefix = int(free and kind != SECTION)
         nodes.append([parent, kind, prefix, own, m, table, points, work, row, head])
         if kind == BEAM:

@@ -340,3 +340,39 @@ def exponential(x: Any) -> Any:
     p = p * r + 0.16666666666666666
     p = p * r + 0.5
     return scale_by_power(1.0 + r * (1.0 + r * p), whole)
+
+
+def _gather_code(typingctx: Any, array: Any, index: Any, stride: Any) -> Any:
+    """Eight doubles of a one-dimensional array, ``stride`` apart from ``index`` on; the bounds are not checked."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        value = ir.Constant(_VECTOR, ir.Undefined)
+        place = builder.gep(data, [args[1]])
+        for lane in range(LANES):
+            number = builder.load(place)
+            value = builder.insert_element(value, number, ir.Constant(ir.IntType(32), lane))
+            place = builder.gep(place, [args[2]])
+        return value
+
+    return lane_vector(array, index, stride), codegen
+
+
+gather: Any = intrinsic(_gather_code)
+
+
+def _scatter_code(typingctx: Any, array: Any, index: Any, stride: Any, value: Any) -> Any:
+    """Write eight doubles of a one-dimensional array, ``stride`` apart from ``index`` on; the bounds are not checked."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        place = builder.gep(data, [args[1]])
+        for lane in range(LANES):
+            builder.store(builder.extract_element(args[3], ir.Constant(ir.IntType(32), lane)), place)
+            place = builder.gep(place, [args[2]])
+        return context.get_dummy_value()
+
+    return types.void(array, index, stride, value), codegen
+
+
+scatter: Any = intrinsic(_scatter_code)

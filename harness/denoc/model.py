@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.denoc import rigid, rigid_entry
-from harness.denoc.binding import NOT_FINITE, NOT_PLAIN, entry, make_header
+from harness.denoc import rigid
+from harness.denoc.binding import FORWARD, INVERSE, NOT_FINITE, NOT_PLAIN, entry, make_header
+from harness.denoc.dynamics_call import call_rows, forward_address, forward_entry, inverse_address, inverse_entry
 from harness.denoc.elastic import pack_beams
 from harness.denoc.rows import EXTERNAL, FIRST, POSITION, TURN
 from harness.denoc.tree import Tree, compile_tree
@@ -17,6 +18,7 @@ from harness.errors import InputError
 from harness.system import System, Trajectory
 
 if TYPE_CHECKING:
+    from harness.denoc.batch import BatchModel
     from harness.denoc.integrate import Event
 
 Array = NDArray[np.float64]
@@ -38,6 +40,7 @@ class Denoc:
         "_header",
         "_inverse",
         "_kernels",
+        "_many",
         "_model",
         "_zero",
         "beams",
@@ -59,24 +62,28 @@ class Denoc:
         self.n = tree.n
         self.tree: Tree = tree
         self._elastic, self.beams = pack_beams(tree)
-        self._header = make_header(tree.bodies, tree.n, tree.rows, tree.topology, self._elastic)
+        # Flexible recursions are compiled only where a link bends: a rigid robot does not wait for them.
+        flexible = bool(self.beams)
+        self._header = make_header(
+            tree.bodies,
+            tree.n,
+            tree.rows,
+            tree.topology,
+            self._elastic,
+            forward_address(flexible),
+            inverse_address(flexible),
+        )
         self._model = int(self._header.ctypes.data)
         self._zero = np.zeros(tree.n)
-        self._kernels: Any
-        self._arguments: tuple[Any, ...]
-        if system.flexible:
-            # Compiled only where a link bends: a rigid robot does not wait for it.
-            from harness.denoc import flexible, flexible_entry
+        self._forward = entry(forward_entry, 4)
+        self._inverse = entry(inverse_entry, 4)
+        self._kernels: Any = rigid
+        self._arguments: tuple[Any, ...] = (tree.bodies, tree.rows, tree.topology)
+        if flexible:
+            from harness.denoc import flexible as kernels
 
-            self._kernels = flexible
-            self._arguments = (tree.bodies, tree.rows, tree.topology, self._elastic)
-            self._forward = entry(flexible_entry.forward_dynamics, 4)
-            self._inverse = entry(flexible_entry.inverse_dynamics, 4)
-        else:
-            self._kernels = rigid
-            self._arguments = (tree.bodies, tree.rows, tree.topology)
-            self._forward = entry(rigid_entry.forward_dynamics, 4)
-            self._inverse = entry(rigid_entry.inverse_dynamics, 4)
+            self._kernels = kernels
+            self._arguments = (*self._arguments, self._elastic)
 
     def __reduce__(self) -> tuple[type[Denoc], tuple[System]]:
         # Addresses of arrays do not survive a trip to another process.
@@ -98,7 +105,7 @@ class Denoc:
         qdd = np.empty(self.n)
         status = self._forward(self._model, q, qd, tau, qdd)
         if status:
-            return self._again(status, self._forward, self._forward_plainly, q=q, qd=qd, tau=tau)
+            return self._again(status, self._forward, FORWARD, q=q, qd=qd, tau=tau)
         return qdd
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array, *, wrenches: ArrayLike | None = None) -> Array:
@@ -112,7 +119,7 @@ class Denoc:
         tau = np.empty(self.n)
         status = self._inverse(self._model, q, qd, qdd, tau)
         if status:
-            return self._again(status, self._inverse, self._inverse_plainly, q=q, qd=qd, qdd=qdd)
+            return self._again(status, self._inverse, INVERSE, q=q, qd=qd, qdd=qdd)
         return tau
 
     def mass_matrix(self, q: ArrayLike) -> Array:
@@ -146,9 +153,9 @@ class Denoc:
     def passive(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """Passive forces on the right-hand side: -damping q̇ - stiffness (q - rest), beams included, shape (n,)."""
         q, qd = self.vector("q", q), self.vector("qd", qd)
-        out = np.empty(self.n)
-        self._kernels.passive(*self._arguments, q, qd, out)
-        return out
+        out = np.zeros(self.n)
+        self._kernels.subtract_passive(*self._arguments, q, qd, out)
+        return -out
 
     def energy(self, q: ArrayLike, qd: ArrayLike) -> tuple[float, float]:
         """Kinetic and potential energy [J]; springs and beams count as potential, zero height is the base's origin."""
@@ -180,28 +187,50 @@ class Denoc:
         Q, Qd = self._table("Q", Q), self._table("Qd", Qd)
         Tau = np.zeros_like(Q) if Tau is None else self._table("Tau", Tau)
         self._same_length(Q=Q, Qd=Qd, Tau=Tau)
+        many = self._eight_at_a_time(Q)
+        if many is not None:
+            out = many.forward_dynamics(Q, Qd, Tau)
+            if np.isfinite(out).all():
+                return out
+        # Row by row, which also says what makes a result that is not finite.
         return self.accelerations(Q, Qd, Tau)
 
     def inverse_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike) -> Array:
         """``inverse_dynamics`` for many states at once: Q, Qd, Qdd and the result have shape (B, n)."""
         Q, Qd, Qdd = self._table("Q", Q), self._table("Qd", Qd), self._table("Qdd", Qdd)
         self._same_length(Q=Q, Qd=Qd, Qdd=Qdd)
-        out, passive = np.empty_like(Q), np.empty_like(Q)
-        self._kernels.inverse_dynamics_rows(*self._arguments, Q, Qd, Qdd, out)
-        self._kernels.passive_rows(*self._arguments, Q, Qd, passive)
-        return out - passive
+        many = self._eight_at_a_time(Q)
+        if many is not None:
+            return many.inverse_dynamics(Q, Qd, Qdd)
+        out = np.empty_like(Q)
+        call_rows(int(self._header[INVERSE]), self._model, Q, Qd, Qdd, out)
+        return out
 
     def mass_matrix_batch(self, Q: ArrayLike) -> Array:
         """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n)."""
         Q = self._table("Q", Q)
+        many = self._eight_at_a_time(Q)
+        if many is not None:
+            return many.mass_matrix(Q)
         out = np.empty((len(Q), self.n, self.n))
         self._kernels.mass_matrix_rows(*self._arguments, Q, out)
         return out
 
+    def _eight_at_a_time(self, Q: Array) -> BatchModel | None:
+        """The kernels over eight states at once, for rigid systems and enough rows to be worth it."""
+        if self.system.flexible or len(Q) < 8:
+            return None
+        if self._many is None:
+            from harness.denoc.batch import BatchModel
+
+            self._many = BatchModel(self.system)
+        return self._many
+
     def accelerations(self, Q: Array, Qd: Array, Tau: Array) -> Array:
         """``forward_dynamics`` row by row, for arrays known to be sound; Tau may have no rows, for no forces."""
         out = np.empty_like(Q)
-        status = self._kernels.forward_dynamics_rows(*self._arguments, Q, Qd, Tau, out)
+        forces = Tau if len(Tau) else np.zeros_like(Q)
+        status = call_rows(int(self._header[FORWARD]), self._model, Q, Qd, forces, out)
         if status > 0:
             raise self.singular(status)
         return out
@@ -339,27 +368,20 @@ class Denoc:
             said = ", ".join(f"{name} {length}" for name, length in lengths.items())
             raise InputError(f"numbers of states differ: {said}", mend="give one row a state in each")
 
-    def _again(self, status: int, short: Any, plainly: Any, **vectors: ArrayLike) -> Array:
+    def _again(self, status: int, short: Any, which: int, **vectors: ArrayLike) -> Array:
         """What the short way refused: convert and check, then compute or say why not."""
         checked = [self.vector(name, value) for name, value in vectors.items()]
         out = np.empty(self.n)
         if status == NOT_PLAIN:
             status = short(self._model, *checked, out)
         if status == NOT_PLAIN:
-            status = plainly(*checked, out)
+            # No short way in this process.
+            status = call_rows(int(self._header[which]), self._model, *(x[None] for x in checked), out[None])
         if status > 0:
             raise self.singular(status)
         if status == NOT_FINITE or not np.isfinite(out).all():
             raise InputError("the result is not finite", mend="the state or the parameters are far too large")
         return out
-
-    def _forward_plainly(self, q: Array, qd: Array, tau: Array, qdd: Array) -> int:
-        return int(self._kernels.forward_dynamics(*self._arguments, q, qd, tau, qdd))
-
-    def _inverse_plainly(self, q: Array, qd: Array, qdd: Array, tau: Array) -> int:
-        self._kernels.inverse_dynamics(*self._arguments, q, qd, qdd, tau)
-        tau -= self.passive(q, qd)
-        return 0
 
     def _under_wrenches(self, method: Any, q: ArrayLike, wrenches: ArrayLike, *arguments: Any) -> Array:
         """Call a method while external wrenches act."""

@@ -1,0 +1,171 @@
+"""Forward and inverse dynamics and the mass matrix of one rigid system in many states, eight states at a time.
+
+``BatchModel(system)`` is what ``Denoc`` uses for its methods over (B, n); it can be used on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harness.denoc import lanes_tree as nodes
+from harness.denoc.lanes import LaneModel
+from harness.errors import InputError, UnsupportedError
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+_EIGHT = 8
+
+
+class BatchModel:
+    """A rigid system compiled for many states at once.
+
+    names: joints in the order of the columns; n: their number.
+    States are rows, shape (B, n), SI units; joint damping and springs act, dry friction does not.
+    threads: threads to spread the states over; the result does not depend on it.
+    Raises UnsupportedError for systems with flexible links.
+    """
+
+    def __init__(self, system: System, *, threads: int = 1) -> None:
+        if system.flexible:
+            raise UnsupportedError(f"{system.name}: batches of flexible links", mend="use System.rigid() or Denoc")
+        model = LaneModel(system)
+        self.names, self.n, self.threads = model.names, model.n, threads
+        self._tree, self._constants, self._accumulators = _compile(system, model)
+        self._gravity = np.array(system.gravity, dtype=np.float64)
+        self._masses = self._constants.reshape(self.n, -1)[:, 9].copy()
+        for i in range(self.n - 1, -1, -1):
+            parent = self._tree[i, 0]
+            if parent >= 0:
+                self._masses[parent] += self._masses[i]
+
+    def forward_dynamics(self, Q: ArrayLike, Qd: ArrayLike, Tau: ArrayLike | None = None) -> Array:
+        """Accelerations, shape (B, n), under applied generalized forces Tau (none by default)."""
+        from harness.denoc.batch_kernels import ACCUMULATOR, forward_dynamics
+
+        q, qd = self._states("Q", Q), self._states("Qd", Qd)
+        tau = np.zeros_like(q) if Tau is None else self._states("Tau", Tau)
+        accumulators = max(1, self._accumulators) * ACCUMULATOR * _EIGHT
+
+        def part(first: int, last: int, out: Array, *arrays: Array) -> None:
+            forward_dynamics(
+                first, last, self._tree, self._constants, self._workspace(), np.empty(accumulators), self._gravity,
+                *arrays, out,
+            )  # fmt: skip
+
+        return self._spread(part, self.n, q, qd, tau)
+
+    def inverse_dynamics(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike) -> Array:
+        """Generalized forces that make the accelerations Qdd, shape (B, n)."""
+        from harness.denoc.batch_kernels import inverse_dynamics
+
+        def part(first: int, last: int, out: Array, *arrays: Array) -> None:
+            inverse_dynamics(
+                first, last, self._tree, self._constants, self._workspace(), self._gravity, *arrays, out
+            )  # fmt: skip
+
+        return self._spread(part, self.n, self._states("Q", Q), self._states("Qd", Qd), self._states("Qdd", Qdd))
+
+    def mass_matrix(self, Q: ArrayLike) -> Array:
+        """Generalized inertia matrices, armature included, shape (B, n, n)."""
+        from harness.denoc.batch_kernels import mass_matrix
+
+        def part(first: int, last: int, out: Array, *arrays: Array) -> None:
+            mass_matrix(first, last, self._tree, self._constants, self._workspace(), self._masses, *arrays, out)
+
+        return self._spread(part, self.n * self.n, self._states("Q", Q)).reshape(-1, self.n, self.n)
+
+    def _workspace(self) -> Array:
+        from harness.denoc.batch_kernels import BODY
+
+        return np.empty(self.n * BODY * _EIGHT)
+
+    def _states(self, name: str, values: ArrayLike) -> Array:
+        array = np.asarray(values, dtype=np.float64, order="C")
+        if array.ndim != 2 or array.shape[1] != self.n:
+            raise InputError(f"{name} has shape {array.shape}", mend=f"expected (B, {self.n})")
+        # A read-only array would be another type to the compiler.
+        return array if array.flags.writeable else array.copy()
+
+    def _spread(self, part: Callable[..., None], columns: int, *arrays: Array) -> Array:
+        """Run a kernel over all rows, eight at a time; the last eight may overlap those before."""
+        count = len(arrays[0])
+        if any(len(array) != count for array in arrays):
+            raise InputError(
+                f"arrays of {', '.join(str(len(a)) for a in arrays)} rows", mend="give as many rows in each"
+            )
+        if count < _EIGHT:
+            if count == 0:
+                return np.empty((0, columns))
+            padded = [np.concatenate([array, np.repeat(array[-1:], _EIGHT - count, axis=0)]) for array in arrays]
+            return self._spread(part, columns, *padded)[:count]
+        # The mass matrix leaves elements between branches alone, so they have to be zero before.
+        out = np.zeros((count, columns)) if columns != self.n else np.empty((count, columns))
+        flat = [array.reshape(-1) for array in arrays]
+        groups, rest = divmod(count, _EIGHT)
+        threads = min(self.threads, groups)
+        if threads <= 1:
+            part(0, groups * _EIGHT, out.reshape(-1), *flat)
+        else:
+            edges = (np.linspace(0, groups, threads + 1).astype(int) * _EIGHT).tolist()
+            with ThreadPoolExecutor(threads) as pool:
+                tasks = [pool.submit(part, a, b, out.reshape(-1), *flat) for a, b in pairwise(edges)]
+                for task in tasks:
+                    task.result()
+        if rest:
+            part(count - _EIGHT, count, out.reshape(-1), *flat)
+        return out
+
+
+def _compile(system: System, model: LaneModel) -> tuple[Any, Array, int]:
+    """Integers and constants of the bodies, and the number of accumulators."""
+    from harness.denoc import batch_kernels as kernels
+    from harness.denoc import laws
+    from harness.denoc.lanes_rows import prepare_lane
+
+    links, tree, sizes, axes, nominal = model.tables
+    n = model.n
+    constants = np.zeros(len(tree) * nodes.CONSTANTS * 8)
+    slots = np.zeros(n * laws.WIDTH * 8)
+    prepare_lane(
+        model.row(), 0, links, tree, axes, nominal, constants, np.zeros(8 * int(sizes[1])), slots, np.zeros(64)
+    )
+    rows = np.zeros((n, kernels.CONSTANTS))
+    rows[:, : nodes.CONSTANTS] = constants.reshape(n, nodes.CONSTANTS, 8)[:, :, 0]
+    acting = slots.reshape(n, laws.WIDTH, 8)[:, :, 0]
+    for column, slot in (
+        (kernels.ARMATURE, laws.ARMATURE),
+        (kernels.DAMPING, laws.DAMPING),
+        (kernels.STIFFNESS, laws.STIFFNESS),
+        (kernels.REST, laws.REST),
+    ):
+        rows[:, column] = acting[:, slot]
+    integers = np.full((n, kernels.COLUMNS), -1, dtype=np.int64)
+    integers[:, kernels.PARENT] = tree[:, nodes.PARENT]
+    integers[:, kernels.PRISMATIC] = tree[:, nodes.KIND] == nodes.PRISMATIC
+    integers[:, kernels.PREFIX] = tree[:, nodes.PREFIX]
+    free: list[int] = []
+    held: dict[int, int] = {}
+    most = 0
+    # In the order of the sweep inward: an accumulator is taken when first written and free again once read.
+    for i in range(n - 1, -1, -1):
+        if i in held:
+            integers[i, kernels.TAKES] = held[i]
+            free.append(held.pop(i))
+        parent = int(tree[i, nodes.PARENT])
+        if parent < 0:
+            continue
+        integers[i, kernels.OPENS] = parent not in held
+        if parent not in held:
+            if not free:
+                free.append(most)
+                most += 1
+            held[parent] = free.pop()
+        integers[i, kernels.GIVES] = held[parent]
+    return integers, rows.reshape(-1), most

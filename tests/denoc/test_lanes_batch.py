@@ -1,0 +1,169 @@
+"""Many states at once against Pinocchio, against the calls state by state, and against themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from harness.denoc import Denoc
+from harness.denoc.batch import BatchModel
+from harness.denoc.lanes_vector import exponential, load, sine_cosine, store
+from harness.errors import InputError, UnsupportedError
+from harness.system import System, random_chain, random_tree
+
+
+def pinocchio_model(system: System):
+    """The system in Pinocchio, its joints in the same order (asserted by the caller's systems being topologically sorted)."""
+    import pinocchio as pin
+
+    model = pin.Model()
+    model.gravity.linear[:] = system.gravity
+    where = {system.base: (0, pin.SE3.Identity())}
+    for joint, link in zip(system.joints, system.links, strict=True):
+        carrier, place = where[joint.parent]
+        place = place * pin.SE3(np.array(joint.rotation), np.array(joint.xyz))
+        if joint.movable:
+            kind = pin.JointModelPrismaticUnaligned if joint.prismatic else pin.JointModelRevoluteUnaligned
+            carrier = model.addJoint(carrier, kind(np.array(joint.axis)), place, joint.name)
+            place = pin.SE3.Identity()
+        if carrier:
+            inertia = pin.Inertia(link.mass, np.array(link.com), np.array(link.inertia))
+            model.appendBodyToJoint(carrier, inertia, place)
+        where[joint.child] = (carrier, place)
+    model.armature = np.array([joint.armature for joint in system.movable_joints])
+    return model
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        random_chain(1, seed=1, prismatic=0.0),
+        random_chain(7, seed=2, armature=True),
+        random_tree(15, seed=3, prismatic=0.4, fixed=0.3),
+        random_chain(60, seed=4, prismatic=0.1),
+        random_tree(40, seed=5),
+    ],
+    ids=lambda system: f"{system.name}-{len(system.joint_names)}",
+)
+@pytest.mark.parametrize("count", [3, 8, 29])
+def test_against_pinocchio(system, count):
+    import pinocchio as pin
+
+    model, data = pinocchio_model(system), None
+    data = model.createData()
+    ours = BatchModel(system)
+    rng = np.random.default_rng(count)
+    q, v, a = (rng.uniform(-2, 2, (count, ours.n)) for _ in range(3))
+    forward, inverse, mass = ours.forward_dynamics(q, v, a), ours.inverse_dynamics(q, v, a), ours.mass_matrix(q)
+    for k in range(count):
+        reference = pin.aba(model, data, q[k], v[k], a[k])
+        # The condition of the mass matrix is what a long chain leaves of sixteen digits.
+        assert np.abs(forward[k] - reference).max() < 1e-9 * np.abs(reference).max()
+        reference = pin.rnea(model, data, q[k], v[k], a[k])
+        assert np.abs(inverse[k] - reference).max() < 1e-12 * np.abs(reference).max()
+        # Column by column: their composite-body algorithm wants joints in depth-first order, which a tree here has not.
+        rest = np.zeros(ours.n)
+        gravity = pin.rnea(model, data, q[k], rest, rest)
+        reference = np.array([pin.rnea(model, data, q[k], rest, e) - gravity for e in np.eye(ours.n)])
+        assert np.abs(mass[k] - reference).max() < 1e-12 * np.abs(reference).max()
+
+
+def test_passive_forces_act_as_in_the_single_calls():
+    system = random_chain(6, seed=9, armature=True, damping=True)
+    for joint in system.movable_joints[::2]:
+        from dataclasses import replace
+
+        system = system.replace_joint(replace(joint, stiffness=3.0, rest_position=0.2))
+    one, many = Denoc(system), BatchModel(system)
+    rng = np.random.default_rng(0)
+    q, v, a = (rng.normal(size=(17, 6)) for _ in range(3))
+    for k in range(17):
+        assert many.forward_dynamics(q, v, a)[k] == pytest.approx(one.forward_dynamics(q[k], v[k], a[k]), rel=1e-10)
+        assert many.inverse_dynamics(q, v, a)[k] == pytest.approx(one.inverse_dynamics(q[k], v[k], a[k]), rel=1e-10)
+
+
+def test_forward_and_inverse_dynamics_undo_each_other_many_turns_away():
+    system = random_chain(7, seed=12, prismatic=0.0)
+    many = BatchModel(system)
+    rng = np.random.default_rng(2)
+    q, v, tau = rng.uniform(-1e4, 1e4, (64, 7)), rng.normal(size=(64, 7)), rng.normal(size=(64, 7))
+    qdd = many.forward_dynamics(q, v, tau)
+    assert np.abs(many.inverse_dynamics(q, v, qdd) - tau).max() < 1e-10
+    bias = many.inverse_dynamics(q, v, np.zeros_like(q))
+    assert np.einsum("bij,bj->bi", many.mass_matrix(q), qdd) + bias == pytest.approx(tau, abs=1e-10)
+    # The same states with whole turns taken off; the angle itself is only good to its own rounding, 2e-12.
+    near = np.remainder(q + np.pi, 2 * np.pi) - np.pi
+    assert np.abs(many.forward_dynamics(near, v, tau) - qdd).max() < 1e-8 * np.abs(qdd).max()
+
+
+def test_threads_and_order_change_nothing():
+    system = random_tree(9, seed=7)
+    one, two = BatchModel(system), BatchModel(system, threads=2)
+    rng = np.random.default_rng(3)
+    q, v, tau = (rng.normal(size=(101, 9)) for _ in range(3))
+    order = rng.permutation(101)
+    for a, b, c in (
+        (one.forward_dynamics(q, v, tau), two.forward_dynamics(q, v, tau), one.forward_dynamics(q[order], v[order], tau[order])),
+        (one.inverse_dynamics(q, v, tau), two.inverse_dynamics(q, v, tau), one.inverse_dynamics(q[order], v[order], tau[order])),
+        (one.mass_matrix(q), two.mass_matrix(q), one.mass_matrix(q[order])),
+    ):  # fmt: skip
+        assert np.array_equal(a, b)
+        assert np.array_equal(a[order], c)
+
+
+def test_the_public_batches_are_these():
+    system = random_tree(9, seed=7)
+    denoc, many = Denoc(system), BatchModel(system)
+    rng = np.random.default_rng(3)
+    q, v, tau = (rng.normal(size=(20, 9)) for _ in range(3))
+    assert denoc.forward_dynamics_batch(q, v, tau) == pytest.approx(many.forward_dynamics(q, v, tau), rel=1e-10)
+    assert denoc.inverse_dynamics_batch(q, v, tau) == pytest.approx(
+        many.inverse_dynamics(q, v, tau), rel=1e-9, abs=1e-12
+    )
+    assert denoc.mass_matrix_batch(q) == pytest.approx(many.mass_matrix(q), rel=1e-9, abs=1e-12)
+
+
+def test_read_only_and_strided_arrays_and_no_rows():
+    many = BatchModel(random_chain(3, seed=1))
+    q = np.random.default_rng(0).normal(size=(3, 24)).T
+    frozen = np.ascontiguousarray(q)
+    frozen.setflags(write=False)
+    assert np.array_equal(many.forward_dynamics(q, q, q), many.forward_dynamics(frozen, frozen, frozen))
+    assert many.forward_dynamics(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3)
+    assert many.mass_matrix(np.zeros((0, 3))).shape == (0, 3, 3)
+
+
+def test_what_does_not_fit_is_named():
+    many = BatchModel(random_chain(3, seed=1))
+    with pytest.raises(InputError, match=r"Q has shape \(3, 2\)"):
+        many.mass_matrix(np.zeros((3, 2)))
+    with pytest.raises(InputError, match="rows"):
+        many.forward_dynamics(np.zeros((3, 3)), np.zeros((4, 3)))
+    with pytest.raises(UnsupportedError, match="flexible"):
+        BatchModel(random_chain(2, flexible=1.0))
+
+
+def test_functions_of_lanes_reach_full_accuracy():
+    # Sine and cosine to 4e-16 absolute up to 1e4 rad, the exponential of −x to 4e-16 relative: numpy's own are good to 1 ulp.
+    from numba import njit
+
+    @njit
+    def evaluate(x, out):
+        for k in range(0, len(x), 8):
+            v = load(x, k)
+            s, c = sine_cosine(v)
+            store(out, 3 * k, s)
+            store(out, 3 * k + 8, c)
+            store(out, 3 * k + 16, exponential(-v))
+
+    rng = np.random.default_rng(8)
+    x = np.concatenate([rng.uniform(0, 1e4, 4000), rng.uniform(0, 7, 4000), np.arange(0, 8000) * np.pi / 2])
+    out = np.zeros(3 * len(x))
+    evaluate(x, out)
+    s, c, e = out.reshape(-1, 3, 8).transpose(1, 0, 2).reshape(3, -1)
+    assert np.abs(s - np.sin(x)).max() < 4e-16
+    assert np.abs(c - np.cos(x)).max() < 4e-16
+    small = x < 700
+    assert np.abs(e[small] / np.exp(-x[small]) - 1.0).max() < 5e-16
+    code = next(iter(evaluate.inspect_llvm().values()))
+    assert "fmul contract <8 x double>" in code  # it is vector code, not eight scalar ones
