@@ -117,7 +117,7 @@ def _on_cluster(function: Callable[[T], R], items: Sequence[T], address: str) ->
             mend="install denoc-harness[cluster]",
         ) from error
     try:
-        client = Client(address, timeout="10s", set_as_default=False)
+        client = Client(address, timeout="5s", set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(
             f"no Dask scheduler answers at {address}", mend="start one with `dask scheduler`, or check the address"

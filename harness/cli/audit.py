@@ -28,11 +28,10 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
     Example:
       denoc audit models/toml/flexible_pendulum_as_printed.toml --measured rod=37
     """
-    import json
-
     from rich.table import Table
     from rich.text import Text
 
+    from harness.report.json_text import json_text
     from harness.system.audit import audit as hold
 
     found = hold(system, measured=_measured(measured))
@@ -62,11 +61,11 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
         screen.print(table)
     text = "The table is possible." if found.possible else "The table cannot be true as it stands."
     screen.print(Text(text, style="bold green" if found.possible else "bold red"))
-    document = json.dumps(found.to_json(), indent=1, ensure_ascii=False)
+    document = json_text(found.to_json())
     if out is not None:
         from harness.report.files import write_folder
 
-        write_folder(out, {"audit.json": document + "\n"})
+        write_folder(out, {"audit.json": document})
     write_json(document, json_file)
     return 0 if found.possible else 1
 

@@ -26,10 +26,9 @@ def bench(only: tuple[str, ...], quick: bool, list_them: bool, out: Path | None,
       denoc bench
       denoc bench --only 'forward_dynamics*' --out bench
     """
-    import json
-
     from harness.compare.bench import BENCHMARKS, Options, document, machine, run, select
     from harness.report.bench import bench_files, print_bench
+    from harness.report.json_text import json_text
 
     screen = console(json_file)
     if list_them:
@@ -49,5 +48,5 @@ def bench(only: tuple[str, ...], quick: bool, list_them: bool, out: Path | None,
 
         for path in write_folder(out, bench_files(answer)):
             screen.print(f"wrote {path}", markup=False)
-    write_json(json.dumps(answer, indent=1, ensure_ascii=False), json_file)
+    write_json(json_text(answer), json_file)
     return 0

@@ -50,10 +50,9 @@ def diagnose(
       denoc diagnose run1.csv run2.csv --model rig.urdf
       denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
     """
-    import json
-
     from harness.diagnose.diagnose import diagnose as find
     from harness.report.diagnosis import print_diagnosis, write_diagnosis
+    from harness.report.json_text import json_text
 
     with progress("diagnose") as step:
         found = find(
@@ -72,5 +71,5 @@ def diagnose(
     if out is not None:
         for path in write_diagnosis(found, out):
             screen.print(f"wrote {path}", markup=False)
-    write_json(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False), json_file)
+    write_json(json_text(document), json_file)
     return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0

@@ -40,8 +40,6 @@ def prove(
       denoc prove --quick
       denoc prove --seed 7 --out proof7 --dask tcp://head:8786
     """
-    import json
-
     from harness.errors import InputError
     from harness.proof.run import FULL, QUICK, scaled
     from harness.proof.run import prove as run
@@ -69,8 +67,13 @@ def prove(
             progress=lambda stage, done, of: step(done, of, stage),
         )
     document = proof.to_json()
+    from harness.report.files import write_whole
+    from harness.report.json_text import json_text
     from harness.report.proof import print_proof
+    from harness.report.proof_page import proof_html
 
-    print_proof(document, console(json_file))
-    write_json(json.dumps(document, indent=1, ensure_ascii=False), json_file)
+    screen = console(json_file)
+    print_proof(document, screen)
+    screen.print(f"wrote {write_whole(folder / 'report.html', proof_html(document))}", markup=False)
+    write_json(json_text(document), json_file)
     return 0

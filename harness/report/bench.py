@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +9,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from harness.report.json_text import json_text
 
 Document = Mapping[str, Any]
 HEADS = ("what", "n", "peer", "ours", "theirs", "ratio", "wanted", "note")
@@ -129,7 +130,7 @@ def bench_files(document: Document) -> dict[str, str]:
     from harness.report.html import page
 
     return {
-        "bench.json": json.dumps(document, indent=1, ensure_ascii=False) + "\n",
+        "bench.json": json_text(document),
         "bench.md": bench_markdown(document),
         "report.html": page("DeNOC benchmarks", document, [Scaling(), Costs()]),
     }

@@ -11,6 +11,7 @@ from rich.console import Console
 from harness.report.bench import bench_files, print_bench
 from harness.report.diagnosis import print_diagnosis
 from harness.report.diagnosis.page import diagnosis_html
+from harness.report.proof_page import proof_html
 
 NASTY = "<b>bold</b>"
 DOCUMENT = {
@@ -112,3 +113,17 @@ def test_benchmarks_are_shown_with_their_ratios():
     screen = Console(file=io.StringIO(), width=200)
     print_bench(document, screen)
     assert "700 ns" in screen.file.getvalue()
+
+
+def test_the_proof_has_its_pictures():
+    document = {
+        "schema": "denoc.proof/1", "seed": 7, "cases": 12, "named_single": [9, 10], "clean_false": [0, 2], "coverage95": 0.94,
+        "wilson95": {"named_single": [0.6, 0.98], "clean_false": [0.0, 0.66]},
+        "confusion": {"coulomb_friction": {"coulomb_friction": 5, "explained": 1}, "nothing": {"consistent": 2}},
+        "detection": {"coulomb_friction": [[k + 1.0, k > 2] for k in range(10)], "base_tilt": []},
+    }  # fmt: skip
+    page = proof_html(document)
+    text = lxml_html.fromstring(page).text_content()
+    assert page.count("<svg") == 2
+    assert "9 of 10" in text and "60–98 %" in text and "seed 7" in text
+    assert "<svg" not in proof_html({**document, "confusion": {}, "detection": {}})
