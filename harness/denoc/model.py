@@ -77,6 +77,7 @@ class Denoc:
         self._zero = np.zeros(tree.n)
         self._forward = entry(forward_entry, 4)
         self._inverse = entry(inverse_entry, 4)
+        self._many: BatchModel | None = None
         self._kernels: Any = rigid
         self._arguments: tuple[Any, ...] = (tree.bodies, tree.rows, tree.topology)
         if flexible:
