@@ -22,6 +22,7 @@ from harness.diagnose.windows import Window
 Array = NDArray[np.float64]
 
 DIFFERENCE = 3e-5  # relative step of difference quotients, in the fit's own coordinates (order one)
+HOPE = 6.0  # a step's predicted gain times this is the most that the rest of a search is expected to bring
 LOST = 1e15  # cost of a run that left the numbers
 
 
@@ -156,10 +157,12 @@ def fit(
     fixed: NDArray[np.bool_] | None = None,
     most_steps: int = 30,
     enough: float = 0.02,
+    target: float = -np.inf,
 ) -> Fit:
     """Minimise whitened residuals plus the prior of the nominal quantities from one starting point.
 
-    fixed: parameters that do not move. enough: a predicted gain in cost below this ends the search.
+    fixed: parameters that do not move. enough: a predicted gain in cost below this ends the search. target: a score that has
+    to come within reach, or the search ends early.
     """
     lower, upper = bounds(predictor, hypothesis)
     k = len(predictor.nominal)
@@ -176,6 +179,8 @@ def fit(
         step, free = _step(here, x, prior_weight, lower, upper, held, damping)
         change = {w: _state_step(t, step, damping) for w, t in zip(windows, here.triangles, strict=True)}
         predicted = _predicted_gain(here, prior_weight, x, step)
+        if here.cost + prior - HOPE * max(predicted, 0.0) > target > -np.inf:
+            break
         if predicted < enough:
             converged = True
             # One last full step costs nothing further and takes the rest of the way.

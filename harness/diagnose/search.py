@@ -26,8 +26,8 @@ class Effort:
     beam: int = 2
     tries: int = 4
     largest: int = 4
-    swaps: int = 4
-    most_fits: int = 60
+    swaps: int = 3
+    most_fits: int = 40
 
 
 def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress) -> list[Fit]:
@@ -52,8 +52,8 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
                     known[grown.hypothesis.identity] = grown
                     fresh.append(grown)
                     progress(" + ".join(grown.hypothesis.keys))
-        for fitted in list(fresh):
-            if len(fitted.hypothesis.members) < 2 or study.criterion(fitted) > best + 50.0:
+        for fitted in sorted(fresh, key=study.criterion)[:1]:
+            if len(fitted.hypothesis.members) < 2 or study.criterion(fitted) > best:
                 continue
             for k in range(len(fitted.hypothesis.members)):
                 smaller = study.reduce(fitted, k)

@@ -68,9 +68,20 @@ class Study:
             states[window] = carry_state(self.predictor, empty, hypothesis, found)
         return states
 
-    def fit(self, hypothesis: Hypothesis, starts: Sequence[Array], near: Fit | None, *, most_steps: int = 15) -> Fit:
+    def fit(
+        self,
+        hypothesis: Hypothesis,
+        starts: Sequence[Array],
+        near: Fit | None,
+        *,
+        most_steps: int = 15,
+        target: float = -np.inf,
+    ) -> Fit:
         """The best fit of a hypothesis over several starting vectors; an earlier better one is kept."""
         best = self.fits.get(hypothesis.identity)
+        whole = np.concatenate(
+            [np.zeros(len(self.predictor.nominal), bool), *(whole_numbers(m) for m in hypothesis.members)]
+        )
         for start in starts:
             found = fit(
                 self.predictor,
@@ -81,6 +92,8 @@ class Study:
                 self.states_for(hypothesis, near),
                 most_steps=most_steps,
                 enough=0.2,
+                fixed=whole if whole.any() else None,
+                target=target,
             )
             if best is None or found.score < best.score:
                 best = found
@@ -113,7 +126,11 @@ class Study:
         if known is not None:
             return known
         start = np.concatenate([base.x, to_internal(found.candidate, found.start)])
-        return self.fit(hypothesis, [start], base, most_steps=most_steps)
+        # Worth going on with only as long as it may beat the best set known.
+        best = min((f.score for f in self.fits.values()), default=np.inf)
+        return self.fit(
+            hypothesis, [start], base, most_steps=most_steps, target=max(best, 0.0) + self.price(found.candidate)
+        )
 
     def below(self, base: Fit, k: int) -> Fit:
         """The best fit known without member ``k`` and without anything that ``base`` does not have.
@@ -135,6 +152,11 @@ class Study:
         keep = np.ones(len(base.x), dtype=bool)
         keep[offset + span.start : offset + span.stop] = False
         return self.fit(hypothesis, [base.x[keep]], base)
+
+
+def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:
+    """Which parameters are whole numbers and therefore searched, not fitted: a force over an angle closes on itself in a turn."""
+    return np.array([p.name == "periods" and p.unit == "1/rev" for p in candidate.effect.parameters], dtype=bool)
 
 
 def log_choose(n: int, k: int) -> float:

@@ -10,6 +10,7 @@ from scipy.stats import norm
 
 from harness.diagnose.fit import Fit, covariance
 from harness.diagnose.predict import Predictor, from_internal, is_logarithmic
+from harness.diagnose.study import whole_numbers
 
 Array = NDArray[np.float64]
 
@@ -41,12 +42,16 @@ def estimates(predictor: Predictor, fitted: Fit, k: int) -> dict[str, Estimate]:
     first = len(predictor.nominal) + span.start
     sigma = np.sqrt(np.diag(covariance(fitted, len(predictor.nominal), inflation(fitted))))
     log = is_logarithmic(member)
+    whole = whole_numbers(member)
     u = fitted.x[first : first + member.size]
     values = from_internal(member, u)
     out = {}
     for j, parameter in enumerate(member.effect.parameters):
         s = float(sigma[first + j])
         value = float(values[j])
+        if whole[j]:
+            out[parameter.name] = Estimate(value, 0.0, value, value)
+            continue
         if not np.isfinite(s):
             # At a bound: one-sided, from the curvature there if it can be had.
             width = _bound_width(fitted, first + j, len(predictor.nominal))
