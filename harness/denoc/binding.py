@@ -25,8 +25,8 @@ from harness.denoc.rows import COLUMNS, WIDTH
 Array = NDArray[np.float64]
 
 # Words of the header that stands for a model on the way in.
-BODIES, COORDINATES, ROWS, TOPOLOGY, ELASTIC, ELASTIC_SIZE, ARRAY_TYPE, FLOAT_TYPE = range(8)
-HEADER_SIZE = 8
+BODIES, COORDINATES, ROWS, TOPOLOGY, ELASTIC, ELASTIC_SIZE, ARRAY_TYPE, FLOAT_TYPE, FORWARD, INVERSE = range(10)
+HEADER_SIZE = 10
 
 #: What an entry returns besides 0 and the row of a body without inertia.
 NOT_PLAIN, NOT_FINITE = -1, -2
@@ -126,12 +126,15 @@ def entry(kernel: Any, vectors: int) -> Callable[..., int]:
     return function
 
 
-def make_header(bodies: int, n: int, rows: Array, topology: NDArray[np.int64], elastic: Array) -> NDArray[np.int64]:
-    """Header of a model; whoever holds it must hold the arrays as well."""
+def make_header(
+    bodies: int, n: int, rows: Array, topology: NDArray[np.int64], elastic: Array, forward: int, inverse: int
+) -> NDArray[np.int64]:
+    """Header of a model with the addresses of its dynamics; whoever holds it must hold the arrays as well."""
     header = np.zeros(HEADER_SIZE, dtype=np.int64)
     header[BODIES], header[COORDINATES] = bodies, n
     header[ROWS], header[TOPOLOGY] = rows.ctypes.data, topology.ctypes.data
     header[ELASTIC], header[ELASTIC_SIZE] = elastic.ctypes.data, len(elastic)
+    header[FORWARD], header[INVERSE] = forward, inverse
     if works():
         header[ARRAY_TYPE], header[FLOAT_TYPE] = id(np.ndarray), id(np.dtype(np.float64))
     return header

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from numba import njit
@@ -12,7 +14,36 @@ F = TypeVar("F", bound=Callable[..., Any])
 # Fused multiply-add and free signs of zero, nothing that changes what NaN and infinity mean: bad input must stay visible.
 FAST_MATH = {"contract", "nsz"}
 
+# Kernels of these files are linked into kernels of others, whose cached code numba goes on using when they change: it
+# looks at the one file alone. So the cache is dropped here.
+_LINKED = ("compiled", "trig", "rows", "binding", "rigid", "flexible", "elastic", "dynamics_call", "fixed_step")
+
 
 def compiled(function: F) -> F:
     """The function as a kernel: compiled at first use, cached on disk, no bounds checks, division by zero gives inf."""
     return cast(F, njit(cache=True, error_model="numpy", fastmath=FAST_MATH)(function))
+
+
+def inlined(function: F) -> F:
+    """As ``compiled``, and always put in place of its call: for pieces of a recursion that run once a body."""
+    return cast(F, njit(cache=True, error_model="numpy", fastmath=FAST_MATH, forceinline=True)(function))
+
+
+def _drop_stale_cache() -> None:
+    """Remove cached kernels that were made with other versions of the linked files than are here now."""
+    home = Path(__file__).parent
+    cache = home / "__pycache__"
+    stamp = cache / "kernels.stamp"
+    # A place that cannot be read or written to holds no cache of numba's either.
+    with contextlib.suppress(OSError):
+        files = [(home / f"{name}.py").stat() for name in _LINKED]
+        now = " ".join(f"{file.st_size}:{file.st_mtime_ns}" for file in files)
+        if stamp.is_file() and stamp.read_text() == now:
+            return
+        for index in cache.glob("*.nbi"):
+            index.unlink(missing_ok=True)
+        cache.mkdir(exist_ok=True)
+        stamp.write_text(now)
+
+
+_drop_stale_cache()

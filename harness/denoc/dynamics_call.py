@@ -1,75 +1,34 @@
-"""The equations of motion behind one address, so that an integrator is compiled once for every kind of mechanism."""
+"""The equations of motion behind an address: one compiled function for every kind of mechanism and every caller.
+
+What calls through an address is compiled once, whether links bend or not: the short way in from Python, the integrators,
+the loops over many states. (A kernel that a caller links in is optimized again with each of them.)
+"""
 
 from __future__ import annotations
 
-import functools
 from typing import Any
 
+import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba import cfunc, types
+from numba import types
 from numba.extending import intrinsic
 
-from harness.denoc.binding import BODIES, COORDINATES, elastic_of, header_at, rows_of, topology_of, vector_at
-
-_SIGNATURE = types.int64(types.int64, types.int64, types.int64, types.int64, types.int64)
-
-
-@functools.cache
-def address(flexible: bool) -> int:
-    """Address of forward_dynamics(header, q, qd, tau, qdd) -> status, all arguments addresses."""
-    return int((_flexible() if flexible else _rigid()).address)
-
-
-@functools.cache
-def _rigid() -> Any:
-    from harness.denoc import rigid
-
-    forward = rigid.forward_dynamics
-
-    @cfunc(_SIGNATURE, cache=True)
-    def dynamics(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
-        header = header_at(model)
-        n = header[COORDINATES]
-        return forward(
-            header[BODIES],
-            rows_of(header),
-            topology_of(header),
-            vector_at(q, n),
-            vector_at(qd, n),
-            vector_at(tau, n),
-            vector_at(qdd, n),
-        )
-
-    return dynamics
-
-
-@functools.cache
-def _flexible() -> Any:
-    from harness.denoc import flexible
-
-    forward = flexible.forward_dynamics
-
-    @cfunc(_SIGNATURE, cache=True)
-    def dynamics(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
-        header = header_at(model)
-        n = header[COORDINATES]
-        return forward(
-            header[BODIES],
-            rows_of(header),
-            topology_of(header),
-            elastic_of(header),
-            vector_at(q, n),
-            vector_at(qd, n),
-            vector_at(tau, n),
-            vector_at(qdd, n),
-        )
-
-    return dynamics
+from harness.denoc.binding import (
+    COORDINATES,
+    FORWARD,
+    INVERSE,
+    NOT_FINITE,
+    NOT_PLAIN,
+    header_at,
+    vector_at,
+    vector_data,
+)
+from harness.denoc.compiled import compiled
 
 
 @intrinsic
-def call(context: Any, function: Any, model: Any, q: Any, qd: Any, tau: Any, qdd: Any) -> Any:
-    """Call what stands at ``function``."""
+def call(context: Any, function: Any, model: Any, q: Any, qd: Any, third: Any, out: Any) -> Any:
+    """Call what stands at ``function``: (header, q, q̇, τ or q̈, result) -> status, all of them addresses."""
 
     def code(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = ir.IntType(64)
@@ -77,3 +36,54 @@ def call(context: Any, function: Any, model: Any, q: Any, qd: Any, tau: Any, qdd
         return builder.call(pointer, arguments[1:])
 
     return types.int64(*[types.int64] * 6), code
+
+
+def addresses(flexible: bool) -> tuple[int, int]:
+    """Addresses of forward and inverse dynamics, passive forces counted; what is not asked for is not compiled."""
+    if flexible:
+        from harness.denoc import flexible_address
+
+        return flexible_address.addresses()
+    from harness.denoc import rigid_address
+
+    return rigid_address.addresses()
+
+
+@compiled
+def _checked(function: int, model: int, header: Any, q: Any, qd: Any, third: Any, result: Any) -> int:
+    """Call with plain vectors of Python; refuse anything else, and results that are not finite."""
+    at_q, at_qd = vector_data(q, header), vector_data(qd, header)
+    at_third, at_result = vector_data(third, header), vector_data(result, header)
+    if at_q == 0 or at_qd == 0 or at_third == 0 or at_result == 0:
+        return NOT_PLAIN
+    status = call(function, model, at_q, at_qd, at_third, at_result)
+    if status != 0:
+        return status
+    total = 0.0
+    for value in vector_at(at_result, header[COORDINATES]):
+        total += value * 0.0
+    return 0 if np.isfinite(total) else NOT_FINITE
+
+
+@compiled
+def forward_entry(model: int, q: Any, qd: Any, tau: Any, qdd: Any) -> int:
+    """Forward dynamics for ``binding.entry``."""
+    header = header_at(model)
+    return _checked(header[FORWARD], model, header, q, qd, tau, qdd)
+
+
+@compiled
+def inverse_entry(model: int, q: Any, qd: Any, qdd: Any, tau: Any) -> int:
+    """Inverse dynamics for ``binding.entry``."""
+    header = header_at(model)
+    return _checked(header[INVERSE], model, header, q, qd, qdd, tau)
+
+
+@compiled
+def call_rows(function: int, model: int, q: Any, qd: Any, third: Any, out: Any) -> int:
+    """Call for every row of (B, n) arrays; 0 or the first status that is not."""
+    for k in range(len(q)):
+        status = call(function, model, q[k].ctypes.data, qd[k].ctypes.data, third[k].ctypes.data, out[k].ctypes.data)
+        if status != 0:
+            return status
+    return 0

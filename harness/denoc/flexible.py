@@ -855,16 +855,6 @@ def inverse_dynamics(
 
 
 @compiled
-def passive(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, out: Vector) -> None:
-    """Forces of joint dampers and springs, and of the beams' stiffness and damping."""
-    for i in range(len(out)):
-        out[i] = 0.0
-    subtract_passive(bodies, d, t, e, q, qd, out)
-    for i in range(len(out)):
-        out[i] = -out[i]
-
-
-@compiled
 def subtract_passive(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, out: Vector) -> None:
     """Take the passive forces from generalized forces: what is left has to be applied."""
     for i in range(1, bodies + 1):
@@ -1049,35 +1039,6 @@ def energy_and_momentum(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, 
         px, py, pz = px + fx, py + fy, pz + fz
     out[0], out[1] = kinetic, potential
     out[2], out[3], out[4], out[5], out[6], out[7] = lx, ly, lz, px, py, pz
-
-
-@compiled
-def forward_dynamics_rows(
-    bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, Tau: Matrix, out: Matrix
-) -> int:
-    """``forward_dynamics`` for every row; Tau may be empty for none."""
-    none = np.zeros(Q.shape[1])
-    for k in range(len(Q)):
-        status = forward_dynamics(bodies, d, t, e, Q[k], Qd[k], Tau[k] if len(Tau) > 0 else none, out[k])
-        if status != 0:
-            return status
-    return 0
-
-
-@compiled
-def inverse_dynamics_rows(
-    bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, Qdd: Matrix, out: Matrix
-) -> None:
-    """``inverse_dynamics`` for every row, passive forces left out as there."""
-    for k in range(len(Q)):
-        inverse_dynamics(bodies, d, t, e, Q[k], Qd[k], Qdd[k], out[k])
-
-
-@compiled
-def passive_rows(bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
-    """``passive`` for every row."""
-    for k in range(len(Q)):
-        passive(bodies, d, t, e, Q[k], Qd[k], out[k])
 
 
 @compiled

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from harness.denoc.channels import channels
-from harness.denoc.dynamics_call import address
 from harness.denoc.rows import FIRST, FIXED, KIND
 from harness.errors import InputError, UnsupportedError
 from harness.system import Trajectory
@@ -112,7 +111,7 @@ def _integrate(
     velocity: Array,
 ) -> str:
     """Run a compiled integrator; raises InputError where it fails, returns what to add about how it went."""
-    function = address(bool(model.beams))
+    function = model.forward_address
     if chosen == "dop853":
         from harness.denoc.adaptive import dormand_prince8
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc import rigid
 from harness.denoc.binding import FORWARD, INVERSE, NOT_FINITE, NOT_PLAIN, entry, make_header
-from harness.denoc.dynamics_call import call_rows, forward_address, forward_entry, inverse_address, inverse_entry
+from harness.denoc.dynamics_call import addresses, call_rows, forward_entry, inverse_entry
 from harness.denoc.elastic import pack_beams
 from harness.denoc.rows import EXTERNAL, FIRST, POSITION, TURN
 from harness.denoc.tree import Tree, compile_tree
@@ -70,8 +70,7 @@ class Denoc:
             tree.rows,
             tree.topology,
             self._elastic,
-            forward_address(flexible),
-            inverse_address(flexible),
+            *addresses(flexible),
         )
         self._model = int(self._header.ctypes.data)
         self._zero = np.zeros(tree.n)
@@ -311,6 +310,11 @@ class Denoc:
                 part = slice(own, own + data.coordinates)
                 stiffness[part, part], damping[part, part] = data.K, data.C
         return stiffness, damping
+
+    @property
+    def forward_address(self) -> int:
+        """Address of forward dynamics, to be called with ``header_address`` first: see ``harness.denoc.dynamics_call``."""
+        return int(self._header[FORWARD])
 
     @property
     def header_address(self) -> int:

@@ -11,9 +11,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from harness.denoc.compiled import compiled
+from harness.denoc.compiled import compiled, inlined
 from harness.denoc.rows import (
     ACCELERATION,
     ARMATURE,
@@ -51,7 +49,7 @@ Vector = Any
 Matrix = Any
 
 
-@compiled
+@inlined
 def place(d: Rows, t: Topology, i: int, q: float, v: float) -> None:
     """Rotation R, reach r, spin ω and velocity-product acceleration of body i from its parent's."""
     p = t[i, PARENT]
@@ -105,7 +103,7 @@ def place(d: Rows, t: Topology, i: int, q: float, v: float) -> None:
     d[i, REACH], d[i, REACH + 1], d[i, REACH + 2] = rx, ry, rz
 
 
-@compiled
+@inlined
 def turn_inertia(d: Rows, i: int) -> None:
     """The rigid body's own inertia in base axes, and its bias wrench ω×Jω, ω×(ω×mc) less the external wrench."""
     r0, r1, r2 = d[i, TURN], d[i, TURN + 1], d[i, TURN + 2]
@@ -143,7 +141,7 @@ def turn_inertia(d: Rows, i: int) -> None:
     d[i, FORCE + 5] = wx * hy - wy * hx - d[i, EXTERNAL + 5]
 
 
-@compiled
+@inlined
 def add_shifted_inertia(
     d: Rows,
     p: int,
@@ -274,7 +272,7 @@ def forward_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, tau: V
     return singular
 
 
-@compiled
+@inlined
 def ride(d: Rows, i: int, p: int) -> tuple[float, float, float, float, float, float]:
     """Angular and linear acceleration body i would have without its joint's own: the parent's, shifted, plus bias."""
     rx, ry, rz = d[i, REACH], d[i, REACH + 1], d[i, REACH + 2]
@@ -518,35 +516,10 @@ def coriolis_matrix(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, c: Matr
 
 
 @compiled
-def passive(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, out: Vector) -> None:
-    """Forces of joint dampers and springs on the joints they sit at."""
+def subtract_passive(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, out: Vector) -> None:
+    """Take the forces of joint dampers and springs from generalized forces: what is left has to be applied."""
     for i in range(n):
-        out[i] = -d[i + 1, DAMPING] * qd[i] - d[i + 1, STIFFNESS] * (q[i] - d[i + 1, REST])
-
-
-@compiled
-def forward_dynamics_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, Tau: Matrix, out: Matrix) -> int:
-    """``forward_dynamics`` for every row; Tau may be empty for none."""
-    none = np.zeros(Q.shape[1])
-    for k in range(len(Q)):
-        status = forward_dynamics(n, d, t, Q[k], Qd[k], Tau[k] if len(Tau) > 0 else none, out[k])
-        if status != 0:
-            return status
-    return 0
-
-
-@compiled
-def inverse_dynamics_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, Qdd: Matrix, out: Matrix) -> None:
-    """``inverse_dynamics`` for every row, passive forces left out as there."""
-    for k in range(len(Q)):
-        inverse_dynamics(n, d, t, Q[k], Qd[k], Qdd[k], out[k])
-
-
-@compiled
-def passive_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
-    """``passive`` for every row."""
-    for k in range(len(Q)):
-        passive(n, d, t, Q[k], Qd[k], out[k])
+        out[i] += d[i + 1, DAMPING] * qd[i] + d[i + 1, STIFFNESS] * (q[i] - d[i + 1, REST])
 
 
 @compiled
