@@ -19,6 +19,7 @@ from numba import njit
 from harness.denoc import laws as law
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import (
+    ABSENT,
     BRISTLE,
     BRISTLE_RATE,
     CONSTANTS,
@@ -27,11 +28,15 @@ from harness.denoc.lanes_tree import (
     FREE,
     HOLD,
     JOINT,
+    KIND,
     LIMIT,
+    MASS,
+    PARENT,
     QD,
     QDD,
     REACTION,
     REACTION_START,
+    SECTION,
     SHAKE,
     TAU,
     TAU_SLOPE,
@@ -665,6 +670,11 @@ def run_groups(
     next_sample = np.zeros(8, dtype=np.int64)
     flags = np.zeros(n, dtype=np.int64)
     shake = ws[(n * JOINT + SHAKE) * 8 :]
+    present = tree.copy()
+    leaf = np.ones(tree.shape[0], dtype=np.int64)
+    for i in range(tree.shape[0]):
+        if tree[i, PARENT] >= 0:
+            leaf[tree[i, PARENT]] = 0
     for g in range(first, last):
         lanes = min(8, copies - 8 * g)
         for i in range(n):
@@ -680,6 +690,15 @@ def run_groups(
                 state[(2 * n + i) * 8 + lane] = 0.0
             if rows[source, 3] != 0.0:
                 shaken = 1
+        for i in range(tree.shape[0]):
+            # Contributions of nothing are exact zeros: leaving them out changes no lane's result.
+            present[i, KIND] = tree[i, KIND]
+            if tree[i, KIND] == SECTION:
+                carried = 0.0
+                for k in range((i * CONSTANTS + MASS) * 8, (i + 1) * CONSTANTS * 8):
+                    carried += abs(constants[k])
+                if carried == 0.0 and leaf[i] != 0:
+                    present[i, KIND] = ABSENT
         width = 2 * n
         loaded: Any = np.int64(0)
         for i in range(n):
@@ -688,7 +707,7 @@ def run_groups(
             if flags[i] & law.HAS_LOAD:
                 loaded = 1
         run_group(
-            tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
+            present, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
             time, effort, driven, hold, longest, tolerance,
             table, fractions, errors_5, errors_3, extra, extra_fractions, weights, exponent,
             state, after, slopes, dense, ledger, next_sample,

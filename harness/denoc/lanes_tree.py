@@ -33,7 +33,8 @@ from harness.denoc.lanes_vector import (
 )
 
 # Kinds of node, and the columns of the integer table that describes one.
-REVOLUTE, PRISMATIC, BEAM, SECTION = 0, 1, 2, 3
+# (ABSENT: a section that carries nothing in any lane of the group, skipped.)
+REVOLUTE, PRISMATIC, BEAM, SECTION, ABSENT = 0, 1, 2, 3, 4
 # ROW, HEAD: where in a parameter row a section's values begin, and those of its beam.
 PARENT, KIND, PREFIX, COORDINATE, MODES, TABLE, POINTS, WORK, ROW, HEAD = range(10)
 COLUMNS = 10
@@ -293,6 +294,8 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
         b = (n * JOINT + GROUP + i * BODY) * 8
         k = i * CONSTANTS * 8
         kind = tree[i, KIND]
+        if kind == ABSENT:
+            continue
         parent = tree[i, PARENT]
         j = tree[i, COORDINATE] * JOINT * 8
         c = load(constants, k + DELTA * 8)
@@ -532,6 +535,8 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
         b = (n * JOINT + GROUP + i * BODY) * 8
         k = i * CONSTANTS * 8
         kind = tree[i, KIND]
+        if kind == ABSENT:
+            continue
         parent = tree[i, PARENT]
         own = tree[i, COORDINATE]
         j = own * JOINT * 8
@@ -799,6 +804,8 @@ def _outward_accelerations(
         b = (n * JOINT + GROUP + i * BODY) * 8
         k = i * CONSTANTS * 8
         kind = tree[i, KIND]
+        if kind == ABSENT:
+            continue
         parent = tree[i, PARENT]
         own = tree[i, COORDINATE]
         j = own * JOINT * 8
