@@ -11,10 +11,12 @@ import numpy as np
 
 from harness.diagnose.candidates import candidates
 from harness.diagnose.conclude import Claim, Conclusion, conclude
+from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, summary
 from harness.diagnose.fit import Fit
+from harness.diagnose.free_motion import free_part
 from harness.diagnose.hypothesis import Hypothesis, scaled
 from harness.diagnose.investigate import Outcome, investigate, judge
 from harness.diagnose.locate import locate, rmse
@@ -55,7 +57,7 @@ def diagnose(
     """
     if isinstance(recordings, (str, Path, Recording)):
         recordings = [recordings]
-    system = model if isinstance(model, System) else load(model)
+    system = model if isinstance(model, System) else load(model, physical=False)
     if tolerance is not None:
         if not 0.0 < tolerance < 1.0:
             raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
@@ -64,7 +66,7 @@ def diagnose(
         raise InputError(
             "efforts cannot be fitted yet", mend="leave --fit-effort out; efforts are taken as known inputs"
         )
-    read = _read(recordings, holdout, mapping, system)
+    read = [free_part(system, recording) for recording in _read(recordings, holdout, mapping, system)]
     held = read.pop() if holdout is not None else None
     steps = 0
 
@@ -235,6 +237,7 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
         next_experiment=_next(outcome, conclusion),
         quality=quality,
         augmented=augmented(outcome, conclusion, values),
+        curves=curves(outcome, conclusion.best, conclusion.held),
     )  # fmt: skip
 
 

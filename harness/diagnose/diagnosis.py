@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from harness.diagnose.curves import Curves
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
@@ -18,7 +19,7 @@ class Diagnosis:
     """What a diagnosis found; fields as in ``denoc.diagnosis/1``.
 
     verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
-    series: what plots are made of, by name.
+    curves: what the plots are drawn from.
     """
 
     verdict: str
@@ -32,7 +33,7 @@ class Diagnosis:
     next_experiment: Mapping[str, Any]
     quality: Sequence[Mapping[str, Any]] = ()
     augmented: System | None = None
-    series: Mapping[str, Any] = field(default_factory=dict)
+    curves: Curves | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The document ``denoc.diagnosis/1`` as plain data; numbers that are not finite become null."""

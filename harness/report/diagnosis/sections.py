@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from markupsafe import Markup
 
-from harness.cases.case import Series
+from harness.diagnose.curves import Curves
+from harness.report.diagnosis.curves import pictures
 from harness.report.diagnosis.figures import errors, windows
-from harness.report.figures.kinds import kind_of
 
 Document = Mapping[str, Any]
 
@@ -65,18 +65,17 @@ class Where:
 
 
 @dataclass(frozen=True)
-class Lines:
-    series: Sequence[Series]
+class Pictures:
+    curves: Curves | None
     anchor: str = "pictures"
-    title: str = "Pictures"
+    title: str = "Residuals"
     template: str = "pictures.html"
 
     def content(self, document: Document) -> Mapping[str, Any] | None:
-        pictures = []
-        for key in dict.fromkeys(line.figure for line in self.series):
-            mine = [line for line in self.series if line.figure == key]
-            pictures.append((mine[0].title or key.replace("_", " "), Markup(kind_of(key).draw(mine, f"line-{key}"))))
-        return {"words": "", "pictures": pictures} if pictures else None
+        if self.curves is None:
+            return None
+        drawn = [(caption, Markup(svg)) for caption, svg in pictures(self.curves)]
+        return {"words": "", "pictures": drawn} if drawn else None
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ def write_diagnosis(found: Diagnosis, folder: str | Path) -> list[Path]:
 
     document = found.to_json()
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    series = found.series if isinstance(found.series, list | tuple) else ()
-    written = write_folder(folder, {"diagnosis.json": text, "report.html": diagnosis_html(document, series)})
+    written = write_folder(folder, {"diagnosis.json": text, "report.html": diagnosis_html(document, found.curves)})
     if found.augmented is not None:
         target = Path(folder) / "augmented.toml"
         try:
