@@ -24,7 +24,8 @@ SAMPLES_A_SWING = 96  # of the slowest swing, at which accelerations are read of
 SMOOTHING = 9  # such samples in the local cubic, about a tenth of a swing
 WINDOW = 5  # such samples in a window whose mean force is judged
 SHORTEST = 2  # such windows; a single one may be an outlier
-SIGMAS = 6.0  # a window's mean force beyond what the rest of the recording shows
+SIGMAS = 5.0  # of the first windows' mean force beyond what the rest of the recording shows
+GOES_ON = 2.5  # of a later window's
 SHARE = 0.12  # of the accelerations that gravity makes, below which a carrying hand is not claimed
 MOST = 0.4  # of a recording that may be left out; beyond, it is the model that is wrong
 MOVING = 0.03  # of the greatest speed; what stands still is held, and has an effect of its own (late release)
@@ -46,7 +47,7 @@ def carried_start(system: System, recording: Recording) -> CarriedStart | None:
     """The stretch at the beginning of a free recording in which something carries the mechanism, or None.
 
     Accelerations read off the recording are held against those of the model; what is left is regressed, robustly, on
-    gravity, position, friction and drag over the whole recording. A stretch that begins with the first sample and lies
+    gravity, friction and drag over the whole recording. A stretch that begins with the first sample and lies
     beyond that in every window is carried. Not judged (None): driven recordings, systems with flexible links, joints
     without a measured position, recordings of less than three swings.
     """
@@ -64,7 +65,7 @@ def carried_start(system: System, recording: Recording) -> CarriedStart | None:
     expected = Denoc(system).forward_dynamics_batch(q, qd, np.zeros_like(q))
     found: CarriedStart | None = None
     for j, name in enumerate(system.joint_names):
-        end, share = _strange_beginning(q[:, j], qd[:, j], qdd[:, j], expected[:, j])
+        end, share = _strange_beginning(qd[:, j], qdd[:, j], expected[:, j])
         if 0 < end <= MOST * len(grid) and (found is None or grid[end] > found.time):
             found = CarriedStart(float(grid[end]), name, share)
     return found
@@ -115,26 +116,22 @@ def _motion(recording: Recording, channel: Channel, grid: Array) -> tuple[Array,
     return np.interp(grid, even, parts[0]), np.interp(grid, even, parts[1]), np.interp(grid, even, parts[2])
 
 
-def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array) -> tuple[int, float]:
+def _strange_beginning(qd: Array, qdd: Array, expected: Array) -> tuple[int, float]:
     """Number of grid samples at the beginning that follow no law which the rest follows, and how far they are off."""
     scale = float(np.percentile(np.abs(expected), 95)) or 1.0
     speed = float(np.abs(qd).max()) or 1.0
     left = (qdd - expected) / scale
     basis = np.stack(
         [
-            np.ones_like(q), expected / scale, np.sin(q), np.cos(q), q, qd / speed, qd * np.abs(qd) / speed**2,
-            np.tanh(qd / (0.02 * speed)),
+            np.ones_like(qd), expected / scale, qd / speed, qd * np.abs(qd) / speed**2, np.tanh(qd / (0.02 * speed)),
         ],
         axis=1,
     )  # fmt: skip
-    # Huber's loss lets the carried stretch pull no more than its number of samples. Ridge: sin, q and the model's own
-    # acceleration are nearly the same in small swings.
+    # Few terms, none of them of position alone: a carried stretch often lies where the free motion never comes again.
+    # The robust loss lets it pull no more than its number of samples.
     spread = float(1.4826 * np.median(np.abs(left - np.median(left)))) or 1e-12
-    ridge = 1e-3 * np.sqrt(len(q)) * spread * np.eye(basis.shape[1])
-    target = np.concatenate([left, np.zeros(basis.shape[1])])
-    design = np.concatenate([basis, ridge])
     start = np.zeros(basis.shape[1])
-    fitted = least_squares(lambda x: design @ x - target, start, jac=lambda x: design, loss="huber", f_scale=spread)
+    fitted = least_squares(lambda x: basis @ x - left, start, jac=lambda x: basis, loss="soft_l1", f_scale=spread)
     rest = left - basis @ fitted.x
     rest = rest[SMOOTHING // 2 :]  # the local cubics at the very edge are noisier than elsewhere
     windows = len(rest) // WINDOW
@@ -142,9 +139,12 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array) -> tupl
     # What has come to rest shows no force at all and says nothing of how well forces can be read off.
     fast = np.abs(qd[SMOOTHING // 2 :][: windows * WINDOW]).reshape(windows, WINDOW).max(axis=1) > 0.1 * speed
     sigma = float(1.4826 * np.median(np.abs(means[fast])))
-    off = np.abs(means) > max(SIGMAS * sigma, SHARE)
+    first = float(np.mean(means[:SHORTEST]))
+    if abs(first) < max(SIGMAS * sigma / np.sqrt(SHORTEST), SHARE):
+        return 0, 0.0
+    # It goes on until two windows in a row are ordinary; a force that turns round is no longer the same carrying.
+    off = np.sign(first) * means > GOES_ON * sigma
     count = 0
-    # One window in between may pass by chance, where the force changes sign.
     while count < windows and (off[count] or (0 < count < windows - 1 and off[count + 1])):
         count += 1
     if count < SHORTEST or np.mean(np.abs(qd[: count * WINDOW]) > MOVING * speed) < 0.5:
