@@ -11,6 +11,7 @@ import numpy as np
 
 from harness.diagnose.candidates import candidates
 from harness.diagnose.conclude import Claim, Conclusion, conclude
+from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, summary
@@ -236,6 +237,7 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
         next_experiment=_next(outcome, conclusion),
         quality=quality,
         augmented=augmented(outcome, conclusion, values),
+        curves=curves(outcome, conclusion.best, conclusion.held),
     )  # fmt: skip
 
 
