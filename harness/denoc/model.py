@@ -381,7 +381,8 @@ class Denoc:
             status = short(self._model, *checked, out)
         if status == NOT_PLAIN:
             # No short way in this process.
-            status = call_rows(int(self._header[which]), self._model, *(x[None] for x in checked), out[None])
+            q, qd, third = checked
+            status = call_rows(int(self._header[which]), self._model, q[None], qd[None], third[None], out[None])
         if status > 0:
             raise self.singular(status)
         if status == NOT_FINITE or not np.isfinite(out).all():
