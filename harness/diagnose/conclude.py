@@ -11,14 +11,13 @@ from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge
 from harness.diagnose.remainder import Remains, examine
-from harness.diagnose.search import Effort, alternatives
+from harness.diagnose.rivals import APART, near, preferred
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
 
 PRACTICAL = 0.05  # an effect must change the prediction by this share of the noise at least
 HELD_OUT = 1.0  # standard deviations by which it must improve data held out
-APART = 6.0  # difference in the criterion (odds of twenty to one) below which hypotheses cannot be told apart
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
 )
@@ -116,10 +115,10 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best))
 
 
-def conclude(outcome: Outcome, effort: Effort) -> Conclusion:
+def conclude(outcome: Outcome) -> Conclusion:
     """Weigh what the search found and judge it on the data held out."""
     study, problem = outcome.study, outcome.problem
-    best = settle(outcome)
+    best = preferred(outcome, settle(outcome))
     held = judge(outcome, best)
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
@@ -137,9 +136,8 @@ def conclude(outcome: Outcome, effort: Effort) -> Conclusion:
             doubted.append(member.key)
             continue
         rivals = []
-        for other in alternatives(study, best, k, effort):
-            if study.criterion(other) < study.criterion(best) + APART:
-                rivals += [m for m in other.hypothesis.members if m.key not in best.hypothesis.keys]
+        for other in near(outcome, best, k):
+            rivals += [m for m in other.hypothesis.members if m.key not in best.hypothesis.keys]
         own = gain - member.size * log_n
         claims.append(
             Claim(

@@ -21,6 +21,7 @@ from harness.diagnose.hypothesis import Hypothesis, scaled
 from harness.diagnose.investigate import Outcome, investigate, judge
 from harness.diagnose.locate import locate, rmse
 from harness.diagnose.problem import pose
+from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.search import Effort
 from harness.diagnose.uncertainty import Estimate, estimates
 from harness.effects.effect import Effect
@@ -83,7 +84,7 @@ def diagnose(
     known = candidates(system, every, only=only, further=further)
     frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)
     outcome = investigate(problem, known, frequency, effort=effort, progress=tell)
-    conclusion = conclude(outcome, effort or Effort())
+    conclusion = conclude(outcome)
     tell("telling")
     return _tell(outcome, conclusion, every)
 
@@ -180,7 +181,7 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
         )
     ranking = []
     log_n = float(np.log(study.samples))
-    for fitted in outcome.ordered[:SHOWN]:
+    for fitted in likeliest(outcome, conclusion.best, SHOWN):
         held = judge(outcome, fitted)
         ranking.append(
             {
