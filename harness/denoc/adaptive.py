@@ -160,13 +160,13 @@ def dormand_prince8(
     longest: float,
     position: Matrix,
     velocity: Matrix,
-    resting: Matrix,
+    acceleration: Matrix,
     counts: Vector,
 ) -> int:
     """Integrate from position[0], velocity[0] over ``time``; forces given at samples are never stepped across.
 
     row_of, armature, limit (n,): row and armature of each joint coordinate, and its dry friction (0: none).
-    resting (T, n): whether the joint rests at each sample. counts: steps, rejected steps, events.
+    acceleration (T, n): with friction, as it is then; without, left alone. counts: steps, rejected steps, events.
     """
     n = position.shape[1]
     n2 = 2 * n
@@ -190,8 +190,8 @@ def dormand_prince8(
     sample = 1
     last_sample = len(time) - 1
     now = time[0]
-    for i in range(n):
-        resting[0, i] = mode[i] == RESTING
+    if friction:
+        acceleration[0] = scratch[n:]
     h = 0.0
     known = False
     while sample <= last_sample and status == 0:
@@ -299,7 +299,10 @@ def dormand_prince8(
                 probe[:] = new
             for i in range(n):
                 position[sample, i], velocity[sample, i] = probe[i], probe[n + i]
-                resting[sample, i] = mode[i] == RESTING
+            if friction:
+                force_at(tau, linear, interval, (time[sample] - time[interval]) / width, applied)
+                status = rates(function, model, rows, row_of, mode, limit, probe, applied, force, scratch)
+                acceleration[sample] = scratch[n:]
             sample += 1
         if happened >= 0:
             counts[2] += 1
@@ -321,7 +324,7 @@ def dormand_prince8(
             while sample <= last_sample and time[sample] <= now:
                 for i in range(n):
                     position[sample, i], velocity[sample, i] = y[i], y[n + i]
-                    resting[sample, i] = mode[i] == RESTING
+                acceleration[sample] = scratch[n:]
                 sample += 1
             continue
         y[:] = new
@@ -333,6 +336,7 @@ def dormand_prince8(
             if friction and sample <= last_sample:
                 force_at(tau, linear, sample - 1, 0.0, applied)
                 status = sort_resting(function, model, rows, row_of, armature, mode, limit, y, applied, force, scratch)
+                acceleration[sample - 1] = scratch[n:]
         else:
             stages[0] = stages[STAGES]
         finite = 0.0

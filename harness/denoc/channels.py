@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from harness.denoc.tree import Array
 
 
-def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array | None) -> dict[str, Array]:
+def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array) -> dict[str, Array]:
     """Channels of every flexible link; position, velocity, acceleration (T, n), result by column name, each (T,).
 
     ``<link>.tip_deflection`` [m]: along the bending direction, from the line that leaves the joint along the
     undeformed link. ``<link>.root_strain`` [1]: half depth times curvature at the root, positive where the beam bends
     towards positive deflection (what a gauge on the side away from it reads); left out if the depth is unknown.
     ``<link>.tip_acceleration`` [m/s²]: specific force (acceleration less gravity) of the tip along the bending
-    direction of the tip's own, turned section; left out without accelerations.
+    direction of the tip's own, turned section.
     """
     found: dict[str, Array] = {}
     for body, data in model.beams.items():
@@ -32,8 +32,7 @@ def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array
         found[f"{data.link}.tip_deflection"] = b[:, bends] @ data.tip.s[bends]
         if np.isfinite(data.half_depth):
             found[f"{data.link}.root_strain"] = data.half_depth * (b[:, bends] @ data.at(0.0).curvature[bends])
-        if acceleration is not None:
-            found[f"{data.link}.tip_acceleration"] = tip_acceleration(model, body, position, velocity, acceleration)
+        found[f"{data.link}.tip_acceleration"] = tip_acceleration(model, body, position, velocity, acceleration)
     return found
 
 

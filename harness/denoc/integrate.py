@@ -70,6 +70,7 @@ def simulate(
         raise InputError(f"rtol {rtol} and atol {atol} must be positive", mend="1e-10 and 1e-12 are usual")
     position, velocity = np.empty((len(times), model.n)), np.empty((len(times), model.n))
     position[0], velocity[0] = start, speed
+    acceleration = np.empty_like(position)
     found: dict[str, Array] = {}
     said = METHODS[chosen]
     linear = hold == "linear"
@@ -84,13 +85,26 @@ def simulate(
             times, position, velocity = times[:kept], position[:kept], velocity[:kept]
     elif len(times) > 1:
         said += _integrate(
-            model, chosen, times, forces, linear, step, rtol, atol, friction, row_of, armature, position, velocity
+            model,
+            chosen,
+            times,
+            forces,
+            linear,
+            step,
+            rtol,
+            atol,
+            friction,
+            row_of,
+            armature,
+            position,
+            velocity,
+            acceleration,
         )
     energy = model.energies(position, velocity)[:, :2].sum(axis=1)
     signals: dict[str, Array] = {}
     if model.beams:
-        acceleration = None if friction.any() else model.accelerations(position, velocity, forces[: len(position)])
-        # Dry friction at rest leaves the acceleration to the friction itself.
+        if not friction.any() or len(times) == 1:
+            acceleration = model.accelerations(position, velocity, forces[: len(position)])
         signals = channels(model, position, velocity, acceleration)
     return Trajectory(times, model.names, position, velocity, signals, energy, said, found)
 
@@ -109,6 +123,7 @@ def _integrate(
     armature: Array,
     position: Array,
     velocity: Array,
+    acceleration: Array,
 ) -> str:
     """Run a compiled integrator; raises InputError where it fails, returns what to add about how it went."""
     function = model.forward_address
@@ -116,7 +131,6 @@ def _integrate(
         from harness.denoc.adaptive import dormand_prince8
 
         counts = np.zeros(3, dtype=np.int64)
-        resting = np.zeros(position.shape, dtype=np.bool_)
         status = dormand_prince8(
             function,
             model.header_address,
@@ -132,7 +146,7 @@ def _integrate(
             np.inf if step is None else step,
             position,
             velocity,
-            resting,
+            acceleration,
             counts,
         )
         said = f", {counts[0]} steps" + (f", dry friction with {counts[2]} events" if friction.any() else "")

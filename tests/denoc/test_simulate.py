@@ -183,6 +183,27 @@ def test_stiff_and_adaptive_integration_agree() -> None:
     assert np.abs(tips[0] - tips[1]).max() < 1e-6 * np.abs(tips[0]).max()
 
 
+def test_tip_accelerometer_is_read_while_the_joint_sticks_and_slides() -> None:
+    """Held by friction the hinge is a clamp: the tip reads what it does on a welded joint, until it breaks loose."""
+    free = flexible_pendulum(1)
+    shaped = replace(free, links=(replace(free.links[0], beam=replace(free.links[0].beam, shapes="clamped_free")),))
+    start = np.array([1e-3, 1e-4])
+    time = np.linspace(0.0, 0.5, 101)
+    held = Denoc(shaped.replace_joint(replace(free.joints[0], friction=0.5))).simulate(start, np.zeros(2), time)
+    assert not held.velocity[:, 0].any() or np.abs(held.velocity[:, 0]).max() < 1e-25
+    turn = np.array([[np.cos(1e-3), 0.0, np.sin(1e-3)], [0.0, 1.0, 0.0], [-np.sin(1e-3), 0.0, np.cos(1e-3)]])
+    weld = replace(free.joints[0], type=JointType.FIXED, rotation=turn)
+    welded = Denoc(replace(shaped, joints=(weld,))).simulate(start[1:], np.zeros(1), time)
+    ours, expected = (motion.channels["rod.tip_acceleration"] for motion in (held, welded))
+    assert np.abs(ours - expected).max() < 1e-6 * np.abs(expected).max()
+    # Sliding against a little friction, the tip's reading goes on, and jumps by no more than friction's torque makes.
+    sliding = Denoc(shaped.replace_joint(replace(free.joints[0], friction=1e-3))).simulate(
+        [1.0, 0.0], np.zeros(2), time
+    )
+    assert np.isfinite(sliding.channels["rod.tip_acceleration"]).all()
+    assert np.ptp(sliding.position[:, 0]) > 0.5
+
+
 def test_very_stiff_modes_choose_the_implicit_method() -> None:
     assert "Gauss" in Denoc(flexible_pendulum(12)).simulate([0.1, *np.zeros(12)], np.zeros(13), [0.0, 0.01]).method
     assert "adaptive" in Denoc(flexible_pendulum(1)).simulate([0.1, 0.0], np.zeros(2), [0.0, 0.01]).method
