@@ -12,7 +12,7 @@ from typing import Any
 from numba import njit
 
 from harness.denoc.lanes_tree import shift_tensors, turn_forward, turn_general, turn_symmetric
-from harness.denoc.lanes_vector import gather, load, scatter, sine_cosine, spread, store
+from harness.denoc.lanes_vector import add_run, gather, load, load_run, scatter, sine_cosine, spread, store, store_run
 
 # One body's constants (single numbers).
 R, ALPHA, DELTA, GAMMA, MASS, FIRST, SECOND, ARMATURE, DAMPING, STIFFNESS, REST = 0, 3, 5, 7, 9, 10, 13, 19, 20, 21, 22
@@ -80,12 +80,8 @@ def forward_dynamics(
             zero = spread(0.0)
             if p >= 0:
                 p = p * BODY * 8
-                wx = load(ws, p + OMEGA * 8)
-                wy = load(ws, p + OMEGA * 8 + 8)
-                wz = load(ws, p + OMEGA * 8 + 16)
-                vx = load(ws, p + VELOCITY * 8)
-                vy = load(ws, p + VELOCITY * 8 + 8)
-                vz = load(ws, p + VELOCITY * 8 + 16)
+                wx, wy, wz = load_run(ws, p + OMEGA * 8, 3)
+                vx, vy, vz = load_run(ws, p + VELOCITY * 8, 3)
                 if tree[i, PREFIX] != 0:
                     wx, wy = turn_forward(c[k + GAMMA], c[k + GAMMA + 1], wx, wy)
                     vx, vy = turn_forward(c[k + GAMMA], c[k + GAMMA + 1], vx, vy)
@@ -100,31 +96,22 @@ def forward_dynamics(
                 wx, wy, wz, vx, vy, vz = zero, zero, zero, zero, zero, zero
             if prismatic == 0:
                 wz = wz + rate
-                store(ws, b + TURN * 8, cosine)
-                store(ws, b + TURN * 8 + 8, sine)
+                store_run(ws, b + TURN * 8, (cosine, sine))
             else:
                 vx = vx + wy * position
                 vy = vy - wx * position
                 vz = vz + rate
                 store(ws, b + TURN * 8, position)
             store(ws, b + RATE * 8, rate)
-            store(ws, b + OMEGA * 8, wx)
-            store(ws, b + OMEGA * 8 + 8, wy)
-            store(ws, b + OMEGA * 8 + 16, wz)
-            store(ws, b + VELOCITY * 8, vx)
-            store(ws, b + VELOCITY * 8 + 8, vy)
-            store(ws, b + VELOCITY * 8 + 16, vz)
+            store_run(ws, b + OMEGA * 8, (wx, wy, wz))
+            store_run(ws, b + VELOCITY * 8, (vx, vy, vz))
         for i in range(n - 1, -1, -1):
             b = i * BODY * 8
             k = i * CONSTANTS
             prismatic = tree[i, PRISMATIC]
             rate = load(ws, b + RATE * 8)
-            wx = load(ws, b + OMEGA * 8)
-            wy = load(ws, b + OMEGA * 8 + 8)
-            wz = load(ws, b + OMEGA * 8 + 16)
-            vx = load(ws, b + VELOCITY * 8)
-            vy = load(ws, b + VELOCITY * 8 + 8)
-            vz = load(ws, b + VELOCITY * 8 + 16)
+            wx, wy, wz = load_run(ws, b + OMEGA * 8, 3)
+            vx, vy, vz = load_run(ws, b + VELOCITY * 8, 3)
             m = c[k + MASS]
             hx = c[k + FIRST]
             hy = c[k + FIRST + 1]
@@ -167,9 +154,7 @@ def forward_dynamics(
                 mxx = load(accumulators, a + 120) + m
                 myy = load(accumulators, a + 128) + m
                 mzz = load(accumulators, a + 136) + m
-                mxy = load(accumulators, a + 144)
-                mxz = load(accumulators, a + 152)
-                myz = load(accumulators, a + 160)
+                mxy, mxz, myz = load_run(accumulators, a + 144, 3)
                 px = px + load(accumulators, a + 168)
                 py = py + load(accumulators, a + 176)
                 pz = pz + load(accumulators, a + 184)
@@ -202,12 +187,7 @@ def forward_dynamics(
             k4 = u4 * inverse
             k5 = u5 * inverse
             k6 = u6 * inverse
-            store(ws, b + GAIN * 8, k1)
-            store(ws, b + GAIN * 8 + 8, k2)
-            store(ws, b + GAIN * 8 + 16, k3)
-            store(ws, b + GAIN * 8 + 24, k4)
-            store(ws, b + GAIN * 8 + 32, k5)
-            store(ws, b + GAIN * 8 + 40, k6)
+            store_run(ws, b + GAIN * 8, (k1, k2, k3, k4, k5, k6))
             store(ws, b + PUSH * 8, force)
             if tree[i, PARENT] < 0:
                 continue
@@ -246,8 +226,7 @@ def forward_dynamics(
                 fx = fx + bxx * c1 + byx * c2 + mxx * c4 + mxy * c5
                 fy = fy + bxy * c1 + byy * c2 + mxy * c4 + myy * c5
                 fz = fz + bxz * c1 + byz * c2 + mxz * c4 + myz * c5
-                cosine = load(ws, b + TURN * 8)
-                sine = load(ws, b + TURN * 8 + 8)
+                cosine, sine = load_run(ws, b + TURN * 8, 2)
             else:
                 c4, c5 = wy * rate, -(wx * rate)
                 px = px + bxx * c4 + bxy * c5
@@ -333,33 +312,39 @@ def forward_dynamics(
                 fx = fx + load(accumulators, a + 192)
                 fy = fy + load(accumulators, a + 200)
                 fz = fz + load(accumulators, a + 208)
-            store(accumulators, a, axx)
-            store(accumulators, a + 8, ayy)
-            store(accumulators, a + 16, azz)
-            store(accumulators, a + 24, axy)
-            store(accumulators, a + 32, axz)
-            store(accumulators, a + 40, ayz)
-            store(accumulators, a + 48, bxx)
-            store(accumulators, a + 56, bxy)
-            store(accumulators, a + 64, bxz)
-            store(accumulators, a + 72, byx)
-            store(accumulators, a + 80, byy)
-            store(accumulators, a + 88, byz)
-            store(accumulators, a + 96, bzx)
-            store(accumulators, a + 104, bzy)
-            store(accumulators, a + 112, bzz)
-            store(accumulators, a + 120, mxx)
-            store(accumulators, a + 128, myy)
-            store(accumulators, a + 136, mzz)
-            store(accumulators, a + 144, mxy)
-            store(accumulators, a + 152, mxz)
-            store(accumulators, a + 160, myz)
-            store(accumulators, a + 168, px)
-            store(accumulators, a + 176, py)
-            store(accumulators, a + 184, pz)
-            store(accumulators, a + 192, fx)
-            store(accumulators, a + 200, fy)
-            store(accumulators, a + 208, fz)
+            store_run(
+                accumulators,
+                a,
+                (
+                    axx,
+                    ayy,
+                    azz,
+                    axy,
+                    axz,
+                    ayz,
+                    bxx,
+                    bxy,
+                    bxz,
+                    byx,
+                    byy,
+                    byz,
+                    bzx,
+                    bzy,
+                    bzz,
+                    mxx,
+                    myy,
+                    mzz,
+                    mxy,
+                    mxz,
+                    myz,
+                    px,
+                    py,
+                    pz,
+                    fx,
+                    fy,
+                    fz,
+                ),
+            )
         for i in range(n):
             b = i * BODY * 8
             k = i * CONSTANTS
@@ -367,12 +352,8 @@ def forward_dynamics(
             p = tree[i, PARENT]
             if p >= 0:
                 p = p * BODY * 8
-                wx = load(ws, p + OMEGA * 8)
-                wy = load(ws, p + OMEGA * 8 + 8)
-                wz = load(ws, p + OMEGA * 8 + 16)
-                vx = load(ws, p + VELOCITY * 8)
-                vy = load(ws, p + VELOCITY * 8 + 8)
-                vz = load(ws, p + VELOCITY * 8 + 16)
+                wx, wy, wz = load_run(ws, p + OMEGA * 8, 3)
+                vx, vy, vz = load_run(ws, p + VELOCITY * 8, 3)
             else:
                 zero = spread(0.0)
                 wx, wy, wz = zero, zero, zero
@@ -387,11 +368,9 @@ def forward_dynamics(
             wy, wz = turn_forward(c[k + ALPHA], c[k + ALPHA + 1], wy, wz)
             vy, vz = turn_forward(c[k + ALPHA], c[k + ALPHA + 1], vy, vz)
             rate = load(ws, b + RATE * 8)
-            ox = load(ws, b + OMEGA * 8)
-            oy = load(ws, b + OMEGA * 8 + 8)
+            ox, oy = load_run(ws, b + OMEGA * 8, 2)
             if prismatic == 0:
-                cosine = load(ws, b + TURN * 8)
-                sine = load(ws, b + TURN * 8 + 8)
+                cosine, sine = load_run(ws, b + TURN * 8, 2)
                 wx, wy = turn_forward(cosine, sine, wx, wy)
                 vx, vy = turn_forward(cosine, sine, vx, vy)
                 wx = wx + oy * rate
@@ -417,12 +396,8 @@ def forward_dynamics(
                 wz = wz + qdd
             else:
                 vz = vz + qdd
-            store(ws, b + OMEGA * 8, wx)
-            store(ws, b + OMEGA * 8 + 8, wy)
-            store(ws, b + OMEGA * 8 + 16, wz)
-            store(ws, b + VELOCITY * 8, vx)
-            store(ws, b + VELOCITY * 8 + 8, vy)
-            store(ws, b + VELOCITY * 8 + 16, vz)
+            store_run(ws, b + OMEGA * 8, (wx, wy, wz))
+            store_run(ws, b + VELOCITY * 8, (vx, vy, vz))
 
 
 # Workspace of inverse dynamics: turn (or q), spin, its rate, acceleration of the origin; then moment and force.
@@ -448,15 +423,9 @@ def inverse_dynamics(
             p = tree[i, PARENT]
             if p >= 0:
                 p = p * BODY * 8
-                wx = load(ws, p + SPIN * 8)
-                wy = load(ws, p + SPIN * 8 + 8)
-                wz = load(ws, p + SPIN * 8 + 16)
-                ax = load(ws, p + SPIN_RATE * 8)
-                ay = load(ws, p + SPIN_RATE * 8 + 8)
-                az = load(ws, p + SPIN_RATE * 8 + 16)
-                vx = load(ws, p + LINEAR * 8)
-                vy = load(ws, p + LINEAR * 8 + 8)
-                vz = load(ws, p + LINEAR * 8 + 16)
+                wx, wy, wz = load_run(ws, p + SPIN * 8, 3)
+                ax, ay, az = load_run(ws, p + SPIN_RATE * 8, 3)
+                vx, vy, vz = load_run(ws, p + LINEAR * 8, 3)
                 if tree[i, PREFIX] != 0:
                     wx, wy = turn_forward(c[k + GAMMA], c[k + GAMMA + 1], wx, wy)
                     ax, ay = turn_forward(c[k + GAMMA], c[k + GAMMA + 1], ax, ay)
@@ -487,8 +456,7 @@ def inverse_dynamics(
                 ay = ay - wx * rate
                 az = az + push
                 wz = wz + rate
-                store(ws, b + TURN * 8, cosine)
-                store(ws, b + TURN * 8 + 8, sine)
+                store_run(ws, b + TURN * 8, (cosine, sine))
             else:
                 # ω̇ × r + ω × (ω × r + 2 v) with r and v along the axis.
                 twice = rate + rate
@@ -498,15 +466,9 @@ def inverse_dynamics(
                 vy = vy - ax * position - wx * twice + wz * sx
                 vz = vz + (wx * sy - wy * sx) + push
                 store(ws, b + TURN * 8, position)
-            store(ws, b + SPIN * 8, wx)
-            store(ws, b + SPIN * 8 + 8, wy)
-            store(ws, b + SPIN * 8 + 16, wz)
-            store(ws, b + SPIN_RATE * 8, ax)
-            store(ws, b + SPIN_RATE * 8 + 8, ay)
-            store(ws, b + SPIN_RATE * 8 + 16, az)
-            store(ws, b + LINEAR * 8, vx)
-            store(ws, b + LINEAR * 8 + 8, vy)
-            store(ws, b + LINEAR * 8 + 16, vz)
+            store_run(ws, b + SPIN * 8, (wx, wy, wz))
+            store_run(ws, b + SPIN_RATE * 8, (ax, ay, az))
+            store_run(ws, b + LINEAR * 8, (vx, vy, vz))
             m = c[k + MASS]
             hx = c[k + FIRST]
             hy = c[k + FIRST + 1]
@@ -520,24 +482,27 @@ def inverse_dynamics(
             sx = wy * hz - wz * hy
             sy = wz * hx - wx * hz
             sz = wx * hy - wy * hx
-            store(ws, b + THRUST * 8, m * vx + (ay * hz - az * hy) + (wy * sz - wz * sy))
-            store(ws, b + THRUST * 8 + 8, m * vy + (az * hx - ax * hz) + (wz * sx - wx * sz))
-            store(ws, b + THRUST * 8 + 16, m * vz + (ax * hy - ay * hx) + (wx * sy - wy * sx))
+            store_run(
+                ws,
+                b + THRUST * 8,
+                (
+                    m * vx + (ay * hz - az * hy) + (wy * sz - wz * sy),
+                    m * vy + (az * hx - ax * hz) + (wz * sx - wx * sz),
+                    m * vz + (ax * hy - ay * hx) + (wx * sy - wy * sx),
+                ),
+            )
             sx = ixx * wx + ixy * wy + ixz * wz
             sy = ixy * wx + iyy * wy + iyz * wz
             sz = ixz * wx + iyz * wy + izz * wz
-            store(
-                ws, b + MOMENT * 8,
-                ixx * ax + ixy * ay + ixz * az + (wy * sz - wz * sy) + (hy * vz - hz * vy),
-            )  # fmt: skip
-            store(
-                ws, b + MOMENT * 8 + 8,
-                ixy * ax + iyy * ay + iyz * az + (wz * sx - wx * sz) + (hz * vx - hx * vz),
-            )  # fmt: skip
-            store(
-                ws, b + MOMENT * 8 + 16,
-                ixz * ax + iyz * ay + izz * az + (wx * sy - wy * sx) + (hx * vy - hy * vx),
-            )  # fmt: skip
+            store_run(
+                ws,
+                b + MOMENT * 8,
+                (
+                    ixx * ax + ixy * ay + ixz * az + (wy * sz - wz * sy) + (hy * vz - hz * vy),
+                    ixy * ax + iyy * ay + iyz * az + (wz * sx - wx * sz) + (hz * vx - hx * vz),
+                    ixz * ax + iyz * ay + izz * az + (wx * sy - wy * sx) + (hx * vy - hy * vx),
+                ),
+            )
             # Hub inertia and passive forces already here, where the states are at hand.
             own = c[k + ARMATURE] * push + c[k + DAMPING] * rate
             if c[k + STIFFNESS] != 0.0:
@@ -546,12 +511,8 @@ def inverse_dynamics(
         for i in range(n - 1, -1, -1):
             b = i * BODY * 8
             k = i * CONSTANTS
-            nx = load(ws, b + MOMENT * 8)
-            ny = load(ws, b + MOMENT * 8 + 8)
-            nz = load(ws, b + MOMENT * 8 + 16)
-            fx = load(ws, b + THRUST * 8)
-            fy = load(ws, b + THRUST * 8 + 8)
-            fz = load(ws, b + THRUST * 8 + 16)
+            nx, ny, nz = load_run(ws, b + MOMENT * 8, 3)
+            fx, fy, fz = load_run(ws, b + THRUST * 8, 3)
             prismatic = tree[i, PRISMATIC]
             force = nz if prismatic == 0 else fz
             scatter(out, base + i, n, gather(out, base + i, n) + force)
@@ -559,8 +520,7 @@ def inverse_dynamics(
             if p < 0:
                 continue
             if prismatic == 0:
-                cosine = load(ws, b + TURN * 8)
-                sine = load(ws, b + TURN * 8 + 8)
+                cosine, sine = load_run(ws, b + TURN * 8, 2)
             else:
                 cosine = spread(c[k + DELTA])
                 sine = spread(c[k + DELTA + 1])
@@ -581,12 +541,8 @@ def inverse_dynamics(
                 nx, ny = cg * nx - sg * ny, sg * nx + cg * ny
                 fx, fy = cg * fx - sg * fy, sg * fx + cg * fy
             a = p * BODY * 8
-            store(ws, a + MOMENT * 8, load(ws, a + MOMENT * 8) + nx)
-            store(ws, a + MOMENT * 8 + 8, load(ws, a + MOMENT * 8 + 8) + ny)
-            store(ws, a + MOMENT * 8 + 16, load(ws, a + MOMENT * 8 + 16) + nz)
-            store(ws, a + THRUST * 8, load(ws, a + THRUST * 8) + fx)
-            store(ws, a + THRUST * 8 + 8, load(ws, a + THRUST * 8 + 8) + fy)
-            store(ws, a + THRUST * 8 + 16, load(ws, a + THRUST * 8 + 16) + fz)
+            add_run(ws, a + MOMENT * 8, (nx, ny, nz))
+            add_run(ws, a + THRUST * 8, (fx, fy, fz))
 
 
 # Workspace of the mass matrix: turn (two, of a prismatic joint too), position, composite first and second moments.
@@ -609,8 +565,7 @@ def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, 
             k = i * CONSTANTS
             position = gather(q, base + i, n)
             cosine, sine = _turn_of(c, k, position, tree[i, PRISMATIC])
-            store(ws, b + TURN * 8, cosine)
-            store(ws, b + TURN * 8 + 8, sine)
+            store_run(ws, b + TURN * 8, (cosine, sine))
             store(ws, b + SLIDE * 8, position)
             for f in range(3):
                 store(ws, b + (WHOLE_FIRST + f) * 8, spread(c[k + FIRST + f]))
@@ -620,15 +575,8 @@ def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, 
             b = i * BODY * 8
             k = i * CONSTANTS
             m = masses[i]
-            hx = load(ws, b + WHOLE_FIRST * 8)
-            hy = load(ws, b + WHOLE_FIRST * 8 + 8)
-            hz = load(ws, b + WHOLE_FIRST * 8 + 16)
-            ixx = load(ws, b + WHOLE_SECOND * 8)
-            iyy = load(ws, b + WHOLE_SECOND * 8 + 8)
-            izz = load(ws, b + WHOLE_SECOND * 8 + 16)
-            ixy = load(ws, b + WHOLE_SECOND * 8 + 24)
-            ixz = load(ws, b + WHOLE_SECOND * 8 + 32)
-            iyz = load(ws, b + WHOLE_SECOND * 8 + 40)
+            hx, hy, hz = load_run(ws, b + WHOLE_FIRST * 8, 3)
+            ixx, iyy, izz, ixy, ixz, iyz = load_run(ws, b + WHOLE_SECOND * 8, 6)
             zero = spread(0.0)
             # Wrench that a unit acceleration of the joint needs, carried to the base along the ancestors' axes.
             if tree[i, PRISMATIC] == 0:
@@ -641,8 +589,7 @@ def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, 
             while tree[j, PARENT] >= 0:
                 d = j * BODY * 8
                 e = j * CONSTANTS
-                cosine = load(ws, d + TURN * 8)
-                sine = load(ws, d + TURN * 8 + 8)
+                cosine, sine = load_run(ws, d + TURN * 8, 2)
                 if tree[j, PRISMATIC] != 0:
                     position = load(ws, d + SLIDE * 8)
                     nx = nx - position * fy
@@ -667,8 +614,7 @@ def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, 
             p = tree[i, PARENT]
             if p < 0:
                 continue
-            cosine = load(ws, b + TURN * 8)
-            sine = load(ws, b + TURN * 8 + 8)
+            cosine, sine = load_run(ws, b + TURN * 8, 2)
             if tree[i, PRISMATIC] != 0:
                 # Shift along the axis: first moments by m q z, second moments with them.
                 position = load(ws, b + SLIDE * 8)
@@ -701,12 +647,4 @@ def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, 
                 ixx, iyy, izz, ixy, ixz, iyz = turn_symmetric(cg, sg, ixx, iyy, izz, ixy, ixz, iyz)
                 hx, hy = cg * hx - sg * hy, sg * hx + cg * hy
             a = (p * BODY + WHOLE_FIRST) * 8
-            store(ws, a, load(ws, a) + hx)
-            store(ws, a + 8, load(ws, a + 8) + hy)
-            store(ws, a + 16, load(ws, a + 16) + hz)
-            store(ws, a + 24, load(ws, a + 24) + ixx)
-            store(ws, a + 32, load(ws, a + 32) + iyy)
-            store(ws, a + 40, load(ws, a + 40) + izz)
-            store(ws, a + 48, load(ws, a + 48) + ixy)
-            store(ws, a + 56, load(ws, a + 56) + ixz)
-            store(ws, a + 64, load(ws, a + 64) + iyz)
+            add_run(ws, a, (hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz))

@@ -21,15 +21,18 @@ from numba import njit
 
 from harness.denoc import laws as law
 from harness.denoc.lanes_vector import (
+    add_run,
     address_of,
     call_at,
     choose,
     load,
+    load_run,
     magnitude,
     sine_cosine,
     spread,
     square_root,
     store,
+    store_run,
 )
 
 # Kinds of node, and the columns of the integer table that describes one.
@@ -174,12 +177,8 @@ def _beam_outward(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     zero = spread(0.0)
     for k in range(7 * m + m * m):
         store(ws, work + k * 8, zero)
-    wx = load(ws, b + OMEGA * 8)
-    wy = load(ws, b + OMEGA * 8 + 8)
-    wz = load(ws, b + OMEGA * 8 + 16)
-    vx = load(ws, b + VELOCITY * 8)
-    vy = load(ws, b + VELOCITY * 8 + 8)
-    vz = load(ws, b + VELOCITY * 8 + 16)
+    wx, wy, wz = load_run(ws, b + OMEGA * 8, 3)
+    vx, vy, vz = load_run(ws, b + VELOCITY * 8, 3)
     # Classical acceleration of the origin is the spatial one and ω × v.
     ax = wy * vz - wz * vy
     ay = wz * vx - wx * vz
@@ -191,8 +190,7 @@ def _beam_outward(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     bias = modal + m * m * 8
     for p in range(tree[i, POINTS]):
         at = e + p * size
-        one = load(beams, at)
-        x = load(beams, at + 8)
+        one, x = load_run(beams, at, 2)
         y, xd, yd, xdd = zero, zero, zero, zero
         for k in range(m):
             q = load(ws, first + (k * JOINT + Q) * 8)
@@ -233,9 +231,7 @@ def _beam_outward(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
             dx = load(ws, work + (6 * k + 5) * 8)
             dy = load(beams, at + (2 + k) * 8)
             c = work + 6 * k * 8
-            store(ws, c + 16, load(ws, c + 16) + (x * dy - y * dx))
-            store(ws, c + 24, load(ws, c + 24) + one * dx)
-            store(ws, c + 32, load(ws, c + 32) + one * dy)
+            add_run(ws, c + 16, ((x * dy - y * dx), one * dx, one * dy))
             store(ws, bias + k * 8, load(ws, bias + k * 8) + (dx * cx + dy * cy))
             for l in range(k + 1):
                 ex = load(ws, work + (6 * l + 5) * 8)
@@ -254,37 +250,14 @@ def _fill(
 ) -> None:  # fmt: skip
     """Write a node's own inertia as its articulated inertia, and its bias wrench."""
     a = b + BIAS * 8
-    store(ws, a, px)
-    store(ws, a + 8, py)
-    store(ws, a + 16, pz)
-    store(ws, a + 24, fx)
-    store(ws, a + 32, fy)
-    store(ws, a + 40, fz)
+    store_run(ws, a, (px, py, pz, fx, fy, fz))
     a = b + ANGULAR * 8
-    store(ws, a, ixx)
-    store(ws, a + 8, iyy)
-    store(ws, a + 16, izz)
-    store(ws, a + 24, ixy)
-    store(ws, a + 32, ixz)
-    store(ws, a + 40, iyz)
+    store_run(ws, a, (ixx, iyy, izz, ixy, ixz, iyz))
     zero = spread(0.0)
     a = b + MIXED * 8
-    store(ws, a, zero)
-    store(ws, a + 8, -hz)
-    store(ws, a + 16, hy)
-    store(ws, a + 24, hz)
-    store(ws, a + 32, zero)
-    store(ws, a + 40, -hx)
-    store(ws, a + 48, -hy)
-    store(ws, a + 56, hx)
-    store(ws, a + 64, zero)
+    store_run(ws, a, (zero, -hz, hy, hz, zero, -hx, -hy, hx, zero))
     a = b + LINEAR * 8
-    store(ws, a, m)
-    store(ws, a + 8, m)
-    store(ws, a + 16, m)
-    store(ws, a + 24, zero)
-    store(ws, a + 32, zero)
-    store(ws, a + 40, zero)
+    store_run(ws, a, (m, m, m, zero, zero, zero))
 
 
 @njit(error_model="numpy", _nrt=False, forceinline=True)
@@ -298,8 +271,7 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
             continue
         parent = tree[i, PARENT]
         j = tree[i, COORDINATE] * JOINT * 8
-        c = load(constants, k + DELTA * 8)
-        s = load(constants, k + DELTA * 8 + 8)
+        c, s = load_run(constants, k + DELTA * 8, 2)
         zero = spread(0.0)
         qd, spin, xd, yd, xdd = zero, zero, zero, zero, zero
         q = zero
@@ -332,32 +304,22 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
                 turn = turn + load(beams, e + (1 + m + f) * 8) * qf
                 spin = spin + load(beams, e + (1 + m + f) * 8) * qdf
                 store(ws, work + f * 8, -hb)
-            store(constants, k + R * 8, x)
-            store(constants, k + R * 8 + 8, y)
+            store_run(constants, k + R * 8, (x, y))
             s, c = sine_cosine(turn)
-        store(ws, b + TURN * 8, c)
-        store(ws, b + TURN * 8 + 8, s)
+        store_run(ws, b + TURN * 8, (c, s))
         if parent >= 0:
             p = (n * JOINT + GROUP + parent * BODY) * 8
-            wx = load(ws, p + OMEGA * 8)
-            wy = load(ws, p + OMEGA * 8 + 8)
-            wz = load(ws, p + OMEGA * 8 + 16)
-            vx = load(ws, p + VELOCITY * 8)
-            vy = load(ws, p + VELOCITY * 8 + 8)
-            vz = load(ws, p + VELOCITY * 8 + 16)
+            wx, wy, wz = load_run(ws, p + OMEGA * 8, 3)
+            vx, vy, vz = load_run(ws, p + VELOCITY * 8, 3)
             if tree[i, PREFIX] != 0:
-                cg = load(constants, k + GAMMA * 8)
-                sg = load(constants, k + GAMMA * 8 + 8)
+                cg, sg = load_run(constants, k + GAMMA * 8, 2)
                 wx, wy = turn_forward(cg, sg, wx, wy)
                 vx, vy = turn_forward(cg, sg, vx, vy)
-            rx = load(constants, k + R * 8)
-            ry = load(constants, k + R * 8 + 8)
-            rz = load(constants, k + R * 8 + 16)
+            rx, ry, rz = load_run(constants, k + R * 8, 3)
             vx = vx + (wy * rz - wz * ry)
             vy = vy + (wz * rx - wx * rz)
             vz = vz + (wx * ry - wy * rx)
-            ca = load(constants, k + ALPHA * 8)
-            sa = load(constants, k + ALPHA * 8 + 8)
+            ca, sa = load_run(constants, k + ALPHA * 8, 2)
             wy, wz = turn_forward(ca, sa, wy, wz)
             vy, vz = turn_forward(ca, sa, vy, vz)
             wx, wy = turn_forward(c, s, wx, wy)
@@ -378,31 +340,26 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
             vy = vy + yd
             # Bias acceleration: velocity × relative velocity, and the change of the latter in the section's axes.
             a = b + COLUMN * 8
-            store(ws, a, wy * spin)
-            store(ws, a + 8, -wx * spin)
-            store(ws, a + 16, zero)
-            store(ws, a + 24, vy * spin - wz * yd + xdd + spin * yd)
-            store(ws, a + 32, wz * xd - vx * spin + ydd - spin * xd)
-            store(ws, a + 40, wx * yd - wy * xd)
-        store(ws, b + OMEGA * 8, wx)
-        store(ws, b + OMEGA * 8 + 8, wy)
-        store(ws, b + OMEGA * 8 + 16, wz)
-        store(ws, b + VELOCITY * 8, vx)
-        store(ws, b + VELOCITY * 8 + 8, vy)
-        store(ws, b + VELOCITY * 8 + 16, vz)
+            store_run(
+                ws,
+                a,
+                (
+                    wy * spin,
+                    -wx * spin,
+                    zero,
+                    vy * spin - wz * yd + xdd + spin * yd,
+                    wz * xd - vx * spin + ydd - spin * xd,
+                    wx * yd - wy * xd,
+                ),
+            )
+        store_run(ws, b + OMEGA * 8, (wx, wy, wz))
+        store_run(ws, b + VELOCITY * 8, (vx, vy, vz))
         if kind == BEAM:
             _beam_outward(tree, beams, ws, n, i)
             continue
         m = load(constants, k + MASS * 8)
-        hx = load(constants, k + FIRST * 8)
-        hy = load(constants, k + FIRST * 8 + 8)
-        hz = load(constants, k + FIRST * 8 + 16)
-        ixx = load(constants, k + SECOND * 8)
-        iyy = load(constants, k + SECOND * 8 + 8)
-        izz = load(constants, k + SECOND * 8 + 16)
-        ixy = load(constants, k + SECOND * 8 + 24)
-        ixz = load(constants, k + SECOND * 8 + 32)
-        iyz = load(constants, k + SECOND * 8 + 40)
+        hx, hy, hz = load_run(constants, k + FIRST * 8, 3)
+        ixx, iyy, izz, ixy, ixz, iyz = load_run(constants, k + SECOND * 8, 6)
         nx = ixx * wx + ixy * wy + ixz * wz + (hy * vz - hz * vy)
         ny = ixy * wx + iyy * wy + iyz * wz + (hz * vx - hx * vz)
         nz = ixz * wx + iyz * wy + izz * wz + (hx * vy - hy * vx)
@@ -457,36 +414,49 @@ def _eliminate_modes(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
             for r in range(k):
                 value = value - load(ws, modal + (k * m + r) * 8) * load(ws, work + (6 * r + d) * 8)
             store(ws, work + (6 * k + d) * 8, value * inverse)
-        n1 = load(ws, work + 6 * k * 8)
-        n2 = load(ws, work + 6 * k * 8 + 8)
-        n3 = load(ws, work + 6 * k * 8 + 16)
-        n4 = load(ws, work + 6 * k * 8 + 24)
-        n5 = load(ws, work + 6 * k * 8 + 32)
-        n6 = load(ws, work + 6 * k * 8 + 40)
+        n1, n2, n3, n4, n5, n6 = load_run(ws, work + 6 * k * 8, 6)
         a = b + ANGULAR * 8
-        store(ws, a, load(ws, a) - n1 * n1)
-        store(ws, a + 8, load(ws, a + 8) - n2 * n2)
-        store(ws, a + 16, load(ws, a + 16) - n3 * n3)
-        store(ws, a + 24, load(ws, a + 24) - n1 * n2)
-        store(ws, a + 32, load(ws, a + 32) - n1 * n3)
-        store(ws, a + 40, load(ws, a + 40) - n2 * n3)
+        add_run(
+            ws,
+            a,
+            (
+                -(n1 * n1),
+                -(n2 * n2),
+                -(n3 * n3),
+                -(n1 * n2),
+                -(n1 * n3),
+                -(n2 * n3),
+            ),
+        )
         a = b + MIXED * 8
-        store(ws, a, load(ws, a) - n1 * n4)
-        store(ws, a + 8, load(ws, a + 8) - n1 * n5)
-        store(ws, a + 16, load(ws, a + 16) - n1 * n6)
-        store(ws, a + 24, load(ws, a + 24) - n2 * n4)
-        store(ws, a + 32, load(ws, a + 32) - n2 * n5)
-        store(ws, a + 40, load(ws, a + 40) - n2 * n6)
-        store(ws, a + 48, load(ws, a + 48) - n3 * n4)
-        store(ws, a + 56, load(ws, a + 56) - n3 * n5)
-        store(ws, a + 64, load(ws, a + 64) - n3 * n6)
+        add_run(
+            ws,
+            a,
+            (
+                -(n1 * n4),
+                -(n1 * n5),
+                -(n1 * n6),
+                -(n2 * n4),
+                -(n2 * n5),
+                -(n2 * n6),
+                -(n3 * n4),
+                -(n3 * n5),
+                -(n3 * n6),
+            ),
+        )
         a = b + LINEAR * 8
-        store(ws, a, load(ws, a) - n4 * n4)
-        store(ws, a + 8, load(ws, a + 8) - n5 * n5)
-        store(ws, a + 16, load(ws, a + 16) - n6 * n6)
-        store(ws, a + 24, load(ws, a + 24) - n4 * n5)
-        store(ws, a + 32, load(ws, a + 32) - n4 * n6)
-        store(ws, a + 40, load(ws, a + 40) - n5 * n6)
+        add_run(
+            ws,
+            a,
+            (
+                -(n4 * n4),
+                -(n5 * n5),
+                -(n6 * n6),
+                -(n4 * n5),
+                -(n4 * n6),
+                -(n5 * n6),
+            ),
+        )
         for d in range(6):
             a = b + (BIAS + d) * 8
             store(ws, a, load(ws, a) + load(ws, work + (6 * k + d) * 8) * y)
@@ -565,36 +535,13 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 _user_forces(laws, ws, user, group + TIME * 8, j, l)
                 force = force + load(ws, group + SCRATCH * 8)
         a = b + ANGULAR * 8
-        axx = load(ws, a)
-        ayy = load(ws, a + 8)
-        azz = load(ws, a + 16)
-        axy = load(ws, a + 24)
-        axz = load(ws, a + 32)
-        ayz = load(ws, a + 40)
+        axx, ayy, azz, axy, axz, ayz = load_run(ws, a, 6)
         a = b + MIXED * 8
-        bxx = load(ws, a)
-        bxy = load(ws, a + 8)
-        bxz = load(ws, a + 16)
-        byx = load(ws, a + 24)
-        byy = load(ws, a + 32)
-        byz = load(ws, a + 40)
-        bzx = load(ws, a + 48)
-        bzy = load(ws, a + 56)
-        bzz = load(ws, a + 64)
+        bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = load_run(ws, a, 9)
         a = b + LINEAR * 8
-        mxx = load(ws, a)
-        myy = load(ws, a + 8)
-        mzz = load(ws, a + 16)
-        mxy = load(ws, a + 24)
-        mxz = load(ws, a + 32)
-        myz = load(ws, a + 40)
+        mxx, myy, mzz, mxy, mxz, myz = load_run(ws, a, 6)
         a = b + BIAS * 8
-        px = load(ws, a)
-        py = load(ws, a + 8)
-        pz = load(ws, a + 16)
-        fx = load(ws, a + 24)
-        fy = load(ws, a + 32)
-        fz = load(ws, a + 40)
+        px, py, pz, fx, fy, fz = load_run(ws, a, 6)
         if kind <= PRISMATIC:
             armature = load(laws, l + law.ARMATURE * 8)
             free = load(ws, j + FREE * 8)
@@ -607,12 +554,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 inverse = free / (mzz + armature)
                 force = force - fz
             a = b + COLUMN * 8
-            store(ws, a, u1)
-            store(ws, a + 8, u2)
-            store(ws, a + 16, u3)
-            store(ws, a + 24, u4)
-            store(ws, a + 32, u5)
-            store(ws, a + 40, u6)
+            store_run(ws, a, (u1, u2, u3, u4, u5, u6))
             store(ws, b + FORCE * 8, force)
             store(ws, b + INVERSE * 8, inverse)
             if parent < 0:
@@ -645,11 +587,9 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             mxz = mxz - k4 * u6
             myz = myz - k5 * u6
             # Bias acceleration of the joint: velocity × axis · rate.
-            wx = load(ws, b + OMEGA * 8)
-            wy = load(ws, b + OMEGA * 8 + 8)
+            wx, wy = load_run(ws, b + OMEGA * 8, 2)
             if kind == REVOLUTE:
-                vx = load(ws, b + VELOCITY * 8)
-                vy = load(ws, b + VELOCITY * 8 + 8)
+                vx, vy = load_run(ws, b + VELOCITY * 8, 2)
                 c1, c2, c4, c5 = wy * qd, -wx * qd, vy * qd, -vx * qd
                 px = px + axx * c1 + axy * c2
                 py = py + axy * c1 + ayy * c2
@@ -666,11 +606,8 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             fy = fy + mxy * c4 + myy * c5 + k5 * force
             fz = fz + mxz * c4 + myz * c5 + k6 * force
         elif kind == SECTION:
-            c1 = load(ws, b + COLUMN * 8)
-            c2 = load(ws, b + COLUMN * 8 + 8)
-            c4 = load(ws, b + COLUMN * 8 + 24)
-            c5 = load(ws, b + COLUMN * 8 + 32)
-            c6 = load(ws, b + COLUMN * 8 + 40)
+            c1, c2 = load_run(ws, b + COLUMN * 8, 2)
+            c4, c5, c6 = load_run(ws, b + COLUMN * 8 + 24, 3)
             px = px + axx * c1 + axy * c2 + bxx * c4 + bxy * c5 + bxz * c6
             py = py + axy * c1 + ayy * c2 + byx * c4 + byy * c5 + byz * c6
             pz = pz + axz * c1 + ayz * c2 + bzx * c4 + bzy * c5 + bzz * c6
@@ -686,8 +623,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             )  # fmt: skip
             px = px - q * fy
             py = py + q * fx
-        c = load(ws, b + TURN * 8)
-        s = load(ws, b + TURN * 8 + 8)
+        c, s = load_run(ws, b + TURN * 8, 2)
         axx, ayy, azz, axy, axz, ayz = turn_symmetric(c, s, axx, ayy, azz, axy, axz, ayz)
         mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(c, s, mxx, myy, mzz, mxy, mxz, myz)
         bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(c, s, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz)
@@ -699,8 +635,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             e = tree[i, TABLE] * 8
             own_work = tree[i, WORK] * 8
             work = tree[parent, WORK] * 8
-            rx = load(constants, k + R * 8)
-            ry = load(constants, k + R * 8 + 8)
+            rx, ry = load_run(constants, k + R * 8, 2)
             for f in range(m):
                 dx = load(ws, own_work + f * 8)
                 dy = load(beams, e + (1 + f) * 8)
@@ -710,12 +645,18 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 g6 = bzz * dt + mxz * dx + myz * dy
                 g3 = azz * dt + bzx * dx + bzy * dy
                 a = work + 6 * f * 8
-                store(ws, a, load(ws, a) + (axz * dt + bxx * dx + bxy * dy) + ry * g6)
-                store(ws, a + 8, load(ws, a + 8) + (ayz * dt + byx * dx + byy * dy) - rx * g6)
-                store(ws, a + 16, load(ws, a + 16) + g3 + (rx * g5 - ry * g4))
-                store(ws, a + 24, load(ws, a + 24) + g4)
-                store(ws, a + 32, load(ws, a + 32) + g5)
-                store(ws, a + 40, load(ws, a + 40) + g6)
+                add_run(
+                    ws,
+                    a,
+                    (
+                        (axz * dt + bxx * dx + bxy * dy) + ry * g6,
+                        (ayz * dt + byx * dx + byy * dy) - rx * g6,
+                        g3 + (rx * g5 - ry * g4),
+                        g4,
+                        g5,
+                        g6,
+                    ),
+                )
                 for o in range(f + 1):
                     ex = load(ws, own_work + o * 8)
                     ey = load(beams, e + (1 + o) * 8)
@@ -726,8 +667,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 store(ws, a, load(ws, a) + (dt * pz + dx * fx + dy * fy))
         else:
             # About x: the same formulas with the axes in the order y, z, x.
-            c = load(constants, k + ALPHA * 8)
-            s = load(constants, k + ALPHA * 8 + 8)
+            c, s = load_run(constants, k + ALPHA * 8, 2)
             ayy, azz, axx, ayz, axy, axz = turn_symmetric(c, s, ayy, azz, axx, ayz, axy, axz)
             myy, mzz, mxx, myz, mxy, mxz = turn_symmetric(c, s, myy, mzz, mxx, myz, mxy, mxz)
             byy, byz, byx, bzy, bzz, bzx, bxy, bxz, bxx = turn_general(
@@ -735,9 +675,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             )
             py, pz = c * py - s * pz, s * py + c * pz
             fy, fz = c * fy - s * fz, s * fy + c * fz
-        rx = load(constants, k + R * 8)
-        ry = load(constants, k + R * 8 + 8)
-        rz = load(constants, k + R * 8 + 16)
+        rx, ry, rz = load_run(constants, k + R * 8, 3)
         (axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz) = shift_tensors(
             rx, ry, rz,
             axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz,
@@ -747,8 +685,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
         py = py + (rz * fx - rx * fz)
         pz = pz + (rx * fy - ry * fx)
         if tree[i, PREFIX] != 0:
-            c = load(constants, k + GAMMA * 8)
-            s = load(constants, k + GAMMA * 8 + 8)
+            c, s = load_run(constants, k + GAMMA * 8, 2)
             axx, ayy, azz, axy, axz, ayz = turn_symmetric(c, s, axx, ayy, azz, axy, axz, ayz)
             mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(c, s, mxx, myy, mzz, mxy, mxz, myz)
             bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(
@@ -758,36 +695,13 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             fx, fy = c * fx - s * fy, s * fx + c * fy
         p = (n * JOINT + GROUP + parent * BODY) * 8
         a = p + ANGULAR * 8
-        store(ws, a, load(ws, a) + axx)
-        store(ws, a + 8, load(ws, a + 8) + ayy)
-        store(ws, a + 16, load(ws, a + 16) + azz)
-        store(ws, a + 24, load(ws, a + 24) + axy)
-        store(ws, a + 32, load(ws, a + 32) + axz)
-        store(ws, a + 40, load(ws, a + 40) + ayz)
+        add_run(ws, a, (axx, ayy, azz, axy, axz, ayz))
         a = p + MIXED * 8
-        store(ws, a, load(ws, a) + bxx)
-        store(ws, a + 8, load(ws, a + 8) + bxy)
-        store(ws, a + 16, load(ws, a + 16) + bxz)
-        store(ws, a + 24, load(ws, a + 24) + byx)
-        store(ws, a + 32, load(ws, a + 32) + byy)
-        store(ws, a + 40, load(ws, a + 40) + byz)
-        store(ws, a + 48, load(ws, a + 48) + bzx)
-        store(ws, a + 56, load(ws, a + 56) + bzy)
-        store(ws, a + 64, load(ws, a + 64) + bzz)
+        add_run(ws, a, (bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz))
         a = p + LINEAR * 8
-        store(ws, a, load(ws, a) + mxx)
-        store(ws, a + 8, load(ws, a + 8) + myy)
-        store(ws, a + 16, load(ws, a + 16) + mzz)
-        store(ws, a + 24, load(ws, a + 24) + mxy)
-        store(ws, a + 32, load(ws, a + 32) + mxz)
-        store(ws, a + 40, load(ws, a + 40) + myz)
+        add_run(ws, a, (mxx, myy, mzz, mxy, mxz, myz))
         a = p + BIAS * 8
-        store(ws, a, load(ws, a) + px)
-        store(ws, a + 8, load(ws, a + 8) + py)
-        store(ws, a + 16, load(ws, a + 16) + pz)
-        store(ws, a + 24, load(ws, a + 24) + fx)
-        store(ws, a + 32, load(ws, a + 32) + fy)
-        store(ws, a + 40, load(ws, a + 40) + fz)
+        add_run(ws, a, (px, py, pz, fx, fy, fz))
 
 
 @njit(error_model="numpy", _nrt=False, forceinline=True)
@@ -813,12 +727,7 @@ def _outward_accelerations(
         if parent >= 0:
             p = (n * JOINT + GROUP + parent * BODY) * 8
             a = p + ACCELERATION * 8
-            wx = load(ws, a)
-            wy = load(ws, a + 8)
-            wz = load(ws, a + 16)
-            vx = load(ws, a + 24)
-            vy = load(ws, a + 32)
-            vz = load(ws, a + 40)
+            wx, wy, wz, vx, vy, vz = load_run(ws, a, 6)
         else:
             # Gravity as an acceleration of the base; so is the shaking of the base itself.
             zero = spread(0.0)
@@ -834,23 +743,18 @@ def _outward_accelerations(
                 vy = vy + load(ws, g + 48) * pulse
                 vz = vz + load(ws, g + 56) * pulse
         if tree[i, PREFIX] != 0:
-            c = load(constants, k + GAMMA * 8)
-            s = load(constants, k + GAMMA * 8 + 8)
+            c, s = load_run(constants, k + GAMMA * 8, 2)
             wx, wy = turn_forward(c, s, wx, wy)
             vx, vy = turn_forward(c, s, vx, vy)
         if parent >= 0:
-            rx = load(constants, k + R * 8)
-            ry = load(constants, k + R * 8 + 8)
-            rz = load(constants, k + R * 8 + 16)
+            rx, ry, rz = load_run(constants, k + R * 8, 3)
             vx = vx + (wy * rz - wz * ry)
             vy = vy + (wz * rx - wx * rz)
             vz = vz + (wx * ry - wy * rx)
-        c = load(constants, k + ALPHA * 8)
-        s = load(constants, k + ALPHA * 8 + 8)
+        c, s = load_run(constants, k + ALPHA * 8, 2)
         wy, wz = turn_forward(c, s, wy, wz)
         vy, vz = turn_forward(c, s, vy, vz)
-        c = load(ws, b + TURN * 8)
-        s = load(ws, b + TURN * 8 + 8)
+        c, s = load_run(ws, b + TURN * 8, 2)
         wx, wy = turn_forward(c, s, wx, wy)
         vx, vy = turn_forward(c, s, vx, vy)
         if kind >= BEAM:
@@ -872,19 +776,13 @@ def _outward_accelerations(
                 vy = vy + y + load(ws, b + COLUMN * 8 + 32)
                 vz = vz + load(ws, b + COLUMN * 8 + 40)
             a = b + ACCELERATION * 8
-            store(ws, a, wx)
-            store(ws, a + 8, wy)
-            store(ws, a + 16, wz)
-            store(ws, a + 24, vx)
-            store(ws, a + 32, vy)
-            store(ws, a + 40, vz)
+            store_run(ws, a, (wx, wy, wz, vx, vy, vz))
             if kind == BEAM:
                 _accelerate_modes(tree, ws, n, i)
             continue
         q = load(ws, j + Q * 8)
         qd = load(ws, j + QD * 8)
-        ox = load(ws, b + OMEGA * 8)
-        oy = load(ws, b + OMEGA * 8 + 8)
+        ox, oy = load_run(ws, b + OMEGA * 8, 2)
         if kind == REVOLUTE:
             wx = wx + oy * qd
             wy = wy - ox * qd
@@ -909,12 +807,7 @@ def _outward_accelerations(
         else:
             vz = vz + qdd
         a = b + ACCELERATION * 8
-        store(ws, a, wx)
-        store(ws, a + 8, wy)
-        store(ws, a + 16, wz)
-        store(ws, a + 24, vx)
-        store(ws, a + 32, vy)
-        store(ws, a + 40, vz)
+        store_run(ws, a, (wx, wy, wz, vx, vy, vz))
         if flags[own] & law.HAS_DRY:
             reaction = load(ws, j + REACTION * 8)
             if flags[own] & law.HAS_LOAD:

@@ -376,3 +376,52 @@ def _scatter_code(typingctx: Any, array: Any, index: Any, stride: Any, value: An
 
 
 scatter: Any = intrinsic(_scatter_code)
+
+
+def _load_run_code(typingctx: Any, array: Any, index: Any, count: Any) -> Any:
+    """``count`` vectors (a constant) that follow each other in a one-dimensional array from ``index`` on, as a tuple."""
+    if not isinstance(count, types.IntegerLiteral):
+        return None
+    kind = types.UniTuple(lane_vector, count.literal_value)
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        start = builder.gep(data, [args[1]])
+        vectors = []
+        for k in range(kind.count):
+            place = builder.gep(start, [ir.Constant(ir.IntType(64), LANES * k)])
+            vectors.append(builder.load(builder.bitcast(place, _VECTOR.as_pointer()), align=8))
+        return context.make_tuple(builder, kind, vectors)
+
+    return kind(array, index, count), codegen
+
+
+load_run: Any = intrinsic(_load_run_code)
+
+
+def _run_writer(add: bool) -> Any:
+    def typed(typingctx: Any, array: Any, index: Any, values: Any) -> Any:
+        if not isinstance(values, types.UniTuple):
+            return None
+
+        def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            data = context.make_array(sig.args[0])(context, builder, args[0]).data
+            start = builder.gep(data, [args[1]])
+            for k in range(values.count):
+                place = builder.gep(start, [ir.Constant(ir.IntType(64), LANES * k)])
+                place = builder.bitcast(place, _VECTOR.as_pointer())
+                value = builder.extract_value(args[2], k)
+                if add:
+                    value = builder.fadd(builder.load(place, align=8), value, flags=("contract",))
+                builder.store(value, place, align=8)
+            return context.get_dummy_value()
+
+        return types.void(array, index, values), codegen
+
+    return typed
+
+
+store_run: Any = intrinsic(_run_writer(False))
+"""Write a tuple of vectors to a one-dimensional array, one after the other from an index on."""
+add_run: Any = intrinsic(_run_writer(True))
+"""Add a tuple of vectors to what stands in a one-dimensional array from an index on."""
