@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy import empty
 from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc import rigid
@@ -89,8 +90,9 @@ class Denoc:
         # Addresses of arrays do not survive a trip to another process.
         return Denoc, (self.system,)
 
+    # `wrenches` is not keyword-only here and below: that alone would cost a tenth of a call at one joint.
     def forward_dynamics(
-        self, q: Array, qd: Array, tau: Array | None = None, *, wrenches: ArrayLike | None = None
+        self, q: Array, qd: Array, tau: Array | None = None, wrenches: ArrayLike | None = None
     ) -> Array:
         """Accelerations q̈ from forces; joint damping and springs, beam stiffness and damping act, dry friction does not.
 
@@ -102,13 +104,13 @@ class Denoc:
             return self._under_wrenches(self.forward_dynamics, q, wrenches, qd, tau)
         if tau is None:
             tau = self._zero
-        qdd = np.empty(self.n)
+        qdd = empty(self.n)
         status = self._forward(self._model, q, qd, tau, qdd)
         if status:
             return self._again(status, self._forward, FORWARD, q=q, qd=qd, tau=tau)
         return qdd
 
-    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array, *, wrenches: ArrayLike | None = None) -> Array:
+    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array, wrenches: ArrayLike | None = None) -> Array:
         """Generalized forces τ that make the accelerations, passive forces counted as in ``forward_dynamics``.
 
         q, qd, qdd: shape (n,). wrenches as in ``forward_dynamics``. Returns shape (n,).
@@ -116,7 +118,7 @@ class Denoc:
         """
         if wrenches is not None:
             return self._under_wrenches(self.inverse_dynamics, q, wrenches, qd, qdd)
-        tau = np.empty(self.n)
+        tau = empty(self.n)
         status = self._inverse(self._model, q, qd, qdd, tau)
         if status:
             return self._again(status, self._inverse, INVERSE, q=q, qd=qd, qdd=qdd)
