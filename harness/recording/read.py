@@ -17,6 +17,7 @@ from harness.recording.clean import (
     unwrap_angle,
 )
 from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_beside
+from harness.recording.jitter import jitter_note
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.recording.table import Table, read_table
 from harness.recording.timing import Timing, grouped_mean, mend_time
@@ -191,6 +192,9 @@ def _channel(
                     size=step,
                 )
             )
+        late = jitter_note(column.name, unit, timing.time, values, step) if column.quantity == "position" else None
+        if late is not None:
+            notes.append(late)
         saturation = find_saturation(column.name, timing.time, values, step)
         if saturation is not None:
             notes.append(saturation)
