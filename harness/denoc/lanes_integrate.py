@@ -54,8 +54,8 @@ ALMOST = 1e-9  # relative slack between sticking and breaking loose, so that rou
 LONGEST = 2_000_000  # steps after which a lane is given up
 
 # Per-lane bookkeeping, in vectors of eight lanes.
-CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, SUSPECT, LOADED = range(13)
-LEDGER = 13
+CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, SUSPECT, LOADED, MAY, WANTS = range(15)
+LEDGER = 15
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -165,6 +165,36 @@ def _root(
         else:
             return middle
     return high
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _may_change(
+    state: Any,
+    after: Any,
+    slopes: Any,
+    laws: Any,
+    ws: Any,
+    flags: Any,
+    n: int,
+    width: int,
+    stages: int,
+    lane: int,
+    h: float,
+) -> bool:
+    """Whether one lane's step might change a mode: a stop is there, or a velocity could reach zero twice over within it."""
+    for i in range(n):
+        j = i * JOINT * 8 + lane
+        if flags[i] & law.HAS_STOP:
+            start = i * law.WIDTH * 8 + lane
+            if laws[start + law.STOP_STIFFNESS * 8] != 0.0 or laws[start + law.STOP_DAMPING * 8] != 0.0:
+                return True
+        if flags[i] & law.HAS_SIGN and ws[j + FREE * 8] != 0.0 and ws[j + DIRECTION * 8] != 0.0:
+            row = (n + i) * 8 + lane
+            steepest = max(abs(slopes[row]), abs(slopes[stages * width * 8 + row]))
+            sense = ws[j + DIRECTION * 8]
+            if not min(sense * state[row], sense * after[row]) > 2.0 * h * steepest:
+                return True
+    return False
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -422,7 +452,7 @@ def run_group(
             sum_3 = sum_3 + error_3 * error_3
         store(ledger, ERROR_5 * 8, sum_5)
         store(ledger, ERROR_3 * 8, sum_3)
-        wanted = eventful
+        wanted = 0
         for lane in range(lanes):
             if ledger[ALIVE * 8 + lane] == 0.0:
                 continue
@@ -433,10 +463,13 @@ def run_group(
                 error = ledger[USED * 8 + lane] * e5 / ((e5 + 0.01 * e3) * (2.0 * n)) ** 0.5
             h = ledger[USED * 8 + lane]
             if error < 1.0:
-                factor = 6.0 if error < 1e-9 else min(6.0, 0.9 * error**exponent)
                 ledger[ERROR_5 * 8 + lane] = 1.0
-                if ledger[CUT * 8 + lane] == 0.0 or factor * h > ledger[STEP * 8 + lane]:
-                    ledger[STEP * 8 + lane] = factor * h
+                if ledger[CUT * 8 + lane] == 0.0 or error < 1e-2:
+                    # A step that was cut short tells little about how long the next may be.
+                    cut = ledger[CUT * 8 + lane] != 0.0
+                    factor = 2.0 if cut else 6.0 if error < 1e-9 else min(6.0, 0.9 * error**exponent)
+                    if not cut or factor * h > ledger[STEP * 8 + lane]:
+                        ledger[STEP * 8 + lane] = factor * h
             else:
                 ledger[ERROR_5 * 8 + lane] = 0.0
                 factor = 0.2
@@ -447,7 +480,17 @@ def run_group(
                     # Not a number, or stiffer than any step: given up, its samples stay what they were (nan).
                     ledger[ALIVE * 8 + lane] = 0.0
                     ledger[ERROR_5 * 8 + lane] = 0.0
-            if ledger[CUT * 8 + lane] == 0.0 or time[next_sample[lane]] < ledger[UNTIL * 8 + lane]:
+            ledger[MAY * 8 + lane] = 0.0
+            if eventful and _may_change(state, after, slopes, laws, ws, flags, n, width, stages, lane, h):
+                ledger[MAY * 8 + lane] = 1.0
+            ledger[WANTS * 8 + lane] = 0.0
+            if (
+                ledger[MAY * 8 + lane] != 0.0
+                or ledger[CUT * 8 + lane] == 0.0
+                or time[next_sample[lane]] < ledger[UNTIL * 8 + lane]
+                or ledger[SUSPECT * 8 + lane] != 0.0
+            ):
+                ledger[WANTS * 8 + lane] = 1.0
                 wanted = 1
         if wanted:
             for e in range(extra.shape[0]):
@@ -466,6 +509,10 @@ def run_group(
                     after[width * 8 :], slopes, s * width * 8, ledger,
                 )  # fmt: skip
             _polynomials(state, slopes, dense, ledger, width, weights)
+            for lane in range(lanes):
+                # What only another lane's need brought to light does not count.
+                if ledger[WANTS * 8 + lane] == 0.0:
+                    ledger[SUSPECT * 8 + lane] = 0.0
         # Held joints that may break loose: look along the step with the forces themselves.
         broken = 0
         if dry:
@@ -488,7 +535,7 @@ def run_group(
             until = 2.0
             which = -1
             what = -1
-            if eventful and (ledger[STALL * 8 + lane] < 4.0 or h_lane > 1e-7):
+            if ledger[MAY * 8 + lane] != 0.0 and (ledger[STALL * 8 + lane] < 4.0 or h_lane > 1e-7):
                 until, which, what = _first_event(dense, laws, ws, flags, n, width, lane)
             breaks = ledger[SUSPECT * 8 + lane]
             if broken and 0.0 < breaks <= 1.0 and breaks < until:
