@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from harness.system import System, load
 
 
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
 def __getattr__(name: str) -> Any:
     if name in _HOME:
         value = getattr(import_module(_HOME[name]), name)

@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 
 import click
 
+from harness.cli.options import Interrupted
 from harness.errors import EngineUnavailableError, InputError
 
 # Verb to its one line of help; the verb's own module is imported when it is run.
@@ -28,6 +29,12 @@ OK, NOT_WELL, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
 
 class Verbs(click.Group):
     """The verbs, in their own order, each loaded from ``harness.cli.<verb>`` when needed."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise Interrupted("stopped; nothing was written") from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(VERBS)
@@ -88,6 +95,10 @@ def status_of(arguments: list[str] | None = None) -> int:
         return error.exit_code
     except (KeyboardInterrupt, click.Abort):
         return _say("stopped; nothing was written", INTERRUPTED)
+    except Interrupted as told:
+        if sys.stderr.isatty():
+            print(file=sys.stderr)  # after the ^C that the terminal has just echoed
+        return _say(str(told), INTERRUPTED)
     except BrokenPipeError:
         # The reader (`| head`) has left: no message, and no complaint from Python's own flush at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

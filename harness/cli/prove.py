@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, output_options, progress, wide_options, write_json
+from harness.cli.options import Interrupted, console, output_options, progress, wide_options, write_json
 
 
 @click.command()
@@ -57,15 +57,18 @@ def prove(
         raise InputError("is not empty", source=folder, mend=f"give another --out, or go on with --resume {folder}")
     counts = QUICK if quick else FULL if cases is None else scaled(cases)
     with progress("prove") as step:
-        proof = run(
-            folder,
-            seed=seed,
-            counts=counts,
-            workers=workers,
-            dask=dask,
-            peers=peers,
-            progress=lambda stage, done, of: step(done, of, stage),
-        )
+        try:
+            proof = run(
+                folder,
+                seed=seed,
+                counts=counts,
+                workers=workers,
+                dask=dask,
+                peers=peers,
+                progress=lambda stage, done, of: step(done, of, stage),
+            )
+        except KeyboardInterrupt:
+            raise Interrupted(f"stopped; `denoc prove --resume {folder}` goes on from here") from None
     document = proof.to_json()
     from harness.report.files import write_whole
     from harness.report.json_text import json_text

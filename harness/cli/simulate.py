@@ -48,6 +48,8 @@ def simulate(
     """
     import json
 
+    from harness.cases.beam_shapes import told_shapes
+    from harness.cases.case import NATIVE
     from harness.cases.single_run import assignments, effort_from, run_once, sample_times
     from harness.report.run_files import csv_text, write_plot, write_recording
     from harness.system import load
@@ -59,6 +61,10 @@ def simulate(
     tau = None if effort is None else effort_from(effort, time, mechanism)
     run = run_once(mechanism, time, start, speed, engine=engine, tau=tau, step=step)
     screen = console(json_file)
+    shapes = told_shapes(mechanism) if engine == NATIVE else ()
+    if out is not None or plot is not None:
+        for line in shapes:
+            screen.print(line, markup=False)
     if out is not None:
         target = Path(out) / "run.csv" if Path(out).is_dir() else Path(out)
         screen.print(f"wrote {write_recording(run.columns, target)}", markup=False)
@@ -75,6 +81,7 @@ def simulate(
             "columns": list(run.columns),
             "final": {name: float(values[-1]) for name, values in run.columns.items()},
             "energy_change": run.energy,
+            "shapes": list(shapes),
         }
         write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
     if out is None and plot is None and json_file is None:

@@ -202,7 +202,9 @@ def _words(what: str, names: tuple[str, ...], a: Array, b: Array, apart: Array, 
             return f"{what} is missing"
         if abs(factor + 1.0) < tolerance:
             return f"{what} has the other sign"
-        return f"{what} is {factor:.6g} times the reference's"
+        # As many digits as tell it from one.
+        digits = 6 if abs(factor - 1.0) > 1e-4 else 12
+        return f"{what} is {factor:.{digits}g} times the reference's"
     changed = [name for name, far in zip(names, apart, strict=True) if far > tolerance * np.abs(a).max()]
     if len(changed) < len(names):
         return f"{what} differs at {' and '.join(changed)} alone"

@@ -37,8 +37,8 @@ def check_bodies(
         if physical or link.mass < 0.0:
             raise InputError(
                 f"link {link.name!r}: {why}",
-                mend="inertia is meant about the centre of mass; to go on with an unphysical model load it with "
-                "physical=False"
+                mend="inertia is meant about the centre of mass; an unphysical model is taken as it stands by "
+                "`denoc validate --allow-unphysical` and by harness.load(path, physical=False)"
                 if link.mass >= 0.0
                 else "give a positive mass",
                 source=source,

@@ -91,6 +91,17 @@ def test_what_fails_cannot_be_accepted():
         accept(results(replace(ROW, verdict="fail", difference=1.0)), None, "because")
 
 
+@pytest.mark.parametrize("difference", [None, float("nan"), float("inf"), -1.0, 1.0])
+def test_a_pass_that_cannot_be_one_is_not_accepted(difference):
+    with pytest.raises(InputError, match="changed by hand"):
+        accept(results(replace(ROW, difference=difference)), None, "because")
+
+
+def test_two_rows_of_one_name_are_not_accepted():
+    with pytest.raises(InputError, match="two rows"):
+        accept(results(ROW, ROW), None, "because")
+
+
 def test_accepting_needs_a_reason_and_keeps_it():
     with pytest.raises(InputError, match="reason"):
         accept(results(ROW), None, "  ")
@@ -115,6 +126,8 @@ def test_the_file_survives_and_a_figure_is_a_line(tmp_path):
         (lambda d: d.update(rows={}), "holds no figures"),
         (lambda d: d["rows"][ROW.key].update(difference=None), "no finite accepted figure"),
         (lambda d: d["rows"][ROW.key].update(allowed="wide"), "no finite accepted figure"),
+        (lambda d: d["rows"][ROW.key].update(difference=1.0), "accepts 1 where"),
+        (lambda d: d["rows"][ROW.key].update(difference=-1e-9), "accepts -1e-09 where"),
         (lambda d: d["rows"][ROW.key].pop("unit"), "incomplete"),
         (lambda d: d["rows"][ROW.key].update(verdict="fail"), "no finite accepted figure"),
         (lambda d: d["shares"].update(period=5.0), "between 0 and 1"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.cases.beam_shapes import told_shapes
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
 from harness.cases.checks.trajectory import initial_state
 from harness.compare.spectrum import lines, spectrum
@@ -119,7 +120,9 @@ class DeflectionAgreement:
             share,
             accuracy.tip,
             why=accuracy.why,
-            note=f"RMS over {self.duration:g} s as a share of the peak, worst at {where}",
+            note="; ".join(
+                [f"RMS over {self.duration:g} s as a share of the peak, worst at {where}", *told_shapes(bench.system)]
+            ),
             first_divergence=_first(time, ours, theirs, 3.0 * accuracy.tip) if not share <= accuracy.tip else None,
         )
         angle, joint = angle_difference(ours, theirs, bench.system)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -120,13 +121,26 @@ def _entry(key: str, values: Mapping[str, Any], path: Path) -> Entry:
         return entry
     if entry.verdict != "pass" or not all(isinstance(x, int | float) and math.isfinite(x) for x in numbers):
         raise InputError(f"row {key!r} holds no finite accepted figure", source=path, mend="accept it again")
+    # The difference was rounded to three digits, perhaps upwards.
+    if not 0.0 <= values["difference"] <= 1.01 * values["allowed"]:
+        raise InputError(
+            f"row {key!r} accepts {entry.difference:.3g} where {entry.allowed:.3g} is allowed",
+            source=path,
+            mend="restore it from version control",
+        )
     return entry
+
+
+def _within(difference: float | None, allowed: float | None) -> bool:
+    # False for NaN and infinities as well.
+    return difference is not None and allowed is not None and 0.0 <= difference <= allowed < math.inf
 
 
 def accept(results: Results, before: Accepted | None, why: str) -> Accepted:
     """The figures of a run as the new accepted ones, with the reason.
 
-    Raises InputError if a row fails (that is no figure to accept) or no reason is given.
+    Raises InputError if a row fails (that is no figure to accept), passes with a figure that cannot pass, or stands
+    there twice, or if no reason is given.
     """
     if not why.strip():
         raise InputError("accepting needs a reason", mend='add --why "what changed and why the new figures are right"')
@@ -138,7 +152,16 @@ def accept(results: Results, before: Accepted | None, why: str) -> Accepted:
         )
     if not any(row.verdict == "pass" for row in results.rows):
         raise InputError("nothing was compared", mend="install the engines: denoc doctor")
+    for row in results.rows:
+        if row.verdict == "pass" and not _within(row.difference, row.allowed):
+            raise InputError(
+                f"row {row.key} passes with a difference of {row.difference} where {row.allowed} is allowed",
+                mend="these results were changed by hand; run the suite again",
+            )
     rows = {row.key: Entry(row.verdict, row.difference, row.allowed, row.unit) for row in results.rows}
+    if len(rows) < len(results.rows):
+        twice = next(key for key, count in Counter(row.key for row in results.rows).items() if count > 1)
+        raise InputError(f"two rows are named {twice}", mend="give the cases' quantities names of their own")
     old = before.rows if before is not None else {}
     entry = {
         "date": results.created[:10],

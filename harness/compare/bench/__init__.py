@@ -76,7 +76,7 @@ def select(wanted: Sequence[str] | None = None) -> dict[str, tuple[str, ...]]:
                 found = True
                 chosen[key] = tuple(r for r in benchmark.rows if r in (*chosen.get(key, ()), *rows))
         if not found:
-            known = (*BENCHMARKS, *(row for benchmark in BENCHMARKS.values() for row in benchmark.rows))
+            known = dict.fromkeys((*BENCHMARKS, *(row for benchmark in BENCHMARKS.values() for row in benchmark.rows)))
             raise InputError(f"no benchmark is named {name!r}", mend=did_you_mean(name, known))
     return {key: chosen[key] for key in BENCHMARKS if key in chosen}
 
