@@ -9,6 +9,7 @@ from harness.diagnose.hypothesis import Candidate
 from harness.effects.catalogue import catalogue, sites
 from harness.effects.effect import Effect
 from harness.effects.measured import Measured
+from harness.effects.room import with_room
 from harness.effects.scale import references
 from harness.errors import InputError
 from harness.system import System
@@ -29,7 +30,7 @@ def candidates(
                 key = f"{effect.name}@{site}"
                 if key in found:
                     continue
-                candidate = Candidate(effect, site, references(system, site, recording))
+                candidate = Candidate(with_room(effect, system, site), site, references(system, site, recording))
                 if _possible(candidate, system):
                     found[key] = candidate
     return tuple(found.values())

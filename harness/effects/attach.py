@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from harness.effects.catalogue import effect
 from harness.effects.effect import Effect
+from harness.effects.room import with_room
 from harness.errors import InputError
 from harness.system import Attachment, Joint, System
 from harness.system.suggest import did_you_mean
@@ -25,8 +26,9 @@ def apply(system: System, attachment: Attachment) -> System:
     cannot have the effect.
     """
     law = effect(attachment.effect)
-    values = law.named(law.values(attachment.parameters))
     _check_site(law, system, attachment.site)
+    law = with_room(law, system, attachment.site)
+    values = law.named(law.values(attachment.parameters))
     if law.reshape is not None:
         return law.reshape.change(system, attachment.site, values)
     if law.name in JOINT_FIELDS:

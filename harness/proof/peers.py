@@ -158,8 +158,50 @@ def regression_claims(folder: Path) -> dict[str, Any]:
     return {"claims": claims}
 
 
+def greedy_claims(folder: Path) -> dict[str, Any]:
+    """Greedy forward selection over the whole catalogue: the best effect is added as long as BIC falls, on training data alone.
+
+    The usual recipe of identification: same simulator and likelihood as the diagnosis, but no backward step, no data held
+    out, no test of what remains.
+    """
+    import harness
+    from harness.diagnose.candidates import candidates
+    from harness.diagnose.investigate import MOTION_HARMONICS, colours_from, crude_colours
+    from harness.diagnose.likelihood import Likelihood
+    from harness.diagnose.predict import Predictor
+    from harness.diagnose.problem import pose
+    from harness.diagnose.study import Study
+    from harness.diagnose.windows import whole
+    from harness.effects.scale import references
+    from harness.recording import read_recordings
+
+    system = harness.load(folder / "model.toml")
+    recordings = read_recordings(sorted(folder.glob("run*.csv")), system=system)
+    problem = pose(system, recordings)
+    predictor = Predictor(problem)
+    windows = whole(problem.runs, range(len(problem.train)))
+    known = candidates(system, recordings)
+    frequency = references(system, system.joint_names[0], recordings[0]).frequency / (2.0 * np.pi)
+    likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
+    first = Study(problem, predictor, likelihood, known, windows).empty()
+    colours = colours_from(problem, likelihood, first, predictor, MOTION_HARMONICS * frequency)
+    study = Study(problem, predictor, Likelihood(problem, colours, lead=0.0), known, windows, first_states=first.states)
+    best = study.empty()
+    log_n = float(np.log(study.samples))
+    while len(best.hypothesis.members) < 5:
+        ranked = study.ranked(best)
+        if not ranked:
+            break
+        grown = study.extend(best, ranked[0])
+        if best.score - grown.score < ranked[0].candidate.size * log_n:
+            break
+        best = grown
+    return {"claims": [f"{m.site}:{m.effect.name}" for m in best.hypothesis.members]}
+
+
 PEERS: dict[str, Callable[[Path], dict[str, Any]]] = {
     "mujoco.sysid": sysid_claims,
+    "greedy forward selection": greedy_claims,
     "pysindy": regression_claims,
 }
 
@@ -195,7 +237,7 @@ def compare_peers(
     )[:most]
     result: dict[str, Any] = {}
     for peer in PEERS:
-        saved = out / "peers" / f"{peer}.json"
+        saved = out / "peers" / f"{peer.replace(' ', '_')}.json"
         if saved.exists():
             answers = json.loads(saved.read_text(encoding="utf-8"))
         else:
