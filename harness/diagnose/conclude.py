@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge
-from harness.diagnose.remainder import Remains, examine
+from harness.diagnose.remainder import Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
 from harness.effects.scale import references
 
@@ -21,6 +22,7 @@ HELD_OUT = 1.0  # standard deviations by which it must improve data held out
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
 )
+STRETCHED = 1e-5  # chance of the nominal quantities' deviations under their tolerance, below which they are a finding
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
 
 
@@ -119,6 +121,18 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best))
 
 
+def _stretched(outcome: Outcome, best: Fit) -> Test | None:
+    """A test that counts if the nominal quantities had to leave their stated tolerance to fit, which is a remainder too."""
+    z = best.x[: len(outcome.predictor.nominal)]
+    chance = float(chi2.sf(best.prior, max(len(z), 1)))
+    if chance > STRETCHED:
+        return None
+    worst = int(np.argmax(np.abs(z)))
+    quantity = outcome.predictor.nominal[worst]
+    where = f"{quantity.kind} of {quantity.name} by {z[worst]:+.1f} of its σ"
+    return Test("nominal quantities outside their tolerance", best.prior, len(z), chance, where=(where,), places=-1)
+
+
 def conclude(outcome: Outcome) -> Conclusion:
     """Weigh what the search found and judge it on the data held out."""
     study, problem = outcome.study, outcome.problem
@@ -127,6 +141,9 @@ def conclude(outcome: Outcome) -> Conclusion:
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
     remains = examine(outcome.predictor, study.likelihood, best, held, joints, torques, outcome.period)
+    stretch = _stretched(outcome, best)
+    if stretch is not None:
+        remains = replace(remains, significant=True, tests=(*remains.tests, stretch))
     floor_ratio = float(np.sqrt(held.cost / max(study.likelihood.samples(outcome.held_windows), 1.0)))
     incomplete = remains.significant or floor_ratio > AT_FLOOR
     excess = max(remains.excess, (floor_ratio**2 - AT_FLOOR**2) * study.samples if floor_ratio > AT_FLOOR else 0.0)
