@@ -16,7 +16,7 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.remainder import heldout_gain
-from harness.diagnose.search import Effort, grow, polish, transfer
+from harness.diagnose.search import HOPELESS, Effort, grow, polish, transfer
 from harness.diagnose.study import Study, measured_state
 from harness.diagnose.windows import Window, cut, whole
 
@@ -176,7 +176,7 @@ def investigate(
     # The noise once more, now behind the best model; a last round under it if it has changed.
     refined = replace(likelihood, colours=colours_from(problem, likelihood, ordered[0], predictor, motion_hz))
     final = long_study
-    if _differ(likelihood.colours, refined.colours):
+    if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined.colours):
         final = Study(problem, predictor, refined, tuple(candidates), groups, first_states=first.states)
         seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
         empty = final.fit(Hypothesis(), [empty.x], empty)

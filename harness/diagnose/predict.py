@@ -340,6 +340,7 @@ def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int],
 
 
 DECADE = 10.0
+REACH = 20.0
 
 
 def is_logarithmic(candidate: Candidate) -> Array:
@@ -390,7 +391,14 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
             np.log(np.maximum(candidate.effect.upper, 0.0) / candidate.scales),
             candidate.effect.upper / candidate.scales,
         )
-    return np.where(log, np.maximum(lower, -30.0), lower), np.where(log, np.minimum(upper, 30.0), upper)
+    reach = np.array([_log_reach(p) for p in candidate.effect.parameters])
+    return np.where(log, np.maximum(lower, reach[:, 0]), lower), np.where(log, np.minimum(upper, reach[:, 1]), upper)
+
+
+def _log_reach(parameter: Parameter) -> tuple[float, float]:
+    """How far a logarithm may go from the starting values: beyond, the effect is as good as absent or as good as rigid."""
+    positive = [s for s in parameter.starts if s > 0.0] or [1.0]
+    return float(np.log(min(positive) / REACH)), float(np.log(max(positive) * REACH))
 
 
 def start_vector(candidate: Candidate) -> Array:

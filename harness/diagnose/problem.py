@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import coherence
 
 from harness.effects.measured import Measured
 from harness.errors import InputError
@@ -14,6 +15,9 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
+SEGMENT = 128  # samples of a stretch of a coherence estimate
+COHERENT_CHANCE = 0.01  # at which a frequency counts as coherent
+COHERENT_SHARE = 0.15  # of the frequencies that must be, for a velocity to count as computed from the position
 HELD_OUT_SHARE = 0.3  # of a single recording
 MEASURED = ("position", "velocity", "tip_deflection", "root_strain", "tip_acceleration")
 
@@ -106,6 +110,8 @@ def pose(
             "the recordings share no measured channel of the model",
             mend="map a column to <joint>.position or another known quantity",
         )
+    derived = {info.name for info in infos if info.quantity == "velocity" and _is_derived(info.site, recordings)}
+    infos = [info for info in infos if info.name not in derived]
     runs = [_run(system, tuple(infos), recording, k) for k, recording in enumerate(recordings)]
     steps = tuple(_resolution([run.values[c] for run in runs]) for c in range(len(infos)))
     runs = [_thin(run, finest_rate) for run in runs]
@@ -129,6 +135,28 @@ def pose(
         True,
         steps,
     )
+
+
+def _is_derived(joint: str, recordings: Sequence[Measured]) -> bool:
+    """Whether a joint's velocity was computed from its position, so that it tells nothing of its own.
+
+    The noise of two sensors is independent; that of a quantity and its filtered derivative is coherent. Judged beyond a tenth
+    of the sampling rate, where motion has no power.
+    """
+    shares = []
+    for recording in recordings:
+        by_name = {c.name: np.asarray(c.values, dtype=np.float64) for c in recording.channels}
+        q, v = by_name.get(f"{joint}.position"), by_name.get(f"{joint}.velocity")
+        if q is None or v is None:
+            return False
+        good = np.isfinite(q) & np.isfinite(v)
+        if good.sum() < 8 * SEGMENT:
+            continue
+        frequency, found = coherence(np.diff(q[good], 2), np.diff(v[good], 2), nperseg=SEGMENT)
+        averages = 2.0 * good.sum() / SEGMENT - 1.0
+        level = 1.0 - COHERENT_CHANCE ** (1.0 / max(9.0 / 11.0 * averages - 1.0, 1.0))
+        shares.append(float(np.mean(found[frequency > 0.1] > level)))
+    return bool(shares) and float(np.median(shares)) > COHERENT_SHARE
 
 
 def _run(system: System, infos: tuple[ChannelInfo, ...], recording: Measured, index: int) -> Run:

@@ -131,7 +131,8 @@ def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found
         if channel.quantity == "position":
             d, v = deviations[:, k], deviations[:, n + k] * h
             sampled = d[i] if grid.exact else (
-                d[i] * (1 - s) ** 2 * (1 + 2 * s) + v[i] * s * (1 - s) ** 2 + d[i + 1] * s**2 * (3 - 2 * s) + v[i + 1] * s**2 * (s - 1)
+                d[i] * (1 - s) ** 2 * (1 + 2 * s) + v[i] * s * (1 - s) ** 2
+                + d[i + 1] * s**2 * (3 - 2 * s) + v[i + 1] * s**2 * (s - 1)
             )  # fmt: skip
         else:
             v = deviations[:, n + k]

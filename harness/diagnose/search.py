@@ -13,6 +13,7 @@ from harness.diagnose.predict import to_internal
 from harness.diagnose.study import Study, compatible
 
 Progress = Callable[[str], None]
+HOPELESS = 2.0  # times the cost of noise alone
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Effort:
     tries: int = 4
     largest: int = 4
     swaps: int = 3
-    most_fits: int = 40
+    most_fits: int = 30
 
 
 def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress) -> list[Fit]:
@@ -105,7 +106,8 @@ def alternatives(study: Study, best: Fit, k: int, effort: Effort) -> list[Fit]:
 
 def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress) -> list[Fit]:
     """Swap members of the best set for alternatives until nothing improves; all fits known then, best first."""
-    for _ in range(3):
+    # Far above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
+    for _ in range(3 if ordered[0].score < HOPELESS * study.samples else 1):
         best = ordered[0]
         if len(study.fits) >= effort.most_fits:
             break

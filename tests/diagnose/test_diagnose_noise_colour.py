@@ -1,0 +1,42 @@
+"""The colour of noise is estimated, and a misfit of the model is not taken for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from harness.diagnose.colour import Colour, estimate_colour
+
+
+def noise(rng: np.random.Generator, count: int, white: float, coloured: float, phi: float) -> np.ndarray:
+    drive = coloured * np.sqrt(1.0 - phi**2) * rng.standard_normal(count + 500)
+    return lfilter([1.0], [1.0, -phi], drive)[500:] + white * rng.standard_normal(count)
+
+
+@pytest.mark.parametrize(("white", "coloured", "phi"), [(1.0, 0.0, 0.0), (0.0, 1.0, 0.8), (0.5, 1.0, 0.7)])
+@pytest.mark.parametrize("misfit", [0.0, 3.0])
+def test_estimate_with_and_without_a_misfit(white: float, coloured: float, phi: float, misfit: float) -> None:
+    rng = np.random.default_rng(1)
+    time = np.arange(4000) / 250.0
+    segments = [
+        noise(rng, 4000, white, coloured, phi) + misfit * np.sin(2 * np.pi * (1.0 + 0.005 * time) * time)
+        for _ in range(2)
+    ]
+    found = estimate_colour(segments, 1 / 250.0, 8.0, 1.0)
+    assert found.std == pytest.approx(np.hypot(white, coloured), rel=0.12)
+
+
+def test_whitening_makes_innovations_of_unit_variance() -> None:
+    colour = Colour(0.4, 1.0, 0.85)
+    x = colour.whiten(noise(np.random.default_rng(2), 200_000, 0.4, 1.0, 0.85))
+    # Standard errors over 2e5 samples are 0.0016 and 0.0022.
+    assert np.std(x) == pytest.approx(1.0, abs=0.01)
+    assert abs(np.mean(x[1:] * x[:-1])) < 0.01
+
+
+def test_a_jump_is_not_noise() -> None:
+    rng = np.random.default_rng(3)
+    time = np.arange(4000)
+    found = estimate_colour([rng.standard_normal(4000) + 3.0 * (time > 2000)], 1 / 250.0, 8.0, 1.0)
+    assert found.std == pytest.approx(1.0, rel=0.05)
