@@ -20,12 +20,12 @@ from harness.denoc import laws as law
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import (
     ABSENT,
-    BRISTLE,
-    BRISTLE_RATE,
+    ANCHOR,
     CONSTANTS,
     CONTACT,
     DIRECTION,
     FREE,
+    GRIP,
     HOLD,
     JOINT,
     KIND,
@@ -63,20 +63,16 @@ def _slopes(
     tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int, dry: int, state: Any, slopes: Any, at: int, ledger: Any,
 ) -> None:  # fmt: skip
-    """Time derivative of ``state`` (positions, velocities, bristles) at the workspace's time, to ``slopes[at:]``."""
+    """Time derivative of ``state`` (positions, velocities) at the workspace's time, to ``slopes[at:]``."""
     for i in range(n):
         j = i * JOINT * 8
         store(ws, j + Q * 8, load(state, i * 8))
         store(ws, j + QD * 8, load(state, (n + i) * 8))
-        if width > 2 * n:
-            store(ws, j + BRISTLE * 8, load(state, (2 * n + i) * 8))
     accelerations(tree, flags, constants, beams, laws, ws, n, user, shaken, loaded)
     for i in range(n):
         j = i * JOINT * 8
         store(slopes, at + i * 8, load(ws, j + QD * 8))
         store(slopes, at + (n + i) * 8, load(ws, j + QDD * 8))
-        if width > 2 * n:
-            store(slopes, at + (2 * n + i) * 8, load(ws, j + BRISTLE_RATE * 8))
     if dry:
         for i in range(n):
             if flags[i] & law.HAS_DRY:
@@ -251,7 +247,7 @@ def run_group(
 ) -> None:  # fmt: skip
     """Advance a group of up to eight lanes over all of ``time`` and write the samples.
 
-    state: initial state, lane-contiguous, rows positions, velocities, bristles; effort: (1 or B, T, n);
+    state: initial state, lane-contiguous, rows positions, velocities; effort: (1 or B, T, n);
     driven: 0 none, 1 one effort for all, 2 one a lane; hold: 1 linear between samples, 0 held.
     """
     group = n * JOINT * 8
@@ -285,8 +281,8 @@ def run_group(
             ws[j + FREE * 8] = 1.0
             ws[j + DIRECTION * 8] = 0.0
             ws[j + CONTACT * 8] = 0.0
-            ws[j + BRISTLE * 8] = 0.0
-            ws[j + BRISTLE_RATE * 8] = 0.0
+            ws[j + ANCHOR * 8] = state[i * 8 + lane]
+            ws[j + GRIP * 8] = 0.0
             ws[j + REACTION_START * 8] = 0.0
             ws[j + REACTION * 8] = 0.0
             ws[j + TAU * 8] = 0.0
@@ -582,6 +578,18 @@ def run_group(
             if what == 0:
                 used = law.terms_in_use(laws, which * law.WIDTH * 8 + lane, 8)
                 state[(n + which) * 8 + lane] = 0.0
+                if used & law.HAS_DAHL:
+                    q = state[which * 8 + lane]
+                    ws[j + GRIP * 8] = law.dahl_friction(
+                        laws,
+                        which * law.WIDTH * 8,
+                        lane,
+                        q,
+                        ws[j + DIRECTION * 8],
+                        ws[j + ANCHOR * 8],
+                        ws[j + GRIP * 8],
+                    )
+                    ws[j + ANCHOR * 8] = q
                 if used & law.HAS_DRY:
                     ws[j + FREE * 8] = 0.0
                     ws[j + DIRECTION * 8] = 0.0
@@ -704,7 +712,7 @@ def run_groups(
     """
     n = position.shape[2]
     copies = rows.shape[0]
-    most = 3 * n
+    most = 2 * n
     constants = np.zeros(tree.shape[0] * CONSTANTS * 8)
     beams = np.zeros(sizes[1] * 8)
     laws = np.zeros(n * law.WIDTH * 8)
@@ -734,7 +742,6 @@ def run_groups(
                 flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
                 state[i * 8 + lane] = start[source, i]
                 state[(n + i) * 8 + lane] = start[source, n + i]
-                state[(2 * n + i) * 8 + lane] = 0.0
             if rows[source, 3] != 0.0:
                 shaken = 1
         for i in range(tree.shape[0]):
@@ -749,8 +756,6 @@ def run_groups(
         width = 2 * n
         loaded: Any = np.int64(0)
         for i in range(n):
-            if flags[i] & law.HAS_DAHL:
-                width = 3 * n
             if flags[i] & law.HAS_LOAD:
                 loaded = 1
         run_group(

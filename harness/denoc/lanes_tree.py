@@ -53,9 +53,7 @@ OMEGA, VELOCITY, TURN, ANGULAR, MIXED, LINEAR, BIAS, COLUMN, FORCE, INVERSE, ACC
 BODY = 49
 
 # One coordinate's state and results; a mode uses Q, QD, QDD and TAU only.
-Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, BRISTLE, BRISTLE_RATE, REACTION, HOLD, LIMIT, TAU_SLOPE, REACTION_START = (
-    range(14)
-)
+Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, ANCHOR, GRIP, REACTION, HOLD, LIMIT, TAU_SLOPE, REACTION_START = range(14)
 JOINT = 14
 
 # What the group shares: time, start of the effort's segment, base acceleration parameters, scratch.
@@ -525,12 +523,18 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 load(ws, group + TIME * 8) - load(ws, group + TAU_TIME * 8)
             )
             direction = load(ws, j + DIRECTION * 8)
-            bristle = load(ws, j + BRISTLE * 8)
             force = force + law.passive_force(
-                laws, l, flags[own], q, qd, direction, load(ws, j + CONTACT * 8), bristle, load(ws, j + REACTION * 8)
+                laws,
+                l,
+                flags[own],
+                q,
+                qd,
+                direction,
+                load(ws, j + CONTACT * 8),
+                load(ws, j + ANCHOR * 8),
+                load(ws, j + GRIP * 8),
+                load(ws, j + REACTION * 8),
             )
-            if flags[own] & law.HAS_DAHL:
-                store(ws, j + BRISTLE_RATE * 8, law.bristle_rate(laws, l, qd, direction, bristle))
             if flags[own] & law.HAS_USER:
                 _user_forces(laws, ws, user, group + TIME * 8, j, l)
                 force = force + load(ws, group + SCRATCH * 8)

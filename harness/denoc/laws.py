@@ -7,7 +7,8 @@ Generalized force on the joint, on the right-hand side of the equations of motio
     − stiffness · (q − rest_angle) − cubic_stiffness · q³
     − dry(v),   |dry| = F_c + (F_s − F_c) exp(−(v / v_s)²) + mu_radius · R     while it slides
                 |dry| ≤ max(F_s, F_c) + mu_radius · R                          while it sticks
-    − dahl_stiffness · z,   dz/dt = v (1 − sign(v) · dahl_stiffness · z / dahl_torque)
+    − f,   df/dq = dahl_stiffness (1 − sign(v) · f / dahl_torque): between reversals f approaches ± dahl_torque
+           exponentially in the distance travelled since the last one, and is evaluated so
     − contact,  contact = k δ + d dδ/dt where that pushes, δ = how far the joint is beyond the stop
     + user_scale · user(q, v, t, user_1 … user_4)
 
@@ -22,6 +23,7 @@ contact of Kelvin and Voigt with adhesion cut off.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -146,12 +148,22 @@ def sticking_limit(laws: Any, start: int, reaction: Any) -> Any:
 
 @njit(error_model="numpy", forceinline=True)
 def passive_force(
-    laws: Any, start: int, flags: int, q: Any, v: Any, direction: Any, contact: Any, bristle: Any, reaction: Any
+    laws: Any,
+    start: int,
+    flags: int,
+    q: Any,
+    v: Any,
+    direction: Any,
+    contact: Any,
+    anchor: Any,
+    grip: Any,
+    reaction: Any,
 ) -> Any:
     """All terms of the law but the user's own one, on the right-hand side.
 
     laws: slots lane-contiguous, eight lanes a slot; start: of the joint's slots; flags: HAS_… of the group.
-    direction: +1 or −1 sliding, 0 at rest; contact: 1 while the stop pushes; bristle: Dahl's z;
+    direction: +1 or −1 sliding, 0 at rest; contact: 1 while the stop pushes; anchor, grip: where the joint turned
+    round last, and Dahl's friction there;
     reaction: magnitude of the reaction force across the axis.
     """
     force = (
@@ -167,7 +179,9 @@ def passive_force(
     if flags & HAS_DAHL:
         torque = load(laws, start + DAHL_TORQUE * 8)
         stiffness = load(laws, start + DAHL_STIFFNESS * 8)
-        force = force - choose(torque * stiffness, stiffness, 0.0) * bristle
+        inverse = choose(torque * stiffness, stiffness, 0.0) / choose(torque, torque, 1.0)
+        level = choose(torque * stiffness, torque, 0.0) * direction
+        force = force - (level - (level - grip) * exponential(-(inverse * (direction * (q - anchor)))))
     if flags & HAS_COGGING:
         s, _ = sine_cosine(load(laws, start + COGGING_PERIODS * 8) * q + load(laws, start + COGGING_PHASE * 8))
         force = force + load(laws, start + COGGING_AMPLITUDE * 8) * s
@@ -180,13 +194,15 @@ def passive_force(
     return force
 
 
-@njit(error_model="numpy", forceinline=True)
-def bristle_rate(laws: Any, start: int, v: Any, direction: Any, bristle: Any) -> Any:
-    """Rate of Dahl's internal displacement z; zero where the joint has no such friction."""
-    torque = load(laws, start + DAHL_TORQUE * 8)
-    stiffness = load(laws, start + DAHL_STIFFNESS * 8)
-    ratio = stiffness / choose(torque, torque, 1.0)
-    return choose(torque * stiffness, v * (1.0 - direction * ratio * bristle), 0.0)
+@njit(cache=True, error_model="numpy", _nrt=False)
+def dahl_friction(laws: Any, start: int, lane: int, q: float, direction: float, anchor: float, grip: float) -> float:
+    """Dahl's friction of one lane, opposing positive motion, at a position reached in one direction from the anchor."""
+    torque = laws[start + DAHL_TORQUE * 8 + lane]
+    stiffness = laws[start + DAHL_STIFFNESS * 8 + lane]
+    if not torque * stiffness > 0.0:
+        return 0.0
+    level = torque * direction
+    return level - (level - grip) * math.exp(-stiffness / torque * direction * (q - anchor))
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
