@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import click
 
-from harness.cli.options import Interrupted
+from harness.cli.interrupt import Interrupted, hear_at_once
 from harness.errors import EngineUnavailableError, InputError
 
 # Verb to its one line of help; the verb's own module is imported when it is run.
@@ -75,6 +75,7 @@ def denoc() -> None:
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command and end the process with its exit status."""
+    hear_at_once()
     sys.exit(status_of(arguments))
 
 
@@ -86,6 +87,9 @@ def status_of(arguments: list[str] | None = None) -> int:
         return result if isinstance(result, int) else OK
     except (InputError, EngineUnavailableError) as error:
         return _say(str(error), UNUSABLE)
+    except click.exceptions.NoArgsIsHelpError as error:
+        print(error.format_message())
+        return _say(f"name a verb, for example `{error.ctx.command_path} validate`" if error.ctx else "", UNUSABLE)
     except click.UsageError as error:
         hint = f" (see `{error.ctx.command_path} --help`)" if error.ctx else ""
         return _say(_one_line(error.format_message()) + hint, UNUSABLE)

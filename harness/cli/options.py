@@ -14,10 +14,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-class Interrupted(BaseException):
-    """Ctrl-C, with what is to be said; click would put an empty line before it."""
-
-
 F = TypeVar("F", bound=Callable[..., Any])
 
 

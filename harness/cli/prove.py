@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import Interrupted, console, output_options, progress, wide_options, write_json
+from harness.cli.interrupt import Interrupted
+from harness.cli.options import console, output_options, progress, wide_options, write_json
 
 
 @click.command()
