@@ -112,26 +112,29 @@ def _kernel() -> Callable[..., None]:
 
     if not _announced:
         _announced = True
-        if not _cached(run_groups):
+        if not run_groups.signatures and not any("run_groups" in path.name for path in _kept_kernels()):
             _log.warning("compiling the simulation kernels, once (about ten seconds) …")
     return run_groups
 
 
-def _cached(dispatcher: Any) -> bool:
-    """Whether an earlier process left a compiled version on disk; one older than any of its sources is removed.
+@lru_cache(maxsize=1)
+def _kept_kernels() -> tuple[Path, ...]:
+    """Indices of the kernels that earlier processes left on disk; those older than any of their sources are removed.
 
     The compiler's own cache looks at the file of a function only, not at the files of the functions it calls.
     """
-    sources = [p for pattern in ("lanes*.py", "laws.py") for p in Path(__file__).parent.glob(pattern)]
+    from harness.denoc.lanes_rows import prepare_lane
+
+    patterns = ("lanes*", "laws*", "batch*")
     try:
-        newest = max(p.stat().st_mtime for p in sources)
-        found = list(Path(dispatcher.stats.cache_path).glob("la[nw]*.nbi"))
-        for index in found:
-            if index.stat().st_mtime < newest:
-                index.unlink(missing_ok=True)
-        return any(dispatcher.py_func.__name__ in p.name and p.exists() for p in found)
+        newest = max(path.stat().st_mtime for name in patterns for path in Path(__file__).parent.glob(f"{name}.py"))
+        found = [path for name in patterns for path in Path(prepare_lane.stats.cache_path).glob(f"{name}.nbi")]
+        for path in found:
+            if path.stat().st_mtime < newest:
+                path.unlink(missing_ok=True)
+        return tuple(path for path in found if path.exists())
     except OSError:
-        return False
+        return ()
 
 
 def _user_address(function: Callable[..., float] | None) -> tuple[int, Any]:
@@ -215,6 +218,7 @@ class LaneModel:
         self.slots = MappingProxyType(slots)
         self.tables = _topology(system, slots)
         self._user, self._alive = _user_address(law)
+        _kept_kernels()
 
     def slot(self, site: str, name: str) -> int:
         """Index of one parameter in a row; InputError names what there is if there is no such parameter."""
