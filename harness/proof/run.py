@@ -6,7 +6,7 @@ import json
 import secrets
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,11 +16,12 @@ import numpy as np
 from harness.errors import InputError
 from harness.parallel import parallel_map
 from harness.proof.concealments import CONCEALMENTS
-from harness.proof.draw import draw_case
+from harness.proof.draw import Case, draw_case
 from harness.proof.flexible import EFFECTS, draw_flexible
 from harness.proof.outside import OUTSIDE
 from harness.proof.score import CaseScore, Summary, score_case, summarise
 from harness.proof.seal import seal, unseal
+from harness.proof.truth import NoSolutionError
 from harness.proof.visibility import DETECTION_LIMIT
 from harness.proof.write import write_case
 
@@ -30,6 +31,8 @@ FULL = {
 }  # fmt: skip
 
 EFFECTS_BY_KIND = {"single": tuple(CONCEALMENTS), "outside": tuple(OUTSIDE), "flexible single": EFFECTS}
+
+REDRAWS, REDRAW_STRIDE = 5, 100_000
 
 Progress = Callable[[str, int, int], None]
 
@@ -97,13 +100,25 @@ def scaled(cases: int) -> dict[str, int]:
 
 def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
     """Draw a case, write what diagnosis may see, seal the answer; (name, digest)."""
-    effect = _shuffled(task, seed)
-    if task.kind.startswith("flexible"):
-        case = draw_flexible(task.kind.removeprefix("flexible "), seed, task.index, effect)
-    else:
-        case = draw_case(task.kind, seed, task.index, effects=(effect,) if effect else ())
+    case = _draw(task, seed)
     write_case(case, out / "cases" / case.name, np.random.default_rng([seed, task.index, len(task.kind)]))
     return case.name, seal(case, out / "sealed")
+
+
+def _draw(task: Task, seed: int) -> Case:
+    """The task's case; a rig whose dry friction has no solution (Painlevé's paradox) is drawn again."""
+    effect = _shuffled(task, seed)
+    for attempt in range(REDRAWS):
+        index = task.index + attempt * REDRAW_STRIDE
+        try:
+            if task.kind.startswith("flexible"):
+                case = draw_flexible(task.kind.removeprefix("flexible "), seed, index, effect)
+            else:
+                case = draw_case(task.kind, seed, index, effects=(effect,) if effect else ())
+        except NoSolutionError:
+            continue
+        return replace(case, name=case.name.replace(str(index), str(task.index)))
+    raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution")
 
 
 def _shuffled(task: Task, seed: int) -> str:

@@ -27,6 +27,10 @@ ABSOLUTE_TOLERANCE = 1e-11
 LOAD_ITERATIONS = 4  # friction that depends on the reaction force, which depends on friction: a contraction
 
 
+class NoSolutionError(RuntimeError):
+    """Dry friction that depends on the reaction force has no consistent motion here."""
+
+
 @dataclass(frozen=True)
 class DryFriction:
     """Dry friction in one degree of freedom: limits [N·m] as functions of speed [rad/s] and reaction force [N]."""
@@ -292,6 +296,6 @@ class Truth:
                         mode[j] = int(np.sign(v[j]))
                     settle()
             restarts += 1
-            if restarts > 20_000:
-                raise RuntimeError("the concealed truth chatters; its friction laws have no solution")
+            if restarts > 3_000:
+                raise NoSolutionError("the concealed truth chatters; its friction laws have no solution")
         return out_q, out_v
