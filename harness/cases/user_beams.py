@@ -1,11 +1,13 @@
-"""What can be asked of a user's own flexible mechanism: its motion against finite elements."""
+"""What can be asked of a user's own flexible mechanism: its motion against finite elements, and its rigid limit."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from harness.cases.case import Check
 from harness.cases.checks.deflection import Accuracy, DeflectionAgreement
+from harness.cases.checks.frozen import FrozenAgreement
 from harness.system import Beam, System
 
 ENOUGH = 5
@@ -13,8 +15,33 @@ ENOUGH = 5
 _PERIODS, _STEPS, _SAMPLES = 4.5, 2200, 110
 
 
-def beam_checks(system: System) -> tuple[Check, ...]:
-    """Free motion from a bent pose, against ANCF beams, or against a floating frame where stiffening is off."""
+def comparable(system: System) -> tuple[System, str]:
+    """The mechanism as finite elements can express it, and one sentence for what was left out (empty if nothing).
+
+    Damping ratios of modes are the native engine's alone: a finite element has no modes to give them to.
+    """
+    damped = [link.name for link in system.links if link.beam is not None and any(link.beam.modal_damping)]
+    for name in damped:
+        link = system.link(name)
+        if link.beam is not None:
+            system = system.replace_link(replace(link, beam=replace(link.beam, modal_damping=())))
+    return system, f"compared without the modal damping of {', '.join(damped)}" if damped else ""
+
+
+def straight_checks(system: System) -> tuple[Check, ...]:
+    """Flexible links held straight against engines of rigid bodies."""
+    if not system.flexible:
+        return ()
+    allowed = 1e-12 if len(system.coordinate_names) <= 50 else 1e-11
+    why = "the integrals of a straight beam are those of a slender rod: rounding of double precision"
+    return tuple(FrozenAgreement(of, allowed, why) for of in ("inverse_dynamics", "mass_matrix", "bias", "gravity"))
+
+
+def beam_checks(system: System, left_out: str = "") -> tuple[Check, ...]:
+    """Free motion from a bent pose, against ANCF beams, or against a floating frame where stiffening is off.
+
+    left_out: said beside the reason for what is allowed.
+    """
     beams = [link.beam for link in system.links if link.beam is not None]
     if not beams:
         return ()
@@ -23,7 +50,8 @@ def beam_checks(system: System) -> tuple[Check, ...]:
     # A step of finite elements takes time in proportion to the beams; many of them are watched for a shorter while.
     periods = _PERIODS / max(1.0, len(beams) / 2.0)
     own = max(beam.modes for beam in beams)
-    certain = "eight elements on each beam are themselves certain to about 1 % of the peak"
+    remark = f"; {left_out}" if left_out else ""
+    certain = "eight elements on each beam are themselves certain to about 1 % of the peak" + remark
     accuracies = [Accuracy(ENOUGH, 0.03, 2e-3, certain)] if own < ENOUGH else []
     accuracies.append(
         Accuracy(
@@ -32,7 +60,7 @@ def beam_checks(system: System) -> tuple[Check, ...]:
             2e-3 if own >= ENOUGH else 2e-2,
             certain
             if own >= ENOUGH
-            else f"what {own} mode{'s' * (own > 1)} on a beam leave out; more modes leave less",
+            else f"what {own} mode{'s' * (own > 1)} on a beam leave out; more modes leave less{remark}",
         )
     )
     return (

@@ -8,7 +8,7 @@ from pathlib import Path
 from harness.cases.case import Case, Check
 from harness.cases.checks import StateAgreement
 from harness.cases.tolerances import acceleration_allowed
-from harness.cases.user_beams import beam_checks
+from harness.cases.user_beams import beam_checks, comparable, straight_checks
 from harness.errors import InputError
 from harness.system import System, load
 
@@ -43,13 +43,13 @@ def names_of(paths: Sequence[Path]) -> dict[str, Path]:
 
 def case_of(name: str, path: Path, *, physical: bool = True) -> Case:
     """The case of one model file."""
-    system = read(path, physical=physical)
+    system, left_out = comparable(read(path, physical=physical))
     return Case(
         name=name,
-        title=f"{system.name} ({path.name})",
+        title=f"{system.name} ({path.name})" + (f", {left_out}" if left_out else ""),
         source=str(path),
         system=lambda: system,
-        checks=beam_checks(system) or state_checks(len(system.coordinate_names)),
+        checks=(*beam_checks(system, left_out), *straight_checks(system)) or state_checks(len(system.coordinate_names)),
         group="models",
     )
 

@@ -35,7 +35,8 @@ def validate(
     """Compare the native dynamics with the other engines.
 
     Without a MODEL: the built-in suite. With URDF, MJCF or TOML models: acceleration, inverse dynamics, mass matrix,
-    bias, gravity and energy of each at random states.
+    bias, gravity and energy of each at random states; of flexible links the motion against finite elements, and what
+    is left when they are held straight.
 
     \b
     Examples:
