@@ -11,6 +11,7 @@ from scipy.stats import chi2
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge
+from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
 from harness.effects.scale import references
@@ -21,6 +22,9 @@ PRACTICAL = 0.05  # an effect must change the prediction by this share of the no
 HELD_OUT = 1.0  # standard deviations by which it must improve data held out
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
+)
+CARRIES = (
+    1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
 )
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations under their tolerance, below which they are a finding
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
@@ -133,6 +137,17 @@ def _stretched(outcome: Outcome, best: Fit) -> Test | None:
     return Test("nominal quantities outside their tolerance", best.prior, len(z), chance, where=(where,), places=-1)
 
 
+def _carries(outcome: Outcome, held: Fit, smaller: Fit) -> bool:
+    """Whether predictions of data held out, the remainder's error included, become clearly worse without the effect.
+
+    Real recordings always keep a remainder far above the noise of their sensors. What removes most of the error of a free run
+    over data that it was not fitted to is no artefact of that remainder, whatever else is at work.
+    """
+    without = judge(outcome, smaller)
+    channels = range(len(outcome.problem.channels))
+    return any(rmse(outcome, without, c) > CARRIES * rmse(outcome, held, c) for c in channels)
+
+
 def conclude(outcome: Outcome) -> Conclusion:
     """Weigh what the search found and judge it on the data held out."""
     study, problem = outcome.study, outcome.problem
@@ -153,7 +168,8 @@ def conclude(outcome: Outcome) -> Conclusion:
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)
         gain = smaller.score - best.score
-        if incomplete and (gain < FAKED * excess or _imitated(outcome, best, smaller)):
+        weak = incomplete and (gain < FAKED * excess or _imitated(outcome, best, smaller))
+        if weak and not _carries(outcome, held, smaller):
             doubted.append(member.key)
             continue
         rivals = []

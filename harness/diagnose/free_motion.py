@@ -26,6 +26,7 @@ WINDOW = 5  # such samples in a window whose mean force is judged
 SHORTEST = 2  # such windows; a single one may be an outlier
 SIGMAS = 5.0  # of the first windows' mean force beyond what the rest of the recording shows
 GOES_ON = 2.5  # of a later window's
+NEAR = 1.5  # swings after a carried stretch in which a knock still counts as part of it
 SHARE = 0.12  # of the accelerations that gravity makes, below which a carrying hand is not claimed
 MOST = 0.4  # of a recording that may be left out; beyond, it is the model that is wrong
 MOVING = 0.03  # of the greatest speed; what stands still is held, and has an effect of its own (late release)
@@ -147,6 +148,12 @@ def _strange_beginning(qd: Array, qdd: Array, expected: Array) -> tuple[int, flo
     count = 0
     while count < windows and (off[count] or (0 < count < windows - 1 and off[count + 1])):
         count += 1
+    # A hand just taken away is still near, and a knock in the first swings belongs to the letting go.
+    knocks = np.flatnonzero(
+        np.abs(means[: count + round(NEAR * SAMPLES_A_SWING / WINDOW)]) > max(SIGMAS * sigma, SHARE)
+    )
+    share = float(np.mean(np.abs(means[: max(count, 1)])))
+    count = max(count, int(knocks[-1]) + 1) if len(knocks) else count
     if count < SHORTEST or np.mean(np.abs(qd[: count * WINDOW]) > MOVING * speed) < 0.5:
         return 0, 0.0
-    return SMOOTHING // 2 + (count + 1) * WINDOW, float(np.mean(np.abs(means[:count])))
+    return SMOOTHING // 2 + (count + 1) * WINDOW, share

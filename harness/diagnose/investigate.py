@@ -13,6 +13,7 @@ from harness.diagnose.colour import Colour, estimate_colour
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.ordinary import ordinary
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.remainder import heldout_gain
@@ -171,6 +172,9 @@ def investigate(
         # Far from the truth, free runs have many wrong valleys; short windows have few. They find where to begin.
         ordered = grow(study, [first], effort, progress)
         seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
+    if empty.score > NONLINEAR * long_study.samples:
+        seeds += ordinary(long_study, empty)
+        progress("friction and drag together")
     ordered = grow(long_study, seeds, effort, progress)
     ordered = polish(long_study, ordered, effort, progress)
     # The noise once more, now behind the best model; a last round under it if it has changed.
