@@ -30,8 +30,8 @@ def swing(angle: float, time: np.ndarray) -> np.ndarray:
         def slope(_: float, s: np.ndarray, side: float = side) -> list[float]:
             return [s[1], -9.81 / LENGTH * np.sin(s[0]) - side * (DRY / INERTIA + DRAG / INERTIA * s[1] ** 2)]
 
-        def reversal(_: float, s: np.ndarray, side: float = side) -> float:
-            return float(s[1] * side) if _ > t + 1e-6 else 1.0
+        def reversal(at: float, s: np.ndarray, side: float = side, begun: float = t) -> float:
+            return float(s[1] * side) if at > begun + 1e-6 else 1.0
 
         reversal.terminal = True  # type: ignore[attr-defined]
         reversal.direction = -1.0  # type: ignore[attr-defined]
