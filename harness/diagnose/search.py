@@ -13,6 +13,8 @@ from harness.diagnose.predict import to_internal
 from harness.diagnose.study import Study, compatible
 
 Progress = Callable[[str], None]
+FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
+NEAR = 60.0  # in the criterion
 HOPELESS = 2.0  # times the cost of noise alone
 
 
@@ -39,10 +41,14 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
     best = min(study.criterion(f) for f in seeds)
     for _ in range(effort.largest + 2):
         fresh: list[Fit] = []
+        lowest = min(f.score for f in known.values())
         for base in frontier:
             if base.hypothesis.identity in expanded or len(study.fits) >= effort.most_fits:
                 continue
             expanded.add(base.hypothesis.identity)
+            # Beside a set at the noise floor, only one that is nearly as good can still become better.
+            if lowest < FLOOR * study.samples and study.criterion(base) > best + NEAR:
+                continue
             members = len(base.hypothesis.members)
             if members >= effort.largest:
                 continue

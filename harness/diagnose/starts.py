@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 Ray = tuple[Array, ...]
 """Starting values (SI) whose effects on the prediction are combined linearly: one vector, or two a quarter wave apart."""
 
+UNSEEN = 1e-3  # of a motion's extent
 MOST_PERIODS = 60  # of a cogging torque in one turn
 REACH = (0.55, 0.75, 0.9, 0.97)  # shares of the motion's extent at which a stop may stand
 CUT = (0.8, 0.95, 0.999)  # shares of a channel's extent at which it may saturate
@@ -42,6 +43,12 @@ def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
             values = values[:1]
         choices.append(values)
     points = [np.array(point) for point in product(*choices)]
+    if "torque" in names and "stiffness" in names:
+        # A contact that gives less than any sensor resolves is one that does not give, and costs stiff equations to say so.
+        torque, stiffness = names.index("torque"), names.index("stiffness")
+        extent = _extent(candidate, problem, "position") or (-1.0, 1.0)
+        least = UNSEEN * (extent[1] - extent[0])
+        points = [p for p in points if p[torque] >= least * p[stiffness]] or points[:1]
     if quarter is None:
         return [(point,) for point in points]
     pairs: list[Ray] = []
