@@ -27,6 +27,7 @@ SWINGS = 1.5  # periods of the slowest swing in a short window
 MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected to have its power
 NONLINEAR = 3.0  # times the noise's cost, beyond which free runs of the nominal model say little about what is missing
 SAME_NOISE = 0.03  # relative difference of noise estimates that changes nothing
+EXACT = 1e-6  # of a channel's extent: sensors resolve no less, and computed motions agree to no more
 GROWTH = 300.0  # an initial error may grow so much within a window; beyond, motion counts as unpredictable
 
 
@@ -38,10 +39,14 @@ def crude_colours(problem: Problem) -> tuple[Colour, ...]:
         for run in problem.train:
             d = np.abs(np.diff(run.values[c], 3))
             sizes.append(float(np.nanmedian(d)) / 0.6745 / np.sqrt(20.0))
-        extent = float(np.nanmax([np.nanmax(np.abs(run.values[c])) for run in problem.train]))
-        floor = max(problem.steps[c] / np.sqrt(12.0), 1e-9 * max(extent, 1e-12))
-        out.append(Colour(max(float(np.median(sizes)), floor), interval=problem.train[0].interval))
+        out.append(Colour(max(float(np.median(sizes)), quietest(problem, c)), interval=problem.train[0].interval))
     return tuple(out)
+
+
+def quietest(problem: Problem, channel: int) -> float:
+    """The least noise a channel can have: its resolution, or what the computed motion itself is certain to."""
+    extent = float(np.nanmax([np.nanmax(np.abs(run.values[channel])) for run in problem.train]))
+    return max(problem.steps[channel] / np.sqrt(12.0), EXACT * max(extent, 1e-12))
 
 
 def colours_from(
@@ -64,7 +69,7 @@ def colours_from(
             continue
         interval = problem.train[0].interval
         found = estimate_colour(segments, interval, motion_hz, motion_hz / MOTION_HARMONICS)
-        floor = problem.steps[c] / np.sqrt(12.0) / np.sqrt(problem.train[0].averaged)
+        floor = quietest(problem, c) / np.sqrt(problem.train[0].averaged)
         out.append(found if found.std >= floor else Colour(floor, interval=interval))
     return tuple(out)
 
