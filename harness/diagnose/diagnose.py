@@ -32,6 +32,8 @@ from harness.recording import Recording, read_recordings
 from harness.system import Attachment, System, load
 
 Progress = Callable[[int, int, str], None]
+# Dissipation that a model states itself: parameter of the effect, and field of the joint.
+STATED = {"viscous_damping": ("coefficient", "damping"), "coulomb_friction": ("torque", "friction")}
 SHOWN = 8  # hypotheses in the ranking
 
 
@@ -272,15 +274,19 @@ def augmented(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[s
     predictor = outcome.predictor
     factors = np.exp(outcome.problem.system.tolerance * conclusion.best.x[: len(predictor.nominal)])
     system = scaled(outcome.problem.system, predictor.nominal, list(factors))
-    attachments = [
-        Attachment(
-            claim.candidate.effect.name,
-            claim.candidate.site,
-            {name: e.value for name, e in values[claim.candidate.key].items()},
-            {name: e.std for name, e in values[claim.candidate.key].items() if e.std is not None},
-        )
-        for claim in conclusion.claims
-    ]
+    attachments = []
+    for claim in conclusion.claims:
+        name, site = claim.candidate.effect.name, claim.candidate.site
+        found = {k: e.value for k, e in values[claim.candidate.key].items()}
+        stated = STATED.get(name)
+        if stated is not None and found[stated[0]] < 0.0:
+            # Less than the model states is no effect to attach, but another number in the model.
+            joint = system.joint(site)
+            less = max(getattr(joint, stated[1]) + found[stated[0]], 0.0)
+            system = system.replace_joint(replace(joint, **{stated[1]: less}))
+            continue
+        spread = {k: e.std for k, e in values[claim.candidate.key].items() if e.std is not None}
+        attachments.append(Attachment(name, site, found, spread))
     return replace(system, attachments=(*system.attachments, *attachments))
 
 
