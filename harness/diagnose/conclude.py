@@ -72,7 +72,9 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
         # stretched model predicts them as well. The stretch itself is then the evidence.
-        stretched = smaller.prior - fitted.prior > study.price(member, len(fitted.hypothesis.members) - 1)
+        stretched = (
+            float(chi2.sf(max(smaller.prior - fitted.prior, 0.0), member.size)) * len(study.candidates) < STRETCHED
+        )
         needed = -HELD_OUT if stretched else HELD_OUT
         if not (z > needed) and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)

@@ -133,14 +133,14 @@ def deviate(rig: Rig, rng: np.random.Generator) -> Rig:
 
     segments = []
     for s in rig.segments:
-        stretch = factor()
+        stretch, heavier = factor(), factor()
         segments.append(
             replace(
                 s,
                 length=s.length * stretch,
                 com=s.com * stretch,
-                mass=s.mass * factor(),
-                inertia=s.inertia * factor(),
+                mass=s.mass * heavier,
+                inertia=s.inertia * heavier * factor(),
                 damping=s.damping * factor(),
                 armature=s.armature * factor(),
             )

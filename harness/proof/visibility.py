@@ -60,7 +60,8 @@ def nuisance(make: Callable[[Rig], Scene], rig: Rig) -> tuple[Array, Array]:
     reference = observe(base)
     columns, sigma = [], []
     for k, s in enumerate(rig.segments):
-        for names in (("mass",), ("length", "com"), ("inertia",), ("damping",), ("armature",)):
+        # A link heavier than thought has the same shape, so its inertia grows with its mass.
+        for names in (("mass", "inertia"), ("length", "com"), ("inertia",), ("damping",), ("armature",)):
             if getattr(s, names[0]) == 0.0:
                 continue
             segments = list(rig.segments)
