@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from harness.effects import input_chain, lane_model, lane_row, sensor_chain
+from harness.effects import apply, input_chain, lane_model, lane_row, sensor_chain
 from harness.recording import Recording
 from harness.system import System
 
@@ -22,9 +23,14 @@ MOST_SAMPLES = 4000  # of a window that the initial state is fitted to
 
 def native(system: System) -> Simulate:
     """Free runs of a system with its attached effects, sensors and inputs included."""
-    model = lane_model(system)
-    row = lane_row(model, system)
     attached = system.attachments
+    shaped = replace(system, attachments=())
+    for attachment in attached:
+        shaped = apply(shaped, attachment)
+    model = lane_model(shaped)
+    row = lane_row(model, shaped)
+    # Coordinates that an effect adds (a compliant base) begin at rest where they are slack.
+    seen = [model.names.index(name) for name in system.joint_names]
 
     def run(state: Array, time: Array, tau: Array | None) -> Array:
         n = len(system.joint_names)
@@ -35,8 +41,14 @@ def native(system: System) -> Simulate:
                     assert effect.input is not None
                     values = effect.values(attachment.parameters)[None]
                     tau[:, j] = effect.input.apply(tau[None, :, j].copy(), time - time[0], values)[0]
-        q, _, _ = model.simulate(row, state[None, :n], state[None, n:], time - time[0], tau=tau)
-        out = q[0]
+        q0, qd0 = np.zeros((1, model.n)), np.zeros((1, model.n))
+        q0[0, seen], qd0[0, seen] = state[:n], state[n:]
+        if tau is not None:
+            every = np.zeros((len(time), model.n))
+            every[:, seen] = tau
+            tau = every
+        q, _, _ = model.simulate(row, q0, qd0, time - time[0], tau=tau)
+        out = q[0][:, seen]
         for j, joint in enumerate(system.joint_names):
             for effect, attachment in sensor_chain(attached, f"{joint}.position"):
                 assert effect.sensor is not None
