@@ -18,7 +18,9 @@ Array = NDArray[np.float64]
 SEGMENT = 128  # samples of a stretch of a coherence estimate
 COHERENT_CHANCE = 0.01  # at which a frequency counts as coherent
 COHERENT_SHARE = 0.15  # of the frequencies that must be, for a velocity to count as computed from the position
-HELD_OUT_SHARE = 0.3  # of a single recording
+HELD_OUT_SHARE = 0.3  # of a single recording, until it has come to rest
+AT_REST = 0.02  # of a channel's extent, around where it ends
+FEWEST_MOVING = 100  # samples of motion that can be divided
 MEASURED = ("position", "velocity", "tip_deflection", "root_strain", "tip_acceleration")
 
 
@@ -126,7 +128,7 @@ def pose(
     if len(runs) > 1:
         return Problem(system, tuple(infos), tuple(runs[:-1]), (runs[-1],), steps=steps)
     only = runs[0]
-    cut = round((1.0 - HELD_OUT_SHARE) * len(only.time))
+    cut = round((1.0 - HELD_OUT_SHARE) * _moving_samples(only))
     return Problem(
         system,
         tuple(infos),
@@ -157,6 +159,23 @@ def _is_derived(joint: str, recordings: Sequence[Measured]) -> bool:
         level = 1.0 - COHERENT_CHANCE ** (1.0 / max(9.0 / 11.0 * averages - 1.0, 1.0))
         shares.append(float(np.mean(found[frequency > 0.1] > level)))
     return bool(shares) and float(np.median(shares)) > COHERENT_SHARE
+
+
+def _moving_samples(run: Run) -> int:
+    """Number of samples until a free recording has come to rest; all of them if it has not, or if it is driven.
+
+    What stands still predicts itself, so it is no data to be judged on.
+    """
+    if run.effort is not None:
+        return len(run.time)
+    last = 0
+    for values in run.values:
+        finite = np.isfinite(values)
+        extent = float(np.ptp(values[finite])) if finite.any() else 0.0
+        if extent > 0.0:
+            end = float(np.median(values[finite][-max(1, finite.sum() // 20) :]))
+            last = max(last, int(np.flatnonzero(finite & (np.abs(values - end) > AT_REST * extent))[-1]) + 1)
+    return last if last >= FEWEST_MOVING else len(run.time)
 
 
 def _run(system: System, infos: tuple[ChannelInfo, ...], recording: Measured, index: int) -> Run:
