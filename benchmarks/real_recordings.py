@@ -18,8 +18,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import harness
 from harness.diagnose.free_motion import free_part
+from harness.diagnose.problem import pose
 from harness.recording import Recording, read_recordings
 from harness.report.diagnosis.write import write_diagnosis
 from harness.system import System
@@ -32,13 +35,13 @@ from sysid_peer import fit_sysid  # isort: skip
 class Split:
     """What is learned from and what is judged on.
 
-    window: length [s] of the free runs judged; None: whole recordings. share: of a single recording that is learned from.
+    window: length [s] of the free runs judged; None: whole recordings. single: one recording, its end held out.
     """
 
     train: tuple[str, ...]
     heldout: tuple[str, ...]
     window: float | None = None
-    share: float | None = None
+    single: bool = False
 
 
 SPLITS = {
@@ -46,9 +49,9 @@ SPLITS = {
     "multiarm-double": Split(("run4", "run5", "run6"), ("heldout1",), 3.0),
     "dfki-simple": Split(("ddp", "direct_collocation", "energy_shaping"), ("ilqr",), 1.0),
     "furuta-jensen-benard": Split(("run1", "run2"), ("run3",)),
-    "sydney-compass-leg": Split(("all",), ("all",), 3.0, 0.7),
+    "sydney-compass-leg": Split(("all",), ("all",), 3.0, True),
     "bam-xl330": Split(("drop1", "drop2", "drop3"), ("drop4",)),
-    "bam-sts3250": Split(("drop1",), ("drop1",), None, 0.7),
+    "bam-sts3250": Split(("drop1",), ("drop1",), None, True),
 }
 
 
@@ -81,9 +84,11 @@ def read_split(folder: Path, rig: str, system: System) -> tuple[list[Recording],
         return [free_part(system, r) for r in read_recordings(paths, system=system)]
 
     train, heldout = read(split.train), read(split.heldout)
-    if split.share is not None:
-        whole = train[0]
-        return [piece(whole, 0.0, split.share)], [piece(whole, split.share, 1.0)]
+    if split.single:
+        # Divided where a diagnosis of it alone divides it.
+        at = pose(system, train).heldout[0].time[0]
+        share = float(np.searchsorted(train[0].time, at)) / train[0].samples
+        return [piece(train[0], 0.0, share)], [piece(train[0], share, 1.0)]
     return train, heldout
 
 
@@ -107,7 +112,7 @@ def judge(
 def command(rig: str) -> str:
     """What a user types for the same diagnosis."""
     split = SPLITS[rig]
-    names = split.train if split.share is not None else (*split.train, split.heldout[0])
+    names = split.train if split.single else (*split.train, split.heldout[0])
     files = " ".join(f"{rig}/{name}.csv.gz" for name in names)
     return f"denoc diagnose {files} --model {rig}/model.urdf"
 
@@ -117,7 +122,7 @@ def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], Syste
     out = work / rig
     if not (out / "diagnosis.json").exists():
         split = SPLITS[rig]
-        names = split.train if split.share is not None else (*split.train, split.heldout[0])
+        names = split.train if split.single else (*split.train, split.heldout[0])
         found = harness.diagnose([folder / rig / f"{n}.csv.gz" for n in names], folder / rig / "model.urdf")
         write_diagnosis(found, out)
     return json.loads((out / "diagnosis.json").read_text(encoding="utf-8")), harness.load(
