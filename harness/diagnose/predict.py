@@ -391,14 +391,16 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
             np.log(np.maximum(candidate.effect.upper, 0.0) / candidate.scales),
             candidate.effect.upper / candidate.scales,
         )
-    reach = np.array([_log_reach(p) for p in candidate.effect.parameters])
+    reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters])
     return np.where(log, np.maximum(lower, reach[:, 0]), lower), np.where(log, np.minimum(upper, reach[:, 1]), upper)
 
 
-def _log_reach(parameter: Parameter) -> tuple[float, float]:
+def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:
     """How far a logarithm may go from the starting values: beyond, the effect is as good as absent or as good as rigid."""
     positive = [s for s in parameter.starts if s > 0.0] or [1.0]
-    return float(np.log(min(positive) / REACH)), float(np.log(max(positive) * REACH))
+    # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff.
+    highest = max(positive) / 3.0 if nested and parameter.name == "stiffness" else max(positive) * REACH
+    return float(np.log(min(positive) / REACH)), float(np.log(highest))
 
 
 def start_vector(candidate: Candidate) -> Array:

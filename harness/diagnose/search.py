@@ -50,7 +50,7 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
             if lowest < FLOOR * study.samples and study.criterion(base) > best + NEAR:
                 continue
             members = len(base.hypothesis.members)
-            if members >= effort.largest:
+            if members >= effort.largest or _needless(study, base):
                 continue
             promising = [s for s in study.ranked(base) if s.gain > study.price(s.candidate, members)]
             for found in _diverse(promising, effort.tries):
@@ -74,6 +74,18 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
         if not frontier or (not fresh and not improved):
             break
     return sorted(known.values(), key=study.criterion)
+
+
+def _needless(study: Study, fitted: Fit) -> bool:
+    """Whether a simpler effect in a member's place does better: then nothing is to be built on the more general one."""
+    own = study.criterion(fitted)
+    keys = fitted.hypothesis.identity
+    for member in fitted.hypothesis.members:
+        for name in member.effect.simpler:
+            other = study.fits.get((keys - {member.key}) | {f"{name}@{member.site}"})
+            if other is not None and study.criterion(other) < own:
+                return True
+    return False
 
 
 def _diverse(promising: Sequence[object], count: int) -> list:
