@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
@@ -27,6 +27,7 @@ CARRIES = (
     1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
 )
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations under their tolerance, below which they are a finding
+WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
 
 
@@ -150,6 +151,25 @@ def _carries(outcome: Outcome, held: Fit, smaller: Fit) -> bool:
     return any(rmse(outcome, without, c) > CARRIES * rmse(outcome, held, c) for c in channels)
 
 
+def _worse_held_out(outcome: Outcome, best: Fit, held: Fit) -> Test | None:
+    """A test that counts if a model with effects leaves more of the data held out than of those it was fitted to.
+
+    Both mean squares of whitened residuals are 1 under noise alone, with a relative variance of two over the samples.
+    """
+    likelihood = outcome.study.likelihood
+    fitted, judged = likelihood.samples(best.windows), likelihood.samples(outcome.held_windows)
+    if not best.hypothesis.members or min(fitted, judged) < 2.0:
+        return None
+    rise = float(np.log((held.cost / judged) / (best.linear.cost / fitted)))
+    z = rise / float(np.sqrt(2.0 / fitted + 2.0 / judged))
+    if z < WORSE:
+        return None
+    where = f"mean square {np.exp(rise):.2f} times that of the training data"
+    return Test(
+        "a worse fit of the data held out", held.cost - judged, 1, float(norm.sf(z)), z, where=(where,), places=-1
+    )
+
+
 def conclude(outcome: Outcome) -> Conclusion:
     """Weigh what the search found and judge it on the data held out."""
     study, problem = outcome.study, outcome.problem
@@ -161,6 +181,9 @@ def conclude(outcome: Outcome) -> Conclusion:
     stretch = _stretched(outcome, best)
     if stretch is not None:
         remains = replace(remains, significant=True, tests=(*remains.tests, stretch))
+    worse = _worse_held_out(outcome, best, held)
+    if worse is not None:
+        remains = replace(remains, significant=True, tests=(*remains.tests, worse))
     floor_ratio = float(np.sqrt(held.cost / max(study.likelihood.samples(outcome.held_windows), 1.0)))
     incomplete = remains.significant or floor_ratio > AT_FLOOR
     excess = max(remains.excess, (floor_ratio**2 - AT_FLOOR**2) * study.samples if floor_ratio > AT_FLOOR else 0.0)

@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 
 BUMPS = 10  # places over the range of a joint at which a force of its own is allowed
 PULSE = 0.5  # of a swing's period: how long a force that acts once is taken to last
+WIDTHS = (0.25, 0.1, 0.04)  # of the range of motion: how far a force at one place may reach
+SIDES = 5  # angles at which a force may begin that acts on one side only
+BEYOND_CHANCE = 1e-8  # at which a test counts even where held-out data do not reach what it speaks of
 PUSH = 1e-4  # size of the probing forces, in units of the gravity torque: small enough to stay linear
 
 
@@ -253,6 +256,9 @@ def examine(
                 full = np.zeros(len(names))
                 full[index] = found * torque
                 smooth_maps[joint] = (names, full, low, high, fast)
+        tests.append(_local(own, held, space, held_space, joint, (low, high, fast), noise))
+        if _counts(tests[-1], level):
+            excess = max(excess, tests[-1].gain)
         tests.append(_pulses(own, space, joint, period, noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
@@ -273,7 +279,8 @@ def examine(
 
 def _counts(test: Test, level: float) -> bool:
     """Whether a test speaks against noise alone: unlikely on the training data, and borne out where it can be held out."""
-    return test.chance < level and (np.isnan(test.heldout_z) or test.heldout_z > 1.0)
+    borne_out = bool(np.isnan(test.heldout_z)) or test.heldout_z > 1.0
+    return test.chance < BEYOND_CHANCE or (test.chance < level and borne_out)
 
 
 def _shape_values(q: Array, qd: Array, low: float, high: float, fast: float) -> Array:
@@ -346,6 +353,51 @@ def _block_variance(fitted: Fit) -> Array:
     for r in fitted.linear.residuals:
         out += [float(np.mean(b[b != 0.0] ** 2)) if np.any(b != 0.0) else 1.0 for b in np.array_split(r, 20)]
     return np.array(out)
+
+
+def _local_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> Array:
+    """Forces that nobody has a law for, one amplitude each: at one place of the range (attraction, push, drag, friction
+    there), or on one side of it only; shape (k, G)."""
+    w = np.clip(qd / fast, -1.5, 1.5)
+    sense = np.tanh(20.0 * w)
+    values = []
+    for share in WIDTHS:
+        width = share * (high - low)
+        for centre in np.arange(low, high + 0.5 * width, 0.5 * width):
+            x = (q - centre) / width
+            bump = np.exp(-(x**2))
+            values += [bump, x * bump, bump * w, bump * sense]
+    for centre in np.linspace(low, high, SIDES + 2)[1:-1]:
+        beyond = (q > centre).astype(np.float64)
+        values += [beyond * (q - centre), (1.0 - beyond) * (q - centre), beyond * w, beyond * sense]
+    return np.array(values)
+
+
+def _local(
+    own: Probe,
+    held: Probe | None,
+    space: Nuisance,
+    held_space: Nuisance | None,
+    joint: str,
+    extent: tuple[float, float, float],
+    noise: float,
+) -> Test:
+    """Largest gain by one force at one place or on one side, all of them counted in its chance."""
+    low, high, fast = extent
+    shapes = partial(_local_shapes, low=low, high=high, fast=fast)
+    directions = space.project(own.changes(joint, shapes))
+    norms = np.linalg.norm(directions, axis=0)
+    ok = norms > 1e-6 * max(float(norms.max(initial=0.0)), 1e-300)
+    along = np.zeros(len(norms))
+    along[ok] = directions[:, ok].T @ space.residual / norms[ok]
+    top = int(np.argmax(along**2))
+    gain = float(along[top] ** 2)
+    chance = min(1.0, int(ok.sum()) * float(chi2.sf(gain / noise, 1)))
+    z = float("nan")
+    if held is not None and held_space is not None and chance < 1.0:
+        one = held_space.project([c[top : top + 1] for c in held.changes(joint, shapes)])
+        z = heldout_gain(held_space.residual, held_space.residual - one[:, 0] * along[top] / norms[top])
+    return Test(f"a force at one place or one side at {joint}", gain, 1, chance, z, (joint,), 2)
 
 
 def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float) -> Test:

@@ -187,7 +187,11 @@ def test_rows_do_not_depend_on_the_number_of_workers():
     names = ["chain_2", "chain_7", "tree_2"]
     alone = validate(cases=names, engines=["pinocchio"], workers=1)
     spread = validate(cases=names, engines=["pinocchio"], workers=2)
-    assert alone.rows == spread.rows
+    # Where the allocator puts an array decides how it is vectorised, so differences that are rounding may differ by rounding;
+    # everything else is the same, row by row.
+    assert [replace(row, difference=0.0) for row in alone.rows] == [replace(row, difference=0.0) for row in spread.rows]
+    for one, other in zip(alone.rows, spread.rows, strict=True):
+        assert other.difference == pytest.approx(one.difference, abs=0.01 * one.allowed)
     assert alone.ok
 
 
