@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from harness.denoc.lanes import LaneModel
 from harness.diagnose.hypothesis import Candidate
 from harness.effects.catalogue import catalogue, sites
 from harness.effects.effect import Effect
+from harness.effects.lanes import lane_model
 from harness.effects.measured import Measured
 from harness.effects.room import with_room
 from harness.effects.scale import references
@@ -45,7 +45,7 @@ def _possible(candidate: Candidate, system: System) -> bool:
     try:
         changed = reshape.change(system, candidate.site, candidate.effect.named(values))
         if reshape.topology:
-            LaneModel(changed)
+            lane_model(changed)
     except (InputError, NotImplementedError):
         return False
     return True

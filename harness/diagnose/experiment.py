@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.colour import Colour
-from harness.diagnose.fit import Fit, project
+from harness.diagnose.fit import Fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import ChannelInfo, Problem, Run
@@ -20,6 +20,8 @@ from harness.system.description import Array as SystemArray
 Array = NDArray[np.float64]
 
 PARTED = 5.0  # standard deviations of noise by which predictions must differ for an experiment to decide
+PROFILED = 8  # steps in which the rival's initial state is brought as near as it comes
+STEP = 1e-5  # rad, rad/s
 FINEST = 1 / 250.0  # s between the samples of a proposed recording
 
 
@@ -123,28 +125,45 @@ def _separation(outcome: Outcome, first: Fit, second: Fit, trial: _Trial) -> flo
     predictor = Predictor(problem)
     window = Window(0, 0, len(time))
     n = len(problem.system.joint_names)
-    curves: list[Array] = []
-    basis: list[Array] = []
+    scale = np.array([c.std / np.sqrt(c.effective_fraction) for c in colours])[:, None]
     try:
-        for fitted in (first, second):
-            names = predictor.mechanism(fitted.hypothesis).names
-            state = np.zeros(2 * len(names))
-            for j, joint in enumerate(problem.system.joint_names):
-                state[names.index(joint)] = trial.state[j]
-                state[len(names) + names.index(joint)] = trial.state[n + j]
-            lanes = [(0, window, state)]
-            if not curves:
-                for j in range(len(state)):
-                    moved = state.copy()
-                    moved[j] += 1e-5
-                    lanes.append((0, window, moved))
-            found = predictor.predict(fitted.hypothesis, fitted.x[None, :], lanes)
-            curves.append(found[0])
-            if len(curves) == 1:
-                basis = [(f - found[0]) / 1e-5 for f in found[1:]]
+        reference = _curves(predictor, first, window, trial, n, None)[0]
+        state: Array | None = None
+        distance = np.inf
+        for _ in range(PROFILED):
+            state, found, directions = _with_directions(predictor, second, window, trial, n, state)
+            difference = np.nan_to_num((found - reference) / scale).ravel()
+            if np.linalg.norm(difference) > distance:
+                break
+            distance = float(np.linalg.norm(difference))
+            columns = np.column_stack([np.nan_to_num(d / scale).ravel() for d in directions])
+            state = state - np.linalg.lstsq(columns, difference, rcond=1e-10)[0]
     except InputError:
         return 0.0
-    scale = np.array([c.std / np.sqrt(c.effective_fraction) for c in colours])[:, None]
-    difference = np.nan_to_num((curves[1] - curves[0]) / scale).reshape(-1, 1)
-    directions = np.column_stack([np.nan_to_num(b / scale).ravel() for b in basis])
-    return float(np.linalg.norm(project(directions, difference)))
+    return distance if np.isfinite(distance) else 0.0
+
+
+def _start(predictor: Predictor, fitted: Fit, trial: _Trial, n: int) -> Array:
+    names = predictor.mechanism(fitted.hypothesis).names
+    state = np.zeros(2 * len(names))
+    for j, joint in enumerate(predictor.system.joint_names):
+        state[names.index(joint)] = trial.state[j]
+        state[len(names) + names.index(joint)] = trial.state[n + j]
+    return state
+
+
+def _curves(
+    predictor: Predictor, fitted: Fit, window: Window, trial: _Trial, n: int, states: list[Array] | None
+) -> list[Array]:
+    """Predicted channels (C, T) from each of the states, by default from the trial's own."""
+    chosen = states if states is not None else [_start(predictor, fitted, trial, n)]
+    return predictor.predict(fitted.hypothesis, fitted.x[None, :], [(0, window, state) for state in chosen])
+
+
+def _with_directions(
+    predictor: Predictor, fitted: Fit, window: Window, trial: _Trial, n: int, state: Array | None
+) -> tuple[Array, Array, list[Array]]:
+    """A state, the channels predicted from it, and how they change with every component of it."""
+    at = _start(predictor, fitted, trial, n) if state is None else state
+    found = _curves(predictor, fitted, window, trial, n, [at, *(at + STEP * np.eye(len(at)))])
+    return at, found[0], [(f - found[0]) / STEP for f in found[1:]]

@@ -12,10 +12,12 @@ from harness.denoc.lanes import LaneModel
 from harness.diagnose.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled
 from harness.diagnose.problem import Problem, Run
 from harness.diagnose.windows import Window
+from harness.effects.attach import input_chain, sensor_chain
 from harness.effects.directions import sideways
 from harness.effects.effect import Parameter
+from harness.effects.lanes import lane_model, lane_row, write_attachment
 from harness.recording.sensors import observe
-from harness.system import System
+from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
@@ -105,7 +107,7 @@ class Predictor:
         self._shaking = sideways(problem.system)
         self._mechanisms: dict[tuple[str, ...], Mechanism] = {}
         self._grids: dict[tuple[Window, float], Grid] = {}
-        self._rows: dict[tuple[frozenset[str], bytes], tuple[Mechanism, Array, System]] = {}
+        self._rows: dict[tuple[tuple[str, ...], bytes], tuple[Mechanism, Array, System]] = {}
         self.lanes_run = 0
 
     # -- parameters ---------------------------------------------------------------------------------------------
@@ -138,13 +140,13 @@ class Predictor:
 
     def mechanism(self, hypothesis: Hypothesis) -> Mechanism:
         """The compiled system of the hypothesis' topology."""
-        key = tuple(
-            sorted(m.key for m in hypothesis.members if m.effect.reshape is not None and m.effect.reshape.topology)
-        )
+        compiled = [m for m in hypothesis.members if m.effect.user or (m.effect.reshape and m.effect.reshape.topology)]
+        key = tuple(sorted(m.key for m in compiled))
         if key not in self._mechanisms:
             start = np.concatenate([np.zeros(len(self.nominal)), *(start_vector(m) for m in hypothesis.members)])
             system = self.altered(hypothesis, start)
-            self._mechanisms[key] = Mechanism(LaneModel(system), system.coordinate_names)
+            own = [m.effect for m in hypothesis.members if m.effect.user is not None]
+            self._mechanisms[key] = Mechanism(lane_model(system, own), system.coordinate_names)
         return self._mechanisms[key]
 
     def row(self, hypothesis: Hypothesis, x: Array) -> Array:
@@ -155,11 +157,11 @@ class Predictor:
         for k, member in enumerate(hypothesis.members):
             if member.effect.reshape is not None:
                 pieces.append(self.effect_values(hypothesis, k, x))
-        key = (frozenset(structural), np.concatenate(pieces).tobytes())
+        key = (structural, np.concatenate(pieces).tobytes())
         found = self._rows.get(key)
         if found is None:
             system = self.altered(hypothesis, x)
-            found = (mechanism, mechanism.model.row(system), system)
+            found = (mechanism, lane_row(mechanism.model, system), system)
             if len(self._rows) > 20_000:
                 self._rows.clear()
             self._rows[key] = found
@@ -169,6 +171,10 @@ class Predictor:
             law = member.effect.law
             if law is not None:
                 write_law(row, mechanism.model, member, self.effect_values(hypothesis, k, x))
+            elif member.effect.user is not None:
+                values = member.effect.named(self.effect_values(hypothesis, k, x))
+                attached = Attachment(member.effect.name, member.site, values)
+                write_attachment(row, mechanism.model, attached, {member.effect.name: member.effect})
         return row
 
     # -- predictions --------------------------------------------------------------------------------------------
@@ -204,7 +210,9 @@ class Predictor:
         margin = (
             CLOCK_MARGIN if any(m.effect.sensor and m.effect.sensor.every_channel for m in hypothesis.members) else 0.0
         )
-        dated = any(m.site == "base" and m.effect.law is not None for m in hypothesis.members)
+        dated = bool(self.system.attachments) or any(
+            m.effect.user is not None or (m.site == "base" and m.effect.law is not None) for m in hypothesis.members
+        )
         groups: dict[tuple[int, float, bool, float], list[int]] = {}
         for lane, (_, window, _) in enumerate(lanes):
             grid = self.grid(window, margin)
@@ -257,6 +265,7 @@ class Predictor:
         joints = self.system.joint_names
         inputs = [(k, m) for k, m in enumerate(hypothesis.members) if m.effect.input is not None]
         inputs.sort(key=lambda item: item[1].effect.input.stage if item[1].effect.input else 0)
+        stated = {joint: input_chain(self.system.attachments, joint) for joint in joints}
         for j, joint in enumerate(joints):
             column = mechanism.names.index(joint)
             acting = [(k, m) for k, m in inputs if m.site == joint or m.site.split(".")[0] == joint]
@@ -269,9 +278,13 @@ class Predictor:
                 if not np.any(run.effort[:, j]):
                     continue
                 stamps = run.time - run.time[0]
-                signal = (
-                    np.broadcast_to(run.effort[:, j], (len(places), len(stamps))) if acting else run.effort[None, :, j]
-                )
+                signal = run.effort[None, :, j]
+                for effect, attachment in stated[joint]:
+                    assert effect.input is not None
+                    fixed = effect.values(attachment.parameters)[None, :]
+                    signal = effect.input.apply(np.ascontiguousarray(signal), stamps, fixed)
+                if acting:
+                    signal = np.broadcast_to(signal, (len(places), len(stamps)))
                 for k, member in acting:
                     params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
                     assert member.effect.input is not None
@@ -309,18 +322,17 @@ class Predictor:
                         np.gradient(signal, run.interval, axis=1), run.interval, axis=1
                     )
             acting = [
-                (k, m)
+                (m.effect.sensor, self.effect_values(hypothesis, k, x))
                 for k, m in enumerate(hypothesis.members)
                 if m.effect.sensor is not None and (m.site == channel.name or m.effect.sensor.every_channel)
             ]
-            acting.sort(key=lambda item: item[1].effect.sensor.stage if item[1].effect.sensor else 0)
-            for k, member in acting:
-                assert member.effect.sensor is not None
+            for effect, attachment in sensor_chain(self.system.attachments, channel.name):
+                assert effect.sensor is not None
+                acting.append((effect.sensor, np.tile(effect.values(attachment.parameters), (len(x), 1))))
+            for sensor, values in sorted(acting, key=lambda item: item[0].stage):
                 # What stretches time does so from the window's first sample: the state there is free.
-                when = local if member.effect.sensor.every_channel else stamps
-                signal = member.effect.sensor.apply(
-                    np.ascontiguousarray(signal), when, self.effect_values(hypothesis, k, x)
-                )
+                when = local if sensor.every_channel else stamps
+                signal = sensor.apply(np.ascontiguousarray(signal), when, values)
             out[:, c] = signal[:, : window.size]
         return out
 
@@ -340,7 +352,7 @@ def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int],
 
 
 DECADE = 10.0
-REACH = 20.0
+REACH = 5.0
 
 
 def is_logarithmic(candidate: Candidate) -> Array:
@@ -391,6 +403,13 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
             np.log(np.maximum(candidate.effect.upper, 0.0) / candidate.scales),
             candidate.effect.upper / candidate.scales,
         )
+    reshape = candidate.effect.reshape
+    if reshape is not None and reshape.topology:
+        # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
+        least = np.array(
+            [min((s for s in p.starts if s > 0.0), default=0.0) / REACH for p in candidate.effect.parameters]
+        )
+        lower = np.where(candidate.effect.lower >= 0.0, np.maximum(lower, np.where(log, lower, least)), lower)
     reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters])
     return np.where(log, np.maximum(lower, reach[:, 0]), lower), np.where(log, np.minimum(upper, reach[:, 1]), upper)
 

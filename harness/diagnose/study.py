@@ -167,7 +167,7 @@ def log_choose(n: int, k: int) -> float:
 def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
     """Whether a candidate may join: not there already, and no special case (or general case) of what is at its site."""
     for member in hypothesis.members:
-        if member.key == candidate.key:
+        if member.key == candidate.key or (_own_law(member) and _own_law(candidate)):
             return False
         if member.site == candidate.site and (
             member.effect.name in candidate.effect.simpler or candidate.effect.name in member.effect.simpler
@@ -184,6 +184,11 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
         ):
             return False
     return True
+
+
+def _own_law(candidate: Candidate) -> bool:
+    """Whether the candidate needs a law that is compiled for it; the lanes carry one."""
+    return candidate.effect.user is not None or candidate.effect.name == "backlash"
 
 
 def measured_state(problem: Problem, predictor: Predictor, window: Window) -> Array:
