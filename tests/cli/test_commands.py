@@ -261,7 +261,13 @@ def test_ctrl_c_ends_with_one_line_and_writes_nothing(tmp_path):
     out = tmp_path / "results"
     command = [sys.executable, "-m", "harness", "validate", "--out", str(out), "--workers", "2"]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        # A shell that started these tests in the background has had SIGINT ignored, and children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as process:
         time.sleep(5.0)
         os.killpg(process.pid, signal.SIGINT)
