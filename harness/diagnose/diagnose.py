@@ -13,6 +13,7 @@ from harness.diagnose.candidates import candidates
 from harness.diagnose.conclude import Claim, Conclusion, conclude
 from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.effort import diagnose_effort
 from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, summary
 from harness.diagnose.fit import Fit
@@ -54,7 +55,8 @@ def diagnose(
 
     recordings: files or ``Recording``; the last of several is held out, or the last 30 % of a single one. model: file or System.
     holdout: recording to judge on instead. mapping: rules for foreign columns. tolerance: relative 1σ of the nominal masses,
-    lengths, inertias and stiffnesses, overriding the model's. effects: effects of the user's own. only: restricts the catalogue
+    lengths, inertias and stiffnesses, overriding the model's. fit_effort: efforts are measurements to fit, not known inputs (see
+    ``diagnose_effort``). effects: effects of the user's own. only: restricts the catalogue
     to these names. progress: called with (done, total, what).
     Raises InputError for recordings or models that cannot be used.
     """
@@ -65,10 +67,6 @@ def diagnose(
         if not 0.0 < tolerance < 1.0:
             raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
         system = replace(system, tolerance=tolerance)
-    if fit_effort:
-        raise InputError(
-            "efforts cannot be fitted yet", mend="leave --fit-effort out; efforts are taken as known inputs"
-        )
     read = [free_part(system, recording) for recording in _read(recordings, holdout, mapping, system)]
     held = read.pop() if holdout is not None else None
     steps = 0
@@ -80,8 +78,10 @@ def diagnose(
             progress(steps, max(40, steps + 5), what)
 
     tell("reading")
-    problem = pose(system, read, heldout=held)
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
+    if fit_effort:
+        return diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+    problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
     frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)

@@ -1,0 +1,185 @@
+"""Smoothed motion and efforts of a recording, from which inverse dynamics can be read.
+
+Accelerations of a recorded angle are mostly noise: its second derivative weighs noise by the square of the frequency. Used as
+they come they make any regression of effort on acceleration too small ("attenuation", Fuller, Measurement Error Models, 1987).
+So every torque and the effort are taken through one zero-phase low-pass, as high as the noise of the angle allows and no higher.
+Torques are computed along a motion that is smoothed less, so that what is not linear in it is not rounded off first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, make_interp_spline
+from scipy.ndimage import binary_dilation
+from scipy.signal import butter, sosfiltfilt
+
+from harness.errors import InputError
+from harness.recording.noise import estimate_noise
+from harness.recording.recording import Recording
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+OVERSAMPLED = 60.0  # grid points in a period at the cutoff
+WIDER = 3.0  # times the cutoff that the motion itself is smoothed at
+ORDER = 4  # of the Butterworth low-pass, passed forwards and backwards
+ATTENUATION = 1e-3  # variance of the accelerations' noise over that of the accelerations: twice the bias of an inertia
+HARMONICS = 8.0  # of the slowest swing, beyond which motion is not looked for
+FEWEST_HARMONICS = 1.5  # below which a cutoff would cut the swing itself
+WIDEST_NYQUIST = 0.7  # of the recording's Nyquist frequency, for the motion itself
+NYQUIST = 0.35  # of the recording's Nyquist frequency
+STILL = 5.0  # standard deviations of the velocity's noise below which a joint may be at rest
+STILL_SHARE = 0.004  # of the greatest speed, at least
+EDGE = 2.0  # periods at the cutoff at either end of a recording that the low-pass has too little past or future for
+RESTING = 1.0  # periods at the cutoff that a joint must be still for its friction to be undetermined
+
+
+@dataclass(frozen=True, eq=False)
+class EffortRun:
+    """One recording on an even, fine grid.
+
+    time: [s], shape (T,). q, qd, qdd: motion through a wider low-pass, shape (T, n).
+    raw, effort: efforts as recorded and smoothed, shape (T, n).
+    driven: joints with a recorded effort, shape (n,). still: velocity below which a joint may rest, shape (n,).
+    usable: samples that can be compared, shape (T,). bandwidth: cutoff [Hz].
+    """
+
+    name: str
+    time: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    raw: Array
+    effort: Array
+    driven: NDArray[np.bool_]
+    still: Array
+    usable: NDArray[np.bool_]
+    bandwidth: float
+
+    @property
+    def inner(self) -> NDArray[np.bool_]:
+        """Samples that the low-pass knows both sides of, shape (T,)."""
+        reach = EDGE / self.bandwidth
+        return np.asarray((self.time >= reach) & (self.time <= self.time[-1] - reach))
+
+    @cached_property
+    def _filter(self) -> Array:
+        return low_pass(self.bandwidth, float(self.time[1] - self.time[0]))
+
+    def smooth(self, values: Array) -> Array:
+        """The low-pass along the first axis."""
+        return np.asarray(sosfiltfilt(self._filter, values, axis=0))
+
+    def without(self, samples: NDArray[np.bool_]) -> EffortRun:
+        """The run with further samples not usable."""
+        return replace(self, usable=self.usable & ~samples)
+
+    def moved(self, q: Array) -> EffortRun:
+        """The run with another motion in place of the measured one."""
+        spline = make_interp_spline(self.time, q, k=5)
+        return replace(self, q=q, qd=spline.derivative(1)(self.time), qdd=spline.derivative(2)(self.time))
+
+
+def low_pass(cutoff: float, step: float) -> Array:
+    """Second-order sections of the low-pass at ``cutoff`` [Hz] on a grid of ``step`` seconds."""
+    return np.asarray(butter(ORDER, cutoff, fs=1.0 / step, output="sos"))
+
+
+def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun:
+    """The recording through a low-pass at ``cutoff`` [Hz].
+
+    Raises InputError if a joint has no measured position, or nothing is driven.
+    """
+    names = system.joint_names
+    step = 1.0 / (OVERSAMPLED * cutoff)
+    time = np.arange(0.0, recording.duration, step)
+    sections = low_pass(cutoff, step)
+    widest = min(WIDER * cutoff, max(WIDEST_NYQUIST * 0.5 / recording.interval, cutoff))
+    wide = low_pass(widest, step)
+    columns = []
+    for name in names:
+        channel = next((c for c in recording.channels if c.site == name and c.quantity == "position"), None)
+        if channel is None:
+            raise InputError(
+                f"{name}.position is not measured, so the effort at {name} cannot be predicted",
+                mend="record the position of every joint, or leave --fit-effort out",
+                source=recording.source,
+            )
+        good = np.isfinite(channel.values)
+        columns.append(sosfiltfilt(wide, CubicSpline(recording.time[good], channel.values[good])(time)))
+    raw = np.zeros((len(time), len(names)))
+    driven = np.zeros(len(names), dtype=bool)
+    for channel in recording.efforts:
+        j = names.index(channel.site)
+        good = np.isfinite(channel.values)
+        raw[:, j] = np.interp(time, recording.time[good], channel.values[good])
+        driven[j] = bool(np.any(channel.values[good] != 0.0))
+    if not driven.any():
+        raise InputError("the recording has no effort to fit", mend="leave --fit-effort out", source=recording.source)
+    blank = np.zeros_like(raw)
+    run = EffortRun(
+        recording.name, time, blank, blank, blank, raw, np.asarray(sosfiltfilt(sections, raw, axis=0)), driven,
+        np.full(len(names), 1e-12), np.ones(len(time), dtype=bool), cutoff,
+    ).moved(np.stack(columns, axis=1))  # fmt: skip
+    still = np.array(
+        [
+            max(STILL * motion_noise(recording, name, widest, 1), STILL_SHARE * float(np.abs(v).max()), 1e-12)
+            for name, v in zip(names, run.qd.T, strict=True)
+        ]
+    )
+    edge = round(EDGE / (cutoff * step))
+    usable = np.ones(len(time), dtype=bool)
+    usable[:edge] = usable[-edge:] = False
+    for gap in recording.quality:
+        if gap.kind == "gap":
+            for first, last in gap.where:
+                usable &= (time < first - 1.0 / cutoff) | (time > last + 1.0 / cutoff)
+    run = replace(run, still=still, usable=usable)
+    return run.without(_resting(run))
+
+
+def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) -> float:
+    """Standard deviation of the noise of a joint's ``order``-th derivative after a low-pass at ``cutoff`` [Hz].
+
+    White noise of the position: ∫₀^f (2πf)^(2k) S df with S = 2 σ² Δt.
+    """
+    channel = recording.channel(f"{joint}.position")
+    found = estimate_noise(recording.time, channel.values, unit=channel.unit, channel=channel.name)
+    density = 2.0 * found.std**2 * recording.interval
+    power = 2 * order + 1
+    return float(np.sqrt((2.0 * np.pi) ** (2 * order) * density * cutoff**power / power))
+
+
+def cutoff_for(system: System, recording: Recording, swing: float) -> float:
+    """The highest cutoff [Hz] at which the noise of the accelerations stays small beside the accelerations.
+
+    swing: frequency of the slowest swing [Hz].
+    """
+    highest = min(HARMONICS * swing, NYQUIST * 0.5 / recording.interval)
+    for cutoff in np.geomspace(highest, FEWEST_HARMONICS * swing, 12):
+        run = effort_run(system, recording, float(cutoff))
+        inner = slice(len(run.time) // 20, -max(1, len(run.time) // 20))
+        ratios = [
+            motion_noise(recording, name, float(cutoff), 2) ** 2 / max(float(np.var(a[inner])), 1e-30)
+            for name, a in zip(system.joint_names, run.smooth(run.qdd).T, strict=True)
+        ]
+        if max(ratios) < ATTENUATION:
+            return float(cutoff)
+    return float(max(FEWEST_HARMONICS * swing, 1e-3))
+
+
+def _resting(run: EffortRun) -> NDArray[np.bool_]:
+    """Samples at which a driven joint stands still for long, so that its friction is whatever holds it."""
+    step = float(run.time[1] - run.time[0])
+    reach = max(1, round(0.5 * RESTING / (run.bandwidth * step)))
+    out = np.zeros(len(run.time), dtype=bool)
+    for j in np.flatnonzero(run.driven):
+        slow = np.abs(run.qd[:, j]) < run.still[j]
+        # Long stretches only: erosion by half a period and dilation by one and a half.
+        core = ~binary_dilation(~slow, iterations=reach)
+        out |= binary_dilation(core, iterations=3 * reach)
+    return out
