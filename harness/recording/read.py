@@ -19,6 +19,7 @@ from harness.recording.clean import (
 from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_beside
 from harness.recording.jitter import jitter_note
 from harness.recording.recording import Channel, QualityNote, Recording
+from harness.recording.rezero import undo_rezeroing
 from harness.recording.table import Table, read_table
 from harness.recording.timing import Timing, grouped_mean, mend_time
 from harness.recording.units import factor_to_si
@@ -176,6 +177,8 @@ def _channel(
         values, outliers = find_outliers(column.name, timing.time, values, step)
         if outliers is not None:
             notes.append(outliers)
+        values, joins = undo_rezeroing(column.name, unit, timing.time, values, step)
+        notes += joins
     finite = values[np.isfinite(values)]
     if float(np.ptp(finite)) == 0.0:
         notes.append(QualityNote("constant", column.name, f"is {finite[0]:.6g} throughout", "kept", len(finite)))
