@@ -34,30 +34,30 @@ def undo_rezeroing(
     noise = float(np.median(np.abs(np.diff(reading, 2)))) / 0.6745 / np.sqrt(6.0)
     least = max(LARGE * step, ABOVE * noise, 1e-9 * float(np.ptp(reading)))
     found = []
-    for k in np.flatnonzero(np.abs(change) > least):
+    for k in map(int, np.flatnonzero(np.abs(change) > least)):
         if k + 1 < STILL or k + 1 + STILL > len(reading):
             continue
         varies = max(float(np.ptp(reading[k + 1 - STILL : k + 1])), float(np.ptp(reading[k + 1 : k + 1 + STILL])))
         # The step itself is no motion: the interval must be an ordinary one.
         usual = stamps[k + 1] - stamps[k] < 3.0 * float(np.median(np.diff(stamps)))
         if usual and varies < abs(float(change[k])) / ABOVE + 1e-15 and varies <= max(1.01 * step, 6.0 * noise):
-            found.append(int(k))
+            found.append(k)
     if not found or len(found) > MOST:
         return values, ()
     mended = values.copy()
     notes = []
-    for k in found:
-        jump = float(change[k])
-        mended[present[k + 1 :]] -= jump
+    for at in found:
+        jump = float(change[at])
+        mended[present[at + 1 :]] -= jump
         notes.append(
             QualityNote(
                 "rezeroed",
                 name,
-                f"jumps by {jump:+.3g} {unit} at {stamps[k + 1]:.4g} s while standing still: its zero was set anew, or recordings "
+                f"jumps by {jump:+.3g} {unit} at {stamps[at + 1]:.4g} s while standing still: its zero was set anew, or recordings "
                 "were joined",
                 "later readings put onto the earlier zero",
                 1,
-                ((float(stamps[k]), float(stamps[k + 1])),),
+                ((float(stamps[at]), float(stamps[at + 1])),),
                 abs(jump),
             )
         )
