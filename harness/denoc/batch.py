@@ -129,12 +129,12 @@ def _compile(system: System, model: LaneModel) -> tuple[Any, Array, int]:
     from harness.denoc import laws
     from harness.denoc.lanes_rows import prepare_lane
 
-    links, tree, sizes, axes, nominal = model.tables
+    links, tree, sizes, axes, nominal, plane = model.tables
     n = model.n
     constants = np.zeros(len(tree) * nodes.CONSTANTS * 8)
     slots = np.zeros(n * laws.WIDTH * 8)
     prepare_lane(
-        model.row(), 0, links, tree, axes, nominal, constants, np.zeros(8 * int(sizes[1])), slots, np.zeros(64)
+        model.row(), 0, links, tree, axes, nominal, plane, constants, np.zeros(8 * int(sizes[1])), slots, np.zeros(64)
     )
     rows = np.zeros((n, kernels.CONSTANTS))
     rows[:, : nodes.CONSTANTS] = constants.reshape(n, nodes.CONSTANTS, 8)[:, :, 0]

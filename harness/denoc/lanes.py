@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from harness.denoc import laws
 from harness.denoc.lanes_beams import beam_block_size, most_points, write_beams
+from harness.denoc.lanes_plane import plane_of
 from harness.denoc.lanes_rows import (
     ABOVE,
     BASE_SLOTS,
@@ -174,10 +175,12 @@ class LaneModel:
 
     law: the user's own joint law ``(q, qd, t, p) -> generalized force`` with four parameters p, compiled on its own; it acts at
     every joint whose ``user_scale`` slot is not zero.
+    planar: whether a mechanism that moves in one plane is computed as such, which is faster and the same to rounding;
+    plane says that it is, and what plane.
     Raises UnsupportedError for links that bend in two planes or twist.
     """
 
-    def __init__(self, system: System, *, law: Callable[..., float] | None = None) -> None:
+    def __init__(self, system: System, *, law: Callable[..., float] | None = None, planar: bool = True) -> None:
         if not system.coordinate_names:
             raise InputError(f"{system.name}: nothing moves", mend="give at least one revolute or prismatic joint")
         for link in system.links:
@@ -217,6 +220,7 @@ class LaneModel:
         self.P = at
         self.slots = MappingProxyType(slots)
         self.tables = _topology(system, slots)
+        self.plane = plane_of(system, self.tables[0], self.tables[1]) if planar else None
         self._user, self._alive = _user_address(law)
         _kept_kernels()
 
@@ -324,22 +328,44 @@ class LaneModel:
         position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
         run = _kernel()
 
-        def part(first: int, last: int) -> None:
-            run(
-                first, last, rows, start, *self.tables, self._user,
-                time, effort, driven, int(hold == "linear"), limits, tolerance, *_method(order),
-                position, velocity, acceleration,
-            )  # fmt: skip
+        def advance(tables: tuple[Any, ...], which: Any) -> None:
+            """Advance some of the copies by the equations that the tables stand for."""
+            whole = isinstance(which, slice)
+            out = (
+                [position, velocity, acceleration] if whole else [x[which] for x in (position, velocity, acceleration)]
+            )
+            mine, initial, longest_steps = rows[which], start[which], limits[which]
+            forces = effort[which] if driven == 2 else effort
 
-        groups = -(-copies // 8)
-        threads = min(threads, groups)
-        if threads <= 1:
-            part(0, groups)
+            def part(first: int, last: int) -> None:
+                run(
+                    first, last, mine, initial, *tables, self._user,
+                    time, forces, driven, int(hold == "linear"), longest_steps, tolerance, *_method(order),
+                    *out,
+                )  # fmt: skip
+
+            groups = -(-len(mine) // 8)
+            workers = min(threads, groups)
+            if workers <= 1:
+                part(0, groups)
+            else:
+                # Many small parts, since groups differ in how long they take.
+                edges = np.linspace(0, groups, min(groups, 4 * workers) + 1).astype(int)
+                with ThreadPoolExecutor(workers) as pool:
+                    list(pool.map(part, edges[:-1].tolist(), edges[1:].tolist()))
+            if not whole:
+                position[which], velocity[which], acceleration[which] = out
+
+        # Apart, so that a copy's equations do not depend on which others run beside it.
+        flat = np.zeros(copies, dtype=bool) if self.plane is None else self.plane.holds(rows)
+        everyone = slice(None)
+        if self.plane is not None and flat.all():
+            advance(self.plane.tables(self.tables), everyone)
+        elif self.plane is None or not flat.any():
+            advance(self.tables, everyone)
         else:
-            # Many small parts, since groups differ in how long they take.
-            edges = np.linspace(0, groups, min(groups, 4 * threads) + 1).astype(int)
-            with ThreadPoolExecutor(threads) as pool:
-                list(pool.map(part, edges[:-1].tolist(), edges[1:].tolist()))
+            advance(self.plane.tables(self.tables), np.flatnonzero(flat))
+            advance(self.tables, np.flatnonzero(~flat))
         return position, velocity, acceleration
 
 
@@ -392,7 +418,7 @@ def _topology(system: System, slots: Mapping[tuple[str, str], int]) -> tuple[Any
         free = parent < 0 or nodes[parent][KIND] > PRISMATIC or parent in mothers
         mothers.add(parent)
         prefix = int(free and kind != SECTION)
-        nodes.append([parent, kind, prefix, own, m, table, points, work, row, head])
+        nodes.append([parent, kind, prefix, own, m, table, points, work, row, head, 0])
         if kind == BEAM:
             table += beam_table_size(m, points)
             work += beam_work_size(m)
@@ -429,4 +455,4 @@ def _topology(system: System, slots: Mapping[tuple[str, str], int]) -> tuple[Any
     sizes = np.array([coordinate * JOINT + GROUP + len(nodes) * BODY + work, table], dtype=np.int64)
     axes = np.array([joint.axis for joint in system.joints], dtype=np.float64)
     nominal = np.array([joint.rotation for joint in system.joints], dtype=np.float64)
-    return links, tree, sizes, axes, nominal
+    return links, tree, sizes, axes, nominal, np.eye(3)

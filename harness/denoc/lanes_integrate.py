@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from harness.denoc import laws as law
+from harness.denoc.lanes_planar import planar_accelerations
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import (
     ABSENT,
@@ -38,6 +39,7 @@ from harness.denoc.lanes_tree import (
     REACTION_START,
     SECTION,
     SHAKE,
+    SIGN,
     TAU,
     TAU_SLOPE,
     TAU_TIME,
@@ -45,7 +47,7 @@ from harness.denoc.lanes_tree import (
     Q,
     accelerations,
 )
-from harness.denoc.lanes_vector import load, magnitude, spread, store
+from harness.denoc.lanes_vector import address_of, load, magnitude, spread, store
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
@@ -68,7 +70,10 @@ def _slopes(
         j = i * JOINT * 8
         store(ws, j + Q * 8, load(state, i * 8))
         store(ws, j + QD * 8, load(state, (n + i) * 8))
-    accelerations(tree, flags, constants, beams, laws, ws, n, user, shaken, loaded)
+    if tree[0, SIGN] != 0:
+        planar_accelerations(tree, flags, constants, beams, laws, ws, n, user, shaken, loaded)
+    else:
+        accelerations(tree, flags, constants, beams, laws, ws, n, user, shaken, loaded)
     for i in range(n):
         j = i * JOINT * 8
         store(slopes, at + i * 8, load(ws, j + QD * 8))
@@ -698,10 +703,18 @@ def _break_loose(
             ws[which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
 
 
+@njit(cache=True, error_model="numpy")
+def _vectors(count: int) -> Any:
+    """Zeros for vectors of eight lanes that begin where a cache line does: one that lies across two costs twice as much."""
+    room = np.zeros((count + 1) * 8)
+    skip = (64 - address_of(room, 0) % 64) % 64 // 8
+    return room[skip : skip + count * 8]
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
-    links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any,
+    links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
     user: int, time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any, exponent: float,
     position: Any, velocity: Any, acceleration: Any,
@@ -713,15 +726,15 @@ def run_groups(
     n = position.shape[2]
     copies = rows.shape[0]
     most = 2 * n
-    constants = np.zeros(tree.shape[0] * CONSTANTS * 8)
-    beams = np.zeros(sizes[1] * 8)
-    laws = np.zeros(n * law.WIDTH * 8)
-    ws = np.zeros(sizes[0] * 8)
-    state = np.zeros(most * 8)
-    after = np.zeros((3 * most + 8) * 8)
-    slopes = np.zeros((KEPT + 1) * most * 8)
-    dense = np.zeros((DEGREE + 1) * most * 8)
-    ledger = np.zeros(LEDGER * 8)
+    constants = _vectors(tree.shape[0] * CONSTANTS)
+    beams = _vectors(sizes[1])
+    laws = _vectors(n * law.WIDTH)
+    ws = _vectors(sizes[0])
+    state = _vectors(most)
+    after = _vectors(3 * most + 8)
+    slopes = _vectors((KEPT + 1) * most)
+    dense = _vectors((DEGREE + 1) * most)
+    ledger = _vectors(LEDGER)
     next_sample = np.zeros(8, dtype=np.int64)
     flags = np.zeros(n, dtype=np.int64)
     shake = ws[(n * JOINT + SHAKE) * 8 :]
@@ -737,7 +750,7 @@ def run_groups(
         shaken: Any = np.int64(0)  # not the literal 0, which would be compiled for separately
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
-            prepare_lane(rows[source], lane, links, tree, axes, nominal, constants, beams, laws, shake)
+            prepare_lane(rows[source], lane, links, tree, axes, nominal, plane, constants, beams, laws, shake)
             for i in range(n):
                 flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
                 state[i * 8 + lane] = start[source, i]

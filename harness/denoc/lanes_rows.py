@@ -22,11 +22,14 @@ from harness.denoc.lanes_tree import (
     MASS,
     MODES,
     PARENT,
+    PLANE_F,
+    PLANE_H,
     POINTS,
     PRISMATIC,
     ROW,
     SECOND,
     SECTION,
+    SIGN,
     TABLE,
     R,
 )
@@ -134,13 +137,59 @@ def _add_inertia(row: Any, at: int, turn: Any, shift: Any, total: Any) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def _prepare_plane(
+    tree: Any, plane: Any, mount: Any, offset: Any, frames: Any, total: Any, lane: int, constants: Any, shake: Any
+) -> None:
+    """The constants of ``lanes_planar``: all in the base's axes X, Y and about N, at zero position."""
+    nodes = tree.shape[0]
+    pose = np.zeros((nodes, 3, 3))  # plane's axes in each node's link frame, as rows, at zero position
+    inertia = np.empty((3, 3))
+    for i in range(nodes):
+        p = tree[i, PARENT]
+        above = pose[p] if p >= 0 else plane
+        _multiply(above, mount[i], pose[i])
+        k = i * CONSTANTS * 8 + lane
+        for a in range(2):
+            constants[k + (R + a) * 8] = (
+                above[a, 0] * offset[i, 0] + above[a, 1] * offset[i, 1] + above[a, 2] * offset[i, 2]
+            )
+            first = 0.0
+            along = 0.0
+            across = 0.0
+            for b in range(3):
+                first += pose[i, a, b] * total[i, 1 + b]
+                along += pose[i, a, b] * frames[i, 2 if tree[i, KIND] == PRISMATIC else 0, b]
+                across += pose[i, a, b] * frames[i, 1, b]
+            constants[k + (FIRST + a) * 8] = first
+            constants[k + (PLANE_F + a) * 8] = along
+            constants[k + (PLANE_H + a) * 8] = across
+        constants[k + MASS * 8] = total[i, 0]
+        for a in range(3):
+            inertia[a, a] = total[i, 4 + a]
+        inertia[0, 1] = inertia[1, 0] = total[i, 7]
+        inertia[0, 2] = inertia[2, 0] = total[i, 8]
+        inertia[1, 2] = inertia[2, 1] = total[i, 9]
+        second = 0.0
+        for a in range(3):
+            for b in range(3):
+                second += pose[i, 2, a] * inertia[a, b] * pose[i, 2, b]
+        constants[k + SECOND * 8] = second
+    for at in (0, 5):
+        x, y, z = shake[at * 8 + lane], shake[(at + 1) * 8 + lane], shake[(at + 2) * 8 + lane]
+        for a in range(3):
+            shake[(at + a) * 8 + lane] = plane[a, 0] * x + plane[a, 1] * y + plane[a, 2] * z
+
+
+@njit(cache=True, error_model="numpy")
 def prepare_lane(
-    row: Any, lane: int, links: Any, tree: Any, axes: Any, nominal: Any, constants: Any, beams: Any, laws: Any, shake: Any,
+    row: Any, lane: int, links: Any, tree: Any, axes: Any, nominal: Any, plane: Any, constants: Any, beams: Any, laws: Any,
+    shake: Any,
 ) -> None:  # fmt: skip
     """Write one row's constants into one lane of a group.
 
     links: one line a joint (with its child link), columns ABOVE …; tree: one line a node, as in ``lanes_tree``;
-    axes: joint axes, shape (joints, 3); nominal: joint rotations, shape (joints, 3, 3).
+    axes: joint axes, shape (joints, 3); nominal: joint rotations, shape (joints, 3, 3); plane: axes X, Y, N of the plane
+    of motion in base coordinates, shape (3, 3), read where the tree's SIGN says that there is one.
     """
     joints = links.shape[0]
     nodes = tree.shape[0]
@@ -229,6 +278,19 @@ def prepare_lane(
                 if k > 2 * m:
                     value *= stiffening
                 beams[(tree[i, TABLE] + k) * 8 + lane] = value
+    for j in range(joints):
+        if links[j, LAW_ROW] >= 0:
+            c = tree[links[j, NODE], COORDINATE]
+            for a in range(law.WIDTH):
+                laws[(c * law.WIDTH + a) * 8 + lane] = row[links[j, LAW_ROW] + a]
+    for a in range(3):
+        shake[a * 8 + lane] = row[a]
+        shake[(5 + a) * 8 + lane] = row[3] * row[6 + a]
+    shake[3 * 8 + lane] = 2.0 * math.pi * row[4]
+    shake[4 * 8 + lane] = row[5]
+    if tree[0, SIGN] != 0:
+        _prepare_plane(tree, plane, mount, offset, frames, total, lane, constants, shake)
+        return
     # Body frames: z along the axis, x across the axes of the body and its first child.
     for i in range(nodes):
         if tree[i, KIND] > PRISMATIC:
@@ -311,16 +373,6 @@ def prepare_lane(
             constants[k + (FIRST + a) * 8] = turned[1 + a]
         for a in range(6):
             constants[k + (SECOND + a) * 8] = turned[4 + a]
-    for j in range(joints):
-        if links[j, LAW_ROW] >= 0:
-            c = tree[links[j, NODE], COORDINATE]
-            for a in range(law.WIDTH):
-                laws[(c * law.WIDTH + a) * 8 + lane] = row[links[j, LAW_ROW] + a]
-    for a in range(3):
-        shake[a * 8 + lane] = row[a]
-        shake[(5 + a) * 8 + lane] = row[3] * row[6 + a]
-    shake[3 * 8 + lane] = 2.0 * math.pi * row[4]
-    shake[4 * 8 + lane] = row[5]
 
 
 @njit(cache=True, error_model="numpy")

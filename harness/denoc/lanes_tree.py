@@ -39,12 +39,15 @@ from harness.denoc.lanes_vector import (
 # (ABSENT: a section that carries nothing in any lane of the group, skipped.)
 REVOLUTE, PRISMATIC, BEAM, SECTION, ABSENT = 0, 1, 2, 3, 4
 # ROW, HEAD: where in a parameter row a section's values begin, and those of its beam.
-PARENT, KIND, PREFIX, COORDINATE, MODES, TABLE, POINTS, WORK, ROW, HEAD = range(10)
-COLUMNS = 10
+# SIGN: 0, or, where all moves in one plane (``lanes_planar``), ±1, which way a node's axis points from it.
+PARENT, KIND, PREFIX, COORDINATE, MODES, TABLE, POINTS, WORK, ROW, HEAD, SIGN = range(11)
+COLUMNS = 11
 
 # One node's constants, in vectors of eight lanes.
 R, ALPHA, DELTA, GAMMA, MASS, FIRST, SECOND = 0, 3, 5, 7, 9, 10, 13
 CONSTANTS = 19
+# In motion in a plane: a slide's or a beam's direction, the way a beam bends; R, MASS, FIRST and SECOND as above, in the plane.
+PLANE_F, PLANE_H = 3, 5
 
 # One node's workspace (COLUMN: of a section node, its bias acceleration).
 OMEGA, VELOCITY, TURN, ANGULAR, MIXED, LINEAR, BIAS, COLUMN, FORCE, INVERSE, ACCELERATION = (
@@ -479,7 +482,7 @@ def _accelerate_modes(tree: Any, ws: Any, n: int, i: int) -> None:
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def _user_forces(laws: Any, ws: Any, user: int, time: int, j: int, start: int) -> Any:
+def user_forces(laws: Any, ws: Any, user: int, time: int, j: int, start: int) -> Any:
     """The user's own law, called lane by lane; eight forces in the scratch vector."""
     scratch = time + (SCRATCH - TIME) * 8
     for lane in range(8):
@@ -536,7 +539,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 load(ws, j + REACTION * 8),
             )
             if flags[own] & law.HAS_USER:
-                _user_forces(laws, ws, user, group + TIME * 8, j, l)
+                user_forces(laws, ws, user, group + TIME * 8, j, l)
                 force = force + load(ws, group + SCRATCH * 8)
         a = b + ANGULAR * 8
         axx, ayy, azz, axy, axz, ayz = load_run(ws, a, 6)
@@ -709,6 +712,20 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
 
 
 @njit(error_model="numpy", _nrt=False, forceinline=True)
+def settled(laws: Any, ws: Any, group: int, l: int, update: Any, reaction: Any) -> Any:
+    """A reaction's next value, and 1 if that changed in any lane whose friction depends on it."""
+    change = magnitude(update - reaction) - 1e-13 * update
+    # A settled lane keeps its value, so that its result does not depend on how long others iterate.
+    update = choose(change, update, reaction)
+    store(ws, group + SCRATCH * 8, choose(load(laws, l + law.MU_RADIUS * 8), change, -1.0))
+    unsettled = 0.0
+    for lane in range(8):
+        if ws[group + SCRATCH * 8 + lane] > 0.0:
+            unsettled = 1.0
+    return update, unsettled
+
+
+@njit(error_model="numpy", _nrt=False, forceinline=True)
 def _outward_accelerations(
     tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, shaken: int
 ) -> float:
@@ -827,16 +844,8 @@ def _outward_accelerations(
                     + load(ws, m + 24) * vx + load(ws, m + 8) * vy + load(ws, m + 40) * vz
                     + load(ws, b + BIAS * 8 + 32)
                 )  # fmt: skip
-                update = square_root(fx * fx + fy * fy)
-                change = magnitude(update - reaction) - 1e-13 * update
-                # A settled lane keeps its value, so that its result does not depend on how long others iterate.
-                update = choose(change, update, reaction)
-                change = choose(load(laws, l + law.MU_RADIUS * 8), change, -1.0)
-                store(ws, group + SCRATCH * 8, change)
-                for lane in range(8):
-                    if ws[group + SCRATCH * 8 + lane] > 0.0:
-                        unsettled = 1.0
-                reaction = update
+                reaction, changed = settled(laws, ws, group, l, square_root(fx * fx + fy * fy), reaction)
+                unsettled = max(unsettled, changed)
                 store(ws, j + REACTION * 8, reaction)
             store(ws, j + HOLD * 8, push)
             store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, reaction))
