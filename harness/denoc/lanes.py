@@ -73,7 +73,7 @@ def _method(order: int) -> tuple[Any, ...]:
 
     Table of the stages, the end of the step as the last row; their fractions of the step; weights of the two error
     estimates; further stages of the dense output and their fractions; weights of all slopes in the powers 1 … 7 of
-    the step's fraction; exponent of the step's control.
+    the step's fraction; exponent of the step's control. Tables are two arrays each, as from ``_sparse``.
     """
     from scipy.integrate import DOP853, RK45
 
@@ -87,7 +87,10 @@ def _method(order: int) -> tuple[Any, ...]:
         weights = np.zeros((7, stages + 1))
         weights[:4] = RK45.P.T
         none = np.zeros((0, stages + 1))
-        return table, fractions, RK45.E * 1.0, np.zeros(stages + 1), none, np.zeros(0), weights, -1.0 / 5.0
+        return (
+            *_sparse(table), fractions, RK45.E * 1.0, np.zeros(stages + 1), *_sparse(none), np.zeros(0), *_sparse(weights),
+            -1.0 / 5.0,
+        )  # fmt: skip
     # Hairer's nested form y + x (F0 + (1 − x) (F1 + x (F2 + …))), each F a combination of slopes, in powers of x.
     slopes = DOP853.D.shape[1]
     rise = np.zeros(slopes)
@@ -99,11 +102,21 @@ def _method(order: int) -> tuple[Any, ...]:
         powers[0] += combination
         shifted = np.roll(powers, 1, axis=0)
         powers = shifted if k % 2 == 0 else powers - shifted
-    weights = np.ascontiguousarray(powers[1:8])
-    extra = np.ascontiguousarray(DOP853.A_EXTRA, dtype=float)
     return (
-        table, fractions, DOP853.E5 * 1.0, DOP853.E3 * 1.0, extra, DOP853.C_EXTRA * 1.0, weights, -1.0 / 8.0,
+        *_sparse(table), fractions, DOP853.E5 * 1.0, DOP853.E3 * 1.0, *_sparse(np.asarray(DOP853.A_EXTRA, dtype=float)),
+        DOP853.C_EXTRA * 1.0, *_sparse(powers[1:8]), -1.0 / 8.0,
     )  # fmt: skip
+
+
+def _sparse(table: Array) -> tuple[Array, NDArray[np.int64]]:
+    """What of each row is not zero, and how many and which columns that is: values (R, C), count and columns (R, C + 1)."""
+    values = np.zeros((len(table), max(1, table.shape[1])))
+    places = np.zeros((len(table), table.shape[1] + 1), dtype=np.int64)
+    for row, (line, value, place) in enumerate(zip(table, values, places, strict=True)):
+        (used,) = np.nonzero(table[row])
+        value[: len(used)] = line[used]
+        place[0], place[1 : len(used) + 1] = len(used), used
+    return values, places
 
 
 def _kernel() -> Callable[..., None]:
@@ -323,7 +336,8 @@ class LaneModel:
         shaken = rows[:, self.slot("base", "excitation_amplitude")] != 0.0
         frequency = np.abs(rows[:, self.slot("base", "excitation_frequency")])
         limits = np.where(shaken & (frequency * longest > 0.125), 0.125 / np.maximum(frequency, 1e-300), longest)
-        order = 5 if driven and np.median(np.diff(time)) < 0.02 else 8
+        # A sampled effort cuts the motion into pieces; where one step of order 5 spans a piece, it is the cheaper one.
+        order = 5 if driven and np.median(np.diff(time)) < 3e-3 * (tolerance / 1e-10) ** (1.0 / 6.0) else 8
         shape = (copies, len(time), n)
         position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
         run = _kernel()

@@ -47,17 +47,22 @@ from harness.denoc.lanes_tree import (
     Q,
     accelerations,
 )
-from harness.denoc.lanes_vector import address_of, load, magnitude, spread, store
+from harness.denoc.lanes_vector import address_of, choose, load, magnitude, spread, square_root, store
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
 LOOKS = 8  # places in a step where signs are checked
 ALMOST = 1e-9  # relative slack between sticking and breaking loose, so that rounding cannot make them alternate
-LONGEST = 2_000_000  # steps after which a lane is given up
+LONGEST, PER_SAMPLE = (
+    50_000,
+    20,
+)  # steps after which a lane is given up: so many, and so many more for every sample asked for
 
 # Per-lane bookkeeping, in vectors of eight lanes.
 CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, SUSPECT, LOADED, MAY, WANTS = range(15)
-LEDGER = 15
+# How far a step is taken, where in it a mode changes (fraction), of which joint and how; what is being sampled; a growth.
+REACH, CHANGES, WHICH, WHAT, SAMPLED, GROWTH = range(15, 21)
+LEDGER = 21
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -90,19 +95,18 @@ def _slopes(
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def _polynomials(state: Any, slopes: Any, dense: Any, ledger: Any, width: int, weights: Any) -> None:
+def _polynomials(state: Any, slopes: Any, dense: Any, ledger: Any, width: int, weights: Any, weighed: Any) -> None:
     """Coefficients of the dense output in powers of the step's fraction, to ``dense[(power · width + row) · 8]``.
 
-    weights: of the slopes in every power, shape (DEGREE, slopes).
+    weights: of the slopes in every power, shape (DEGREE, most), those that are not zero, and weighed: which slopes they are for.
     """
     h = load(ledger, USED * 8)
     for f in range(width):
         store(dense, f * 8, load(state, f * 8))
         for power in range(DEGREE):
             total = spread(0.0)
-            for s in range(weights.shape[1]):
-                if weights[power, s] != 0.0:
-                    total = total + weights[power, s] * load(slopes, (s * width + f) * 8)
+            for s in range(weighed[power, 0]):
+                total = total + weights[power, s] * load(slopes, (weighed[power, s + 1] * width + f) * 8)
             store(dense, ((power + 1) * width + f) * 8, h * total)
 
 
@@ -112,15 +116,6 @@ def _at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
     value = dense[(DEGREE * width + row) * 8 + lane]
     for power in range(DEGREE - 1, -1, -1):
         value = value * x + dense[(power * width + row) * 8 + lane]
-    return value
-
-
-@njit(cache=True, error_model="numpy", _nrt=False)
-def _slope_at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
-    """Derivative of one row of the dense output with respect to the step's fraction."""
-    value = DEGREE * dense[(DEGREE * width + row) * 8 + lane]
-    for power in range(DEGREE - 1, 0, -1):
-        value = value * x + power * dense[(power * width + row) * 8 + lane]
     return value
 
 
@@ -246,7 +241,8 @@ def run_group(
     tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int,
     time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
-    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any, exponent: float,
+    table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
+    weights: Any, weighed: Any, exponent: float,
     state: Any, after: Any, slopes: Any, dense: Any, ledger: Any, next_sample: Any,
     lanes: int, first_lane: int, position: Any, velocity: Any, acceleration: Any,
 ) -> None:  # fmt: skip
@@ -305,7 +301,7 @@ def run_group(
                 ws[j + CONTACT * 8] = 1.0
     for f in range(width):
         store(slopes, f * 8, spread(0.0))
-    for _ in range(LONGEST):
+    for _ in range(LONGEST + PER_SAMPLE * samples):
         # Where a lane stands on a break of the effort, the next segment begins.
         anyone = 0
         dirty = 0
@@ -425,10 +421,8 @@ def run_group(
         for s in range(1, stages + 1):
             for f in range(width):
                 total = spread(0.0)
-                for earlier in range(s):
-                    a = table[s, earlier]
-                    if a != 0.0:
-                        total = total + a * load(slopes, (earlier * width + f) * 8)
+                for e in range(tabled[s, 0]):
+                    total = total + table[s, e] * load(slopes, (tabled[s, e + 1] * width + f) * 8)
                 store(after, f * 8, load(state, f * 8) + steps * total)
             store(ws, group + TIME * 8, clock + fractions[s] * steps)
             _slopes(
@@ -452,30 +446,38 @@ def run_group(
             sum_5 = sum_5 + error_5 * error_5
             sum_3 = sum_3 + error_3 * error_3
         store(ledger, ERROR_5 * 8, sum_5)
-        store(ledger, ERROR_3 * 8, sum_3)
+        # The estimate of the step's error in units of the tolerance; where both sums are zero it is not a number.
+        error_3 = steps * sum_5 / square_root((sum_5 + 0.01 * sum_3) * (2.0 * n))
+        store(ledger, ERROR_3 * 8, error_3)
+        store(ledger, GROWTH * 8, 0.9 / square_root(square_root(square_root(error_3))))
         wanted = 0
         for lane in range(lanes):
             if ledger[ALIVE * 8 + lane] == 0.0:
                 continue
-            e5 = ledger[ERROR_5 * 8 + lane]
-            e3 = ledger[ERROR_3 * 8 + lane]
             error = 0.0
-            if not (e5 == 0.0 and e3 == 0.0):
-                error = ledger[USED * 8 + lane] * e5 / ((e5 + 0.01 * e3) * (2.0 * n)) ** 0.5
+            if ledger[ERROR_5 * 8 + lane] != 0.0:
+                error = ledger[ERROR_3 * 8 + lane]
+            growth = ledger[GROWTH * 8 + lane]
             h = ledger[USED * 8 + lane]
             if error < 1.0:
                 ledger[ERROR_5 * 8 + lane] = 1.0
                 if ledger[CUT * 8 + lane] == 0.0 or error < 1e-2:
                     # A step that was cut short tells little about how long the next may be.
                     cut = ledger[CUT * 8 + lane] != 0.0
-                    factor = 2.0 if cut else 6.0 if error < 1e-9 else min(6.0, 0.9 * error**exponent)
+                    factor = 2.0
+                    if not cut:
+                        if exponent != -0.125 and error >= 1e-9:
+                            growth = 0.9 * error**exponent
+                        factor = 6.0 if error < 1e-9 else min(6.0, growth)
                     if not cut or factor * h > ledger[STEP * 8 + lane]:
                         ledger[STEP * 8 + lane] = factor * h
             else:
                 ledger[ERROR_5 * 8 + lane] = 0.0
                 factor = 0.2
                 if error < 1e30:
-                    factor = max(0.2, 0.9 * error**exponent)
+                    if exponent != -0.125:
+                        growth = 0.9 * error**exponent
+                    factor = max(0.2, growth)
                 ledger[STEP * 8 + lane] = factor * h
                 if not (factor * h > 1e-13 * (1.0 + abs(ledger[CLOCK * 8 + lane]))):
                     # Not a number, or stiffer than any step: given up, its samples stay what they were (nan).
@@ -485,11 +487,14 @@ def run_group(
             if eventful and _may_change(state, after, slopes, laws, ws, flags, n, width, stages, lane, h):
                 ledger[MAY * 8 + lane] = 1.0
             ledger[WANTS * 8 + lane] = 0.0
-            if (
+            ends = ledger[UNTIL * 8 + lane]
+            if ledger[CUT * 8 + lane] == 0.0:
+                ends = ledger[CLOCK * 8 + lane] + h
+            if ledger[ERROR_5 * 8 + lane] != 0.0 and (
                 ledger[MAY * 8 + lane] != 0.0
-                or ledger[CUT * 8 + lane] == 0.0
-                or time[next_sample[lane]] < ledger[UNTIL * 8 + lane]
+                or time[next_sample[lane]] < ends
                 or ledger[SUSPECT * 8 + lane] != 0.0
+                or (dry and ledger[CUT * 8 + lane] == 0.0)
             ):
                 ledger[WANTS * 8 + lane] = 1.0
                 wanted = 1
@@ -499,17 +504,15 @@ def run_group(
                 # ``after`` keeps the end of the step; the extra stages borrow the rows behind it.
                 for f in range(width):
                     total = spread(0.0)
-                    for earlier in range(s):
-                        a = extra[e, earlier]
-                        if a != 0.0:
-                            total = total + a * load(slopes, (earlier * width + f) * 8)
+                    for m in range(extras[e, 0]):
+                        total = total + extra[e, m] * load(slopes, (extras[e, m + 1] * width + f) * 8)
                     store(after, (width + f) * 8, load(state, f * 8) + steps * total)
                 store(ws, group + TIME * 8, clock + extra_fractions[e] * steps)
                 _slopes(
                     tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
                     after[width * 8 :], slopes, s * width * 8, ledger,
                 )  # fmt: skip
-            _polynomials(state, slopes, dense, ledger, width, weights)
+            _polynomials(state, slopes, dense, ledger, width, weights, weighed)
             for lane in range(lanes):
                 # What only another lane's need brought to light does not count.
                 if ledger[WANTS * 8 + lane] == 0.0:
@@ -527,8 +530,9 @@ def run_group(
                 tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
                 after, slopes, dense, ledger, lanes,
             )  # fmt: skip
-        # Commit lane by lane.
-        for lane in range(lanes):
+        # How far each lane goes.
+        for lane in range(8):
+            ledger[WHAT * 8 + lane] = -2.0
             if ledger[ALIVE * 8 + lane] == 0.0 or ledger[ERROR_5 * 8 + lane] == 0.0:
                 continue
             h_lane = ledger[USED * 8 + lane]
@@ -556,23 +560,60 @@ def run_group(
                 reach = ledger[UNTIL * 8 + lane]
             if what >= 0:
                 reach = t + until * h_lane
-            k = next_sample[lane]
-            while k < samples and time[k] < reach:
-                x = (time[k] - t) / h_lane
-                for i in range(n):
-                    position[first_lane + lane, k, i] = _at(dense, width, i, lane, x)
-                    velocity[first_lane + lane, k, i] = _at(dense, width, n + i, lane, x)
-                    acceleration[first_lane + lane, k, i] = _slope_at(dense, width, n + i, lane, x) / h_lane
-                k += 1
-            next_sample[lane] = k
-            ledger[CLOCK * 8 + lane] = reach
+            ledger[REACH * 8 + lane] = reach
+            ledger[CHANGES * 8 + lane] = until
+            ledger[WHICH * 8 + lane] = which
+            ledger[WHAT * 8 + lane] = what
+        # Samples on the way, one of every lane at a time.
+        scratch = after[width * 8 :]
+        while True:
+            due = 0
+            for lane in range(8):
+                ledger[SAMPLED * 8 + lane] = -1.0
+                k = next_sample[lane]
+                if ledger[WHAT * 8 + lane] > -2.0 and k < samples and time[k] < ledger[REACH * 8 + lane]:
+                    ledger[SAMPLED * 8 + lane] = (time[k] - ledger[CLOCK * 8 + lane]) / ledger[USED * 8 + lane]
+                    due = 1
+            if due == 0:
+                break
+            x = load(ledger, SAMPLED * 8)
+            for i in range(n):
+                value = load(dense, (DEGREE * width + i) * 8)
+                speed = load(dense, (DEGREE * width + n + i) * 8)
+                slope = DEGREE * speed
+                for power in range(DEGREE - 1, -1, -1):
+                    value = value * x + load(dense, (power * width + i) * 8)
+                    c = load(dense, (power * width + n + i) * 8)
+                    speed = speed * x + c
+                    if power > 0:
+                        slope = slope * x + float(power) * c
+                store(scratch, i * 8, value)
+                store(scratch, (n + i) * 8, speed)
+                store(scratch, (2 * n + i) * 8, slope / steps)
+            for lane in range(8):
+                if ledger[SAMPLED * 8 + lane] >= 0.0:
+                    k = next_sample[lane]
+                    next_sample[lane] = k + 1
+                    for i in range(n):
+                        position[first_lane + lane, k, i] = scratch[i * 8 + lane]
+                        velocity[first_lane + lane, k, i] = scratch[(n + i) * 8 + lane]
+                        acceleration[first_lane + lane, k, i] = scratch[(2 * n + i) * 8 + lane]
+        # The plain ends of steps; then changes of mode, lane by lane.
+        plain = 0.5 - magnitude(load(ledger, WHAT * 8) + 1.0)
+        for f in range(width):
+            store(state, f * 8, choose(plain, load(after, f * 8), load(state, f * 8)))
+            store(slopes, f * 8, choose(plain, load(slopes, (stages * width + f) * 8), load(slopes, f * 8)))
+        for lane in range(8):
+            if ledger[WHAT * 8 + lane] < -1.0:
+                continue
+            ledger[CLOCK * 8 + lane] = ledger[REACH * 8 + lane]
+            what = int(ledger[WHAT * 8 + lane])
             if what < 0:
-                for f in range(width):
-                    state[f * 8 + lane] = after[f * 8 + lane]
-                    slopes[f * 8 + lane] = slopes[(stages * width + f) * 8 + lane]
                 if ledger[LOADED * 8 + lane] != 0.0:
                     ledger[DIRTY * 8 + lane] = 1.0
                 continue
+            which = int(ledger[WHICH * 8 + lane])
+            until = ledger[CHANGES * 8 + lane]
             for f in range(width):
                 state[f * 8 + lane] = _at(dense, width, f, lane, until)
             ledger[DIRTY * 8 + lane] = 1.0
@@ -716,7 +757,8 @@ def run_groups(
     first: int, last: int, rows: Any, start: Any,
     links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
     user: int, time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
-    table: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extra_fractions: Any, weights: Any, exponent: float,
+    table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
+    weights: Any, weighed: Any, exponent: float,
     position: Any, velocity: Any, acceleration: Any,
 ) -> None:  # fmt: skip
     """Advance the groups first … last − 1 of eight rows each; ``start``: positions then velocities, (B, 2 n).
@@ -774,7 +816,7 @@ def run_groups(
         run_group(
             present, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
             time, effort, driven, hold, longest, tolerance,
-            table, fractions, errors_5, errors_3, extra, extra_fractions, weights, exponent,
+            table, tabled, fractions, errors_5, errors_3, extra, extras, extra_fractions, weights, weighed, exponent,
             state, after, slopes, dense, ledger, next_sample,
             lanes, 8 * g, position, velocity, acceleration,
         )  # fmt: skip
