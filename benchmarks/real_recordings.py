@@ -13,7 +13,7 @@ import argparse
 import json
 import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,35 +21,47 @@ from typing import Any
 import numpy as np
 
 import harness
+from harness.diagnose.effort_motion import cutoff_for, effort_run
 from harness.diagnose.free_motion import free_part
 from harness.diagnose.problem import pose
+from harness.diagnose.pushes import find_pushes
+from harness.effects import apply
+from harness.effects.scale import references
 from harness.recording import Recording, read_recordings
 from harness.report.diagnosis.write import write_diagnosis
-from harness.system import System
+from harness.system import Attachment, System
 
 from real_recordings_free_run import Simulate, first_state, free_run, measured, native  # isort: skip
+from real_recordings_friction import residual_torque  # isort: skip
 from sysid_peer import fit_sysid  # isort: skip
+
+
+Pushed = Mapping[str, Sequence[tuple[float, float]]]
 
 
 @dataclass(frozen=True)
 class Split:
     """What is learned from and what is judged on.
 
+    train, heldout: names of recordings; ``name[first:last]`` is the stretch between two times [s] of one that its authors joined.
     window: length [s] of the free runs judged; None: whole recordings. single: one recording, its end held out.
+    fit_effort: whether the recorded effort is what is fitted. friction: whether residual torques are told recording by recording.
     """
 
     train: tuple[str, ...]
     heldout: tuple[str, ...]
     window: float | None = None
     single: bool = False
+    fit_effort: bool = False
+    friction: bool = False
 
 
 SPLITS = {
     "multiarm-single": Split(("run1", "run2", "run3", "run4"), ("heldout1", "heldout2")),
-    "multiarm-double": Split(("run4", "run5", "run6"), ("heldout1",), 3.0),
-    "dfki-simple": Split(("ddp", "direct_collocation", "energy_shaping"), ("ilqr",), 1.0),
+    "multiarm-double": Split(("run6", "run7"), ("heldout1",), 3.0, friction=True),
+    "dfki-simple": Split(("ddp", "direct_collocation", "energy_shaping"), ("ilqr",), 1.0, fit_effort=True),
     "furuta-jensen-benard": Split(("run1", "run2"), ("run3",)),
-    "sydney-compass-leg": Split(("all",), ("all",), 3.0, True),
+    "sydney-compass-leg": Split(("all[0:8.5]", "all[8.5:23.7]"), ("all[38:56]",), 3.0),
     "bam-xl330": Split(("drop1", "drop2", "drop3"), ("drop4",)),
     "bam-sts3250": Split(("drop1",), ("drop1",), None, True),
 }
@@ -75,12 +87,32 @@ def piece(recording: Recording, first: float, last: float) -> Recording:
     )
 
 
-def read_split(folder: Path, rig: str, system: System) -> tuple[list[Recording], list[Recording]]:
+def path_of(name: str, rig: str, folder: Path, work: Path) -> Path:
+    """The file of a recording; a stretch of one is written into the work folder first."""
+    whole, _, stretch = name.partition("[")
+    source = folder / rig / f"{whole}.csv.gz"
+    if not stretch:
+        return source
+    first, last = (float(t) for t in stretch.rstrip("]").split(":"))
+    target = work / "pieces" / f"{rig}-{whole}-{first:g}-{last:g}.csv"
+    if not target.exists():
+        system = harness.load(folder / rig / "model.urdf", physical=False)
+        (recording,) = read_recordings([source], system=system)
+        keep = (recording.time >= first) & (recording.time < last)
+        columns = [recording.time[keep] - recording.time[keep][0]]
+        columns += [c.values[keep] for c in (*recording.channels, *recording.efforts)]
+        names = ["time", *(c.name for c in (*recording.channels, *recording.efforts))]
+        target.parent.mkdir(parents=True, exist_ok=True)
+        np.savetxt(target, np.stack(columns, axis=1), fmt="%.10g", delimiter=",", header=",".join(names), comments="")
+    return target
+
+
+def read_split(folder: Path, work: Path, rig: str, system: System) -> tuple[list[Recording], list[Recording]]:
     """Training and held-out recordings of a rig, beginnings that a hand still carries left out."""
     split = SPLITS[rig]
 
     def read(names: Iterable[str]) -> list[Recording]:
-        paths = [folder / rig / f"{name}.csv.gz" for name in names]
+        paths = [path_of(name, rig, folder, work) for name in names]
         return [free_part(system, r) for r in read_recordings(paths, system=system)]
 
     train, heldout = read(split.train), read(split.heldout)
@@ -92,13 +124,29 @@ def read_split(folder: Path, rig: str, system: System) -> tuple[list[Recording],
     return train, heldout
 
 
+def pushed(system: System, train: list[Recording], heldout: list[Recording]) -> Pushed:
+    """Stretches of driven recordings in which something outside pushes [s], by name: no model can run freely through them."""
+    every = [*train, *heldout]
+    if not all(r.efforts and any(np.any(e.values) for e in r.efforts) for r in every):
+        return {}
+    swing = min(references(system, j).frequency for j in system.joint_names) / (2.0 * np.pi)
+    cutoff = min(cutoff_for(system, r, swing) for r in every)
+    found = find_pushes(system, [effort_run(system, r, cutoff) for r in every])
+    return {r.name: [(p.first, p.last) for p in found if p.run == k] for k, r in enumerate(every)}
+
+
 def judge(
-    simulate: Simulate, system: System, train: list[Recording], heldout: list[Recording], window: float | None
+    simulate: Simulate,
+    system: System,
+    train: list[Recording],
+    heldout: list[Recording],
+    window: float | None,
+    left_out: Pushed,
 ) -> dict[str, Any]:
-    """Root-mean-square errors over all recordings of each kind together [rad]."""
+    """Root-mean-square errors over all recordings of each kind together [rad], windows with a push left out."""
 
     def pooled(recordings: list[Recording]) -> list[float]:
-        each = [(free_run(simulate, system, r, window), r.samples) for r in recordings]
+        each = [(free_run(simulate, system, r, window, left_out.get(r.name, ())), r.samples) for r in recordings]
         total = sum(n for _, n in each)
         return [(sum(e[k] ** 2 * n for e, n in each) / total) ** 0.5 for k in (0, 1)]
 
@@ -113,8 +161,8 @@ def command(rig: str) -> str:
     """What a user types for the same diagnosis."""
     split = SPLITS[rig]
     names = split.train if split.single else (*split.train, split.heldout[0])
-    files = " ".join(f"{rig}/{name}.csv.gz" for name in names)
-    return f"denoc diagnose {files} --model {rig}/model.urdf"
+    files = " ".join(f"{rig}/{name}.csv.gz" if "[" not in name else f"{rig}/{name}" for name in names)
+    return f"denoc diagnose {files} --model {rig}/model.urdf" + (" --fit-effort" if split.fit_effort else "")
 
 
 def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], System]:
@@ -123,7 +171,8 @@ def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], Syste
     if not (out / "diagnosis.json").exists():
         split = SPLITS[rig]
         names = split.train if split.single else (*split.train, split.heldout[0])
-        found = harness.diagnose([folder / rig / f"{n}.csv.gz" for n in names], folder / rig / "model.urdf")
+        paths = [path_of(name, rig, folder, work) for name in names]
+        found = harness.diagnose(paths, folder / rig / "model.urdf", fit_effort=split.fit_effort)
         write_diagnosis(found, out)
     return json.loads((out / "diagnosis.json").read_text(encoding="utf-8")), harness.load(
         out / "augmented.toml", physical=False
@@ -133,27 +182,67 @@ def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], Syste
 def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[str, Any]:
     """One line of the table."""
     system = harness.load(folder / rig / "model.urdf", physical=False)
-    train, heldout = read_split(folder, rig, system)
+    train, heldout = read_split(folder, work, rig, system)
     window = SPLITS[rig].window
+    left_out = pushed(system, train, heldout) if SPLITS[rig].fit_effort else {}
     row: dict[str, Any] = {"rig": rig, "command": command(rig), "window_s": window}
-    row["published"] = judge(native(system), system, train, heldout, window)
+    row["published"] = judge(native(system), system, train, heldout, window, left_out)
     began = time.perf_counter()
     answer, augmented = diagnosis(rig, folder, work)
     row["diagnose_s"] = round(time.perf_counter() - began, 1)
-    row["denoc"] = judge(native(augmented), augmented, train, heldout, window)
+    row["denoc"] = judge(native(augmented), augmented, train, heldout, window, left_out)
     for key in ("verdict", "summary", "findings", "noise", "fit", "quality"):
         row[key] = answer.get(key)
     row["unexplained"] = answer.get("remainder", {})
     row["unexplained"].pop("map", None)
+    if rig in AUTHORS_FIT:
+        fitted = authors_fit(rig, system)
+        row["authors_fit"] = judge(native(fitted), fitted, train, heldout, window, left_out)
+    if len(system.joint_names) == 1:
+        row["about_joint"] = {"published": about_joint(system), "denoc": about_joint(augmented)}
+    if SPLITS[rig].friction:
+        row["residual_torque"] = residual_torque(folder, rig, system)
     if peer:
         try:
             found = fit_sysid(system, train, measured, first_state)
             row["mujoco_sysid"] = {"values": found.values, "std": found.std} | judge(
-                found.free_run, system, train, heldout, window
+                found.free_run, system, train, heldout, window, left_out
             )
         except Exception as error:  # a peer may fail in any way; the table says so
             row["mujoco_sysid"] = {"error": f"{type(error).__name__}: {error}"}
     return row
+
+
+# What authors fitted to the same recordings, where that is not the model they published of the rig: inertia and first moment
+# about the joint, viscous and dry friction, a constant torque; SI.
+AUTHORS_FIT = {"dfki-simple": (0.0626, 0.102, 0.047, 0.184, -0.076)}
+
+
+def authors_fit(rig: str, system: System) -> System:
+    """The model with the numbers that its authors fitted."""
+    inertia, moment, damping, friction, constant = AUTHORS_FIT[rig]
+    link = system.links[-1]
+    distance = moment / link.mass
+    about_com = inertia - link.mass * distance**2
+    tensor = np.diag([about_com, about_com, link.inertia[2, 2]])
+    changed = replace(link, com=np.array([0.0, 0.0, -distance]), inertia=tensor)
+    joint = system.joint(system.joint_names[0])
+    system = replace(system, links=tuple(changed if x is link else x for x in system.links))
+    system = system.replace_joint(replace(joint, damping=damping, friction=friction))
+    return replace(system, attachments=(Attachment("constant_torque", joint.name, {"torque": constant}),))
+
+
+def about_joint(system: System) -> dict[str, float]:
+    """What a single joint feels of its link: inertia J [kg·m²] and first moment m·l [kg·m], effects attached included."""
+    shaped = replace(system, attachments=())
+    for attachment in system.attachments:
+        if attachment.effect in ("payload_mass", "added_inertia", "com_offset"):
+            shaped = apply(shaped, attachment)
+    model = harness.Denoc(shaped)
+    return {
+        "inertia_kgm2": float(model.mass_matrix(np.zeros(1))[0, 0]),
+        "first_moment_kgm": float(abs(model.gravity(np.array([np.pi / 2.0]))[0]) / np.linalg.norm(system.gravity)),
+    }
 
 
 def main() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -82,10 +82,17 @@ def first_state(system: System, time: Array, positions: Array) -> Array:
     return np.array([f[0] for f in fits] + [f[1] for f in fits])
 
 
-def free_run(simulate: Simulate, system: System, recording: Recording, window: float | None) -> tuple[float, float]:
+def free_run(
+    simulate: Simulate,
+    system: System,
+    recording: Recording,
+    window: float | None,
+    left_out: Sequence[tuple[float, float]] = (),
+) -> tuple[float, float]:
     """Position RMSE [rad] of free runs from the first sample and with the initial state fitted.
 
     window: length [s] of the pieces that a recording is cut into, each run freely; None: the whole of it.
+    left_out: stretches of time [s]; pieces that touch one are not judged.
     """
     positions, tau = measured(system, recording)
     time = recording.time
@@ -95,6 +102,8 @@ def free_run(simulate: Simulate, system: System, recording: Recording, window: f
     fitted: list[Array] = []
     for a, b in pairwise(edges):
         part, target = time[a:b], positions[a:b]
+        if any(part[0] <= last and part[-1] >= first for first, last in left_out):
+            continue
         effort = None if tau is None else tau[a:b]
         state = first_state(system, part, target)
         raw.append((simulate(state, part, effort) - target).ravel())
