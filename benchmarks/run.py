@@ -39,7 +39,11 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="small mechanisms only, fewer rounds")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows there, schema denoc.bench/1")
     given = parser.parse_args()
-    options = Options(quick=given.quick, rounds=7 if given.quick else 15)
+
+    def tell(what: str) -> None:
+        print(f"… {what}", file=sys.stderr, flush=True)
+
+    options = Options(quick=given.quick, rounds=7 if given.quick else 15, tell=tell)
     rows = []
     print(f"{'what':30} {'':7} {'peer':12} {'ours':>12} {'theirs':>12}  theirs/ours")
     try:

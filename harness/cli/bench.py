@@ -26,7 +26,7 @@ def bench(only: tuple[str, ...], quick: bool, list_them: bool, out: Path | None,
       denoc bench
       denoc bench --only 'forward_dynamics*' --out bench
     """
-    from harness.compare.bench import BENCHMARKS, Options, document, machine, run, select
+    from harness.compare.bench import BENCHMARKS, Options, Row, document, machine, run, select
     from harness.report.bench import bench_files, print_bench
     from harness.report.json_text import json_text
 
@@ -35,12 +35,17 @@ def bench(only: tuple[str, ...], quick: bool, list_them: bool, out: Path | None,
         for name, benchmark in BENCHMARKS.items():
             screen.print(f"{name}: {benchmark.title} ({', '.join(benchmark.rows)})", markup=False)
         return 0
-    total = len(select(only))
-    rows = []
+    total = sum(len(names) for names in select(only).values())
+    rows: list[Row] = []
     with progress("bench") as step:
-        for row in run(only, Options(quick=quick, rounds=7 if quick else 15)):
+
+        def tell(what: str) -> None:
+            done = len({r.what for r in rows})
+            step(done, max(total, done), what)
+
+        for row in run(only, Options(quick=quick, rounds=7 if quick else 15, tell=tell)):
             rows.append(row)
-            step(len({r.what for r in rows}), max(total, len({r.what for r in rows})), row.what)
+            tell(row.what)
     answer = document(rows, machine())
     print_bench(answer, screen)
     if out is not None:

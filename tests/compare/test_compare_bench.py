@@ -1,12 +1,15 @@
 """Benchmarks say what they measured, in what unit, and why something was not measured. No test looks at a clock."""
 
 import json
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import harness
 from harness.compare import bench
-from harness.compare.bench import flexible, measure, peers, scaling, simulation, single_call
+from harness.compare.bench import diagnosis, flexible, measure, peers, scaling, simulation, single_call
 from harness.compare.bench.batch import native_batch, pinocchio_batch
 from harness.compare.bench.row import Row, document, skipped
 from harness.errors import InputError, UnsupportedError
@@ -65,6 +68,32 @@ def test_child_answers_or_says_why_not() -> None:
     assert child.answer == {"sum": 2}
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
         measure.in_child("1 / 0")
+
+
+def test_a_child_that_takes_too_long_is_given_up() -> None:
+    with pytest.raises(RuntimeError, match=r"longer than 0\.2 s"):
+        measure.in_child("import time; time.sleep(60)", patience=0.2)
+
+
+def test_what_is_begun_is_told_before_its_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(scaling, "run", lambda options: iter([Row("forward_dynamics_memory", 1, "p", 1.0, 1.0)]))
+    told += [row.what for row in bench.run(["forward_dynamics_memory"], peers.Options(tell=told.append))]
+    assert told == [f"scaling: {bench.BENCHMARKS['scaling'].title}", "forward_dynamics_memory"]
+
+
+def test_diagnosis_that_is_timed_runs_as_a_user_would_have_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The code of the child, on recordings and a diagnosis of its own making: what it reads of the answer must be there.
+    diagnosis.recordings(tmp_path)
+    assert sorted(path.name for path in tmp_path.glob("run*.csv")) == ["run1.csv", "run2.csv"]
+    stand_in = SimpleNamespace(verdict="explained", findings=[{"effect": "coulomb_friction", "site": "pivot"}])
+    monkeypatch.setattr(harness, "diagnose", lambda runs, model: stand_in)
+    space: dict[str, object] = {}
+    exec(diagnosis._OURS.format(folder=str(tmp_path)), space)
+    answer = space["answer"]
+    assert isinstance(answer, dict)
+    assert answer["found"] == ["coulomb_friction@pivot"]
+    assert answer["verdict"] == "explained"
 
 
 def test_exponent_of_a_power_law() -> None:

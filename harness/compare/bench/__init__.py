@@ -83,7 +83,9 @@ def select(wanted: Sequence[str] | None = None) -> dict[str, tuple[str, ...]]:
 
 def run(wanted: Sequence[str] | None = None, options: Options | None = None) -> Iterator[Row]:
     """Rows as they are measured; ``wanted`` as in ``select``, which raises before anything runs."""
+    chosen = options or Options()
     for name, rows in select(wanted).items():
-        for row in import_module(f"harness.compare.bench.{name}").run(options or Options()):
+        chosen.tell(f"{name}: {BENCHMARKS[name].title}")
+        for row in import_module(f"harness.compare.bench.{name}").run(chosen):
             if row.what in rows:
                 yield row

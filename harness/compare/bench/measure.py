@@ -109,13 +109,13 @@ print("\\n" + json.dumps({{"memory": _peak(), "answer": answer}}))
 """
 
 
-def in_child(code: str, *, environment: Mapping[str, str] | None = None) -> Child:
+def in_child(code: str, *, environment: Mapping[str, str] | None = None, patience: float = PATIENCE) -> Child:
     """Run Python code in a fresh interpreter; what it assigns to ``answer`` comes back.
 
-    Raises RuntimeError with the last line of the error if the code fails or takes longer than PATIENCE.
+    Raises RuntimeError with the last line of the error if the code fails or takes longer than ``patience`` [s].
     """
     start = perf_counter()
-    done = command([sys.executable, "-c", _WRAP.format(code=code)], environment=environment)
+    done = command([sys.executable, "-c", _WRAP.format(code=code)], environment=environment, patience=patience)
     seconds = perf_counter() - start
     if done.returncode:
         lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
@@ -127,21 +127,25 @@ def in_child(code: str, *, environment: Mapping[str, str] | None = None) -> Chil
 
 
 def command(
-    arguments: list[str], *, environment: Mapping[str, str] | None = None, folder: Path | None = None
+    arguments: list[str],
+    *,
+    environment: Mapping[str, str] | None = None,
+    folder: Path | None = None,
+    patience: float = PATIENCE,
 ) -> subprocess.CompletedProcess[str]:
-    """A process run to its end, output captured; RuntimeError if it takes longer than PATIENCE."""
+    """A process run to its end, output captured; RuntimeError if it takes longer than ``patience`` [s]."""
     try:
         return subprocess.run(
             arguments,
             capture_output=True,
             text=True,
-            timeout=PATIENCE,
+            timeout=patience,
             check=False,
             cwd=folder,
             env={**os.environ, **(environment or {})},
         )
     except subprocess.TimeoutExpired:
-        raise RuntimeError(f"took longer than {PATIENCE:g} s") from None
+        raise RuntimeError(f"took longer than {patience:g} s") from None
 
 
 def machine() -> dict[str, Any]:

@@ -26,10 +26,11 @@ ROBOTS = ("panda_arm.urdf", "panda.urdf", "talos_reduced.urdf", "so101.urdf")
 
 @dataclass(frozen=True)
 class Options:
-    """What to measure: quick takes the small mechanisms only and fewer rounds. cache: a place for the compiler."""
+    """What to measure: quick takes the small mechanisms only and fewer rounds. tell: called with what is begun."""
 
     quick: bool = False
     rounds: int = 15
+    tell: Callable[[str], None] = field(default=lambda what: None, repr=False)
 
     def sizes(self, all_sizes: Iterable[int]) -> tuple[int, ...]:
         """The sizes to measure."""
