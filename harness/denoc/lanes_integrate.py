@@ -17,7 +17,6 @@ import numpy as np
 from numba import njit
 
 from harness.denoc import laws as law
-from harness.denoc.lanes_planar import planar_accelerations
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import (
     ABSENT,
@@ -39,15 +38,23 @@ from harness.denoc.lanes_tree import (
     REACTION_START,
     SECTION,
     SHAKE,
-    SIGN,
     TAU,
     TAU_SLOPE,
     TAU_TIME,
     TIME,
     Q,
-    accelerations,
 )
-from harness.denoc.lanes_vector import address_of, choose, load, magnitude, spread, square_root, store
+from harness.denoc.lanes_vector import (
+    address_of,
+    call_recursion,
+    choose,
+    inner,
+    load,
+    magnitude,
+    spread,
+    square_root,
+    store,
+)
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
@@ -65,9 +72,9 @@ REACH, CHANGES, WHICH, WHAT, SAMPLED, GROWTH = range(15, 21)
 LEDGER = 21
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _slopes(
-    tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
+    recursion: int, tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int, dry: int, state: Any, slopes: Any, at: int, ledger: Any,
 ) -> None:  # fmt: skip
     """Time derivative of ``state`` (positions, velocities) at the workspace's time, to ``slopes[at:]``."""
@@ -75,10 +82,10 @@ def _slopes(
         j = i * JOINT * 8
         store(ws, j + Q * 8, load(state, i * 8))
         store(ws, j + QD * 8, load(state, (n + i) * 8))
-    if tree[0, SIGN] != 0:
-        planar_accelerations(tree, flags, constants, beams, laws, ws, n, user, shaken, loaded)
-    else:
-        accelerations(tree, flags, constants, beams, laws, ws, n, user, shaken, loaded)
+    call_recursion(
+        recursion, address_of(tree, 0), tree.shape[0], address_of(flags, 0), address_of(constants, 0),
+        address_of(beams, 0), address_of(laws, 0), address_of(ws, 0), n, user, shaken, loaded,
+    )  # fmt: skip
     for i in range(n):
         j = i * JOINT * 8
         store(slopes, at + i * 8, load(ws, j + QD * 8))
@@ -94,7 +101,7 @@ def _slopes(
                             ledger[SUSPECT * 8 + lane] = 1.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _polynomials(state: Any, slopes: Any, dense: Any, ledger: Any, width: int, weights: Any, weighed: Any) -> None:
     """Coefficients of the dense output in powers of the step's fraction, to ``dense[(power · width + row) · 8]``.
 
@@ -110,7 +117,7 @@ def _polynomials(state: Any, slopes: Any, dense: Any, ledger: Any, width: int, w
             store(dense, ((power + 1) * width + f) * 8, h * total)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
     """One row of the dense output in one lane, at the fraction x of the step."""
     value = dense[(DEGREE * width + row) * 8 + lane]
@@ -119,7 +126,7 @@ def _at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
     return value
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _watched(dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, x: float) -> float:
     """A function that is positive while a joint's mode holds: kind 0 its velocity along the sliding direction, kind 1 the stop."""
     if kind == 0:
@@ -129,7 +136,7 @@ def _watched(dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind:
     return sense * law.stop_gap(laws, i * law.WIDTH * 8, lane, q, v)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _root(
     dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, low: float, high: float
 ) -> float:
@@ -163,7 +170,7 @@ def _root(
     return high
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _may_change(
     state: Any,
     after: Any,
@@ -193,7 +200,7 @@ def _may_change(
     return False
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _first_event(dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int, lane: int) -> tuple[float, int, int]:
     """Earliest change of mode in one lane's step: (fraction, joint, kind); fraction 2 if there is none.
 
@@ -236,9 +243,9 @@ def _first_event(dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int,
     return best, which, what
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
+@inner
 def run_group(
-    tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
+    recursion: int, tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int,
     time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
@@ -335,7 +342,7 @@ def run_group(
             for _ in range(4 * n + 4):
                 store(ws, group + TIME * 8, load(ledger, CLOCK * 8))
                 _slopes(
-                    tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, no,
+                    recursion, tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, no,
                     state, slopes, width * 8 * KEPT, ledger,
                 )  # fmt: skip
                 changed = 0
@@ -426,7 +433,7 @@ def run_group(
                 store(after, f * 8, load(state, f * 8) + steps * total)
             store(ws, group + TIME * 8, clock + fractions[s] * steps)
             _slopes(
-                tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
+                recursion, tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
                 after, slopes, s * width * 8, ledger,
             )  # fmt: skip
         sum_5 = spread(0.0)
@@ -509,7 +516,7 @@ def run_group(
                     store(after, (width + f) * 8, load(state, f * 8) + steps * total)
                 store(ws, group + TIME * 8, clock + extra_fractions[e] * steps)
                 _slopes(
-                    tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
+                    recursion, tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
                     after[width * 8 :], slopes, s * width * 8, ledger,
                 )  # fmt: skip
             _polynomials(state, slopes, dense, ledger, width, weights, weighed)
@@ -527,7 +534,7 @@ def run_group(
                     ledger[SUSPECT * 8 + lane] = 0.0
         if broken:
             _break_loose(
-                tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
+                recursion, tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
                 after, slopes, dense, ledger, lanes,
             )  # fmt: skip
         # How far each lane goes.
@@ -648,7 +655,7 @@ def run_group(
                 ws[j + DIRECTION * 8] = -1.0 if ws[j + HOLD * 8] > 0.0 else 1.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _excess(ws: Any, n: int, lane: int) -> tuple[float, int]:
     """How far the most strained held joint of a lane is beyond its limit (negative within), and which it is."""
     worst = -1e300
@@ -663,9 +670,9 @@ def _excess(ws: Any, n: int, lane: int) -> tuple[float, int]:
     return worst, which
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def _break_loose(
-    tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
+    recursion: int, tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int, after: Any, slopes: Any, dense: Any, ledger: Any, lanes: int,
 ) -> None:  # fmt: skip
     """Find when held joints break loose within the step.
@@ -696,7 +703,7 @@ def _break_loose(
                 trial[f * 8 + lane] = _at(dense, width, f, lane, x)
             ws[group + TIME * 8 + lane] = ledger[CLOCK * 8 + lane] + x * ledger[USED * 8 + lane]
         _slopes(
-            tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, np.int64(0),
+            recursion, tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, np.int64(0),
             trial, slopes, width * 8 * KEPT, ledger,
         )  # fmt: skip
         for lane in range(lanes):
@@ -755,7 +762,7 @@ def _vectors(count: int) -> Any:
 @njit(cache=True, error_model="numpy", nogil=True)
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
-    links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
+    recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
     user: int, time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
     weights: Any, weighed: Any, exponent: float,
@@ -763,6 +770,7 @@ def run_groups(
 ) -> None:  # fmt: skip
     """Advance the groups first … last − 1 of eight rows each; ``start``: positions then velocities, (B, 2 n).
 
+    recursion: address of the one for these tables (``lanes_address``).
     sizes: vectors of eight lanes in the workspace and in the beams' tables.
     """
     n = position.shape[2]
@@ -814,7 +822,7 @@ def run_groups(
             if flags[i] & law.HAS_LOAD:
                 loaded = 1
         run_group(
-            present, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
+            recursion, present, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
             time, effort, driven, hold, longest, tolerance,
             table, tabled, fractions, errors_5, errors_3, extra, extras, extra_fractions, weights, weighed, exponent,
             state, after, slopes, dense, ledger, next_sample,

@@ -10,7 +10,7 @@ from scipy.stats import chi2, norm
 
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.investigate import Outcome, heldout_z, judge
+from harness.diagnose.investigate import Outcome, heldout_z, judge, trained
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
@@ -28,6 +28,9 @@ CARRIES = (
 )
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations under their tolerance, below which they are a finding
 WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
+LEVEL = (
+    1e-5  # chance at which a test of the remainder counts; all recordings are tested at once, a dozen questions each
+)
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
 
 
@@ -51,10 +54,12 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Conclusion:
-    """Verdict and what supports it. best, held: the fit claimed, on training and held-out data."""
+    """Verdict and what supports it. best: the fit claimed, on all recordings; own: on the training ones; held: judged on the
+    data held out."""
 
     verdict: str
     best: Fit
+    own: Fit
     held: Fit
     claims: tuple[Claim, ...]
     remains: Remains
@@ -82,10 +87,11 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
     return worst < 0, worst
 
 
-def settle(outcome: Outcome) -> Fit:
+def settle(outcome: Outcome, best: Fit) -> Fit:
     """The best set all of whose members earn their place: the first such near the top, or the best one pruned."""
     study = outcome.study
-    best = outcome.best
+    if _passes(outcome, best)[0]:
+        return best
     near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + APART][:6]
     for fitted in near:
         if _passes(outcome, fitted)[0]:
@@ -151,59 +157,60 @@ def _carries(outcome: Outcome, held: Fit, smaller: Fit) -> bool:
     return any(rmse(outcome, without, c) > CARRIES * rmse(outcome, held, c) for c in channels)
 
 
-def _worse_held_out(outcome: Outcome, best: Fit, held: Fit) -> Test | None:
-    """A test that counts if a model with effects leaves more of the data held out than of those it was fitted to.
+def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
+    """A test that counts if no one set of parameters fits the training data and those held out as well as each would allow.
 
-    Both mean squares of whitened residuals are 1 under noise alone, with a relative variance of two over the samples.
+    Under the right model the cost that the data held out add is chi-squared with as many degrees of freedom as they have samples
+    (Chow, Econometrica 28 (1960) 591), however loosely the training data alone pin the parameters.
     """
     likelihood = outcome.study.likelihood
-    fitted, judged = likelihood.samples(best.windows), likelihood.samples(outcome.held_windows)
-    if not best.hypothesis.members or min(fitted, judged) < 2.0:
+    judged = likelihood.samples(outcome.held_windows)
+    own = trained(outcome, best)
+    fitted = likelihood.samples(own.windows)
+    if min(fitted, judged) < 2.0:
         return None
-    rise = float(np.log((held.cost / judged) / (best.linear.cost / fitted)))
+    level = max(own.linear.cost / fitted, 1.0)
+    added = best.score - own.score
+    rise = float(np.log(max(added, 1e-300) / judged / level))
     z = rise / float(np.sqrt(2.0 / fitted + 2.0 / judged))
     if z < WORSE:
         return None
     where = f"mean square {np.exp(rise):.2f} times that of the training data"
-    return Test(
-        "a worse fit of the data held out", held.cost - judged, 1, float(norm.sf(z)), z, where=(where,), places=-1
-    )
+    return Test("a worse fit of the data held out", added - judged * level, 1, float(norm.sf(z)), z, (where,), -1)
 
 
 def conclude(outcome: Outcome) -> Conclusion:
     """Weigh what the search found and judge it on the data held out."""
     study, problem = outcome.study, outcome.problem
-    best = preferred(outcome, settle(outcome))
-    held = judge(outcome, best)
+    best = settle(outcome, preferred(outcome, outcome.best))
+    own, held = trained(outcome, best), judge(outcome, best)
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
-    remains = examine(outcome.predictor, study.likelihood, best, held, joints, torques, outcome.period)
-    stretch = _stretched(outcome, best)
-    if stretch is not None:
-        remains = replace(remains, significant=True, tests=(*remains.tests, stretch))
-    worse = _worse_held_out(outcome, best, held)
-    if worse is not None:
-        remains = replace(remains, significant=True, tests=(*remains.tests, worse))
+    remains = examine(outcome.predictor, study.likelihood, best, None, joints, torques, outcome.period, LEVEL)
+    for test in (_stretched(outcome, best), _does_not_carry_over(outcome, best)):
+        if test is not None:
+            remains = replace(remains, significant=True, tests=(*remains.tests, test))
     floor_ratio = float(np.sqrt(held.cost / max(study.likelihood.samples(outcome.held_windows), 1.0)))
+    everywhere = float(np.sqrt(best.linear.cost / max(study.samples, 1.0)))
     incomplete = remains.significant or floor_ratio > AT_FLOOR
-    excess = max(remains.excess, (floor_ratio**2 - AT_FLOOR**2) * study.samples if floor_ratio > AT_FLOOR else 0.0)
+    excess = max(remains.excess, (everywhere**2 - AT_FLOOR**2) * study.samples)
     probabilities = _probabilities(outcome)
     claims, doubted = [], []
     log_n = float(np.log(study.samples))
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)
         gain = smaller.score - best.score
-        weak = incomplete and (gain < FAKED * excess or _imitated(outcome, best, smaller))
+        weak = remains.significant and (gain < FAKED * excess or _imitated(outcome, best, smaller))
         if weak and not _carries(outcome, held, smaller):
             doubted.append(member.key)
             continue
         rivals = []
         for other in near(outcome, best, k):
             rivals += [m for m in other.hypothesis.members if m.key not in best.hypothesis.keys]
-        own = gain - member.size * log_n
+        gained = gain - member.size * log_n
         claims.append(
             Claim(
-                member, k, gain, heldout_z(outcome, smaller, best), own, tuple(r.key for r in rivals), tuple(rivals),
+                member, k, gain, heldout_z(outcome, smaller, best), gained, tuple(r.key for r in rivals), tuple(rivals),
                 min(1.0, probabilities.get(member.key, 0.0)),
             )
         )  # fmt: skip
@@ -213,4 +220,4 @@ def conclude(outcome: Outcome) -> Conclusion:
         verdict = "explained"
     else:
         verdict = "partly_explained" if claims else "unexplained"
-    return Conclusion(verdict, best, held, tuple(claims), remains, tuple(doubted))
+    return Conclusion(verdict, best, own, held, tuple(claims), remains, tuple(doubted))

@@ -19,7 +19,7 @@ from harness.diagnose.explain import finding_words, summary
 from harness.diagnose.fit import Fit
 from harness.diagnose.free_motion import free_part
 from harness.diagnose.hypothesis import Hypothesis, scaled
-from harness.diagnose.investigate import Outcome, investigate, judge
+from harness.diagnose.investigate import Outcome, investigate, judge, trained
 from harness.diagnose.locate import locate, rmse
 from harness.diagnose.problem import pose
 from harness.diagnose.rivals import ranking as likeliest
@@ -154,7 +154,7 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
     side, site = _side_and_site(outcome, conclusion)
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
     values = {
-        claim.candidate.key: estimates(outcome.predictor, conclusion.best, claim.index) for claim in conclusion.claims
+        claim.candidate.key: estimates(outcome.predictor, conclusion.own, claim.index) for claim in conclusion.claims
     }
     findings = [_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims]
     nominal_held = judge(outcome, outcome.nominal)
@@ -171,11 +171,11 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
                 "unit": channel.unit,
                 "nominal": {"train_rmse": train, "heldout_rmse": rmse(outcome, nominal_held, c)},
                 "refitted": {
-                    "train_rmse": rmse(outcome, outcome.empty, c),
+                    "train_rmse": rmse(outcome, trained(outcome, outcome.empty), c),
                     "heldout_rmse": rmse(outcome, empty_held, c),
                 },
                 "augmented": {
-                    "train_rmse": rmse(outcome, conclusion.best, c),
+                    "train_rmse": rmse(outcome, conclusion.own, c),
                     "heldout_rmse": rmse(outcome, conclusion.held, c),
                 },
                 "noise_floor": floor,
@@ -240,7 +240,7 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
         next_experiment=_next(outcome, conclusion),
         quality=quality,
         augmented=augmented(outcome, conclusion, values),
-        curves=curves(outcome, conclusion.best, conclusion.held),
+        curves=curves(outcome, conclusion.own, conclusion.held),
     )  # fmt: skip
 
 
@@ -272,7 +272,7 @@ def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
 def augmented(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> System:
     """The nominal system with its quantities refitted within tolerance and the findings attached."""
     predictor = outcome.predictor
-    factors = np.exp(outcome.problem.system.tolerance * conclusion.best.x[: len(predictor.nominal)])
+    factors = np.exp(outcome.problem.system.tolerance * conclusion.own.x[: len(predictor.nominal)])
     system = scaled(outcome.problem.system, predictor.nominal, list(factors))
     attachments = []
     for claim in conclusion.claims:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,10 @@ from harness.diagnose.ordinary import ordinary
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.remainder import heldout_gain
+from harness.diagnose.screen import carry_state
 from harness.diagnose.search import HOPELESS, Effort, grow, polish, transfer
 from harness.diagnose.study import Study, measured_state
-from harness.diagnose.windows import Window, cut, whole
+from harness.diagnose.windows import Window, cut
 
 Array = NDArray[np.float64]
 
@@ -126,11 +127,16 @@ def _transition(predictor: Predictor, fitted: Fit, window: Window, model: LaneMo
 
 @dataclass(eq=False)
 class Outcome:
-    """What the search ended with, for judging and telling."""
+    """What the search ended with, for judging and telling.
+
+    study: fits on all recordings, by which sets of effects are weighed. training: fits on the training recordings alone, whose
+    parameters are those that are told and judged on the data held out. nominal: as stated, initial states fitted (training).
+    """
 
     problem: Problem
     predictor: Predictor
     study: Study
+    training: Study
     nominal: Fit
     empty: Fit
     best: Fit
@@ -138,6 +144,7 @@ class Outcome:
     held_windows: tuple[Window, ...]
     motion_hz: float
     period: float
+    judged: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
 
 
 def investigate(
@@ -154,12 +161,11 @@ def investigate(
     """
     effort = effort or Effort()
     predictor = Predictor(problem)
-    train = range(len(problem.train))
-    held = range(len(problem.train), len(problem.runs))
+    every = range(len(problem.runs))
     motion_hz = MOTION_HARMONICS * frequency
     period = 1.0 / frequency
     likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
-    short = cut(problem.runs, train, SWINGS * period)
+    short = cut(problem.runs, every, SWINGS * period)
     study = Study(problem, predictor, likelihood, tuple(candidates), short)
     first = study.empty()
     for _ in range(2):
@@ -192,10 +198,15 @@ def investigate(
         ordered = grow(final, seeds, effort, progress)
         ordered = polish(final, ordered, effort, progress)
     refined = final.likelihood
+    own = tuple(w for w in groups if w.run < len(problem.train))
+    held = tuple(w for w in groups if w.run >= len(problem.train))
+    training = Study(problem, predictor, refined, tuple(candidates), own, first_states=first.states)
     frozen = np.ones(len(predictor.nominal), dtype=bool)
-    nominal = fit(predictor, refined, Hypothesis(), groups, np.zeros(len(frozen)), empty.states, fixed=frozen)
-    held_windows = _held_windows(problem, groups, held, period)
-    return Outcome(problem, predictor, final, nominal, empty, ordered[0], ordered, held_windows, motion_hz, period)
+    states = {w: empty.states[w] for w in own}
+    nominal = fit(predictor, refined, Hypothesis(), own, np.zeros(len(frozen)), states, fixed=frozen)
+    return Outcome(
+        problem, predictor, final, training, nominal, empty, ordered[0], ordered, held, motion_hz, period
+    )  # fmt: skip
 
 
 def _differ(before: Sequence[Colour], after: Sequence[Colour]) -> bool:
@@ -211,33 +222,33 @@ def _restated(fitted: Fit, windows: Sequence[Window], hypothesis: Hypothesis) ->
     return replace(fitted, states=states)
 
 
-def _held_windows(problem: Problem, groups: Sequence[Window], held: Sequence[int], period: float) -> tuple[Window, ...]:
-    """Free runs over the held-out recordings, as long as those of the training."""
-    runs = problem.runs
-    if all(g.size == len(runs[g.run].time) for g in groups):
-        return whole(runs, held)
-    longest = float(np.median([runs[g.run].time[g.last - 1] - runs[g.run].time[g.first] for g in groups]))
-    return cut(runs, held, longest)
+def trained(outcome: Outcome, fitted: Fit) -> Fit:
+    """The same hypothesis fitted to the training recordings alone, from where it stands."""
+    if fitted.windows == outcome.training.windows:
+        return fitted
+    known = outcome.training.fits.get(fitted.hypothesis.identity)
+    return known or outcome.training.fit(fitted.hypothesis, [fitted.x], fitted)
 
 
-def judge(outcome: Outcome, fitted: Fit, *, likelihood: Likelihood | None = None) -> Fit:
-    """A fit's free run over the held-out windows: nothing but the initial states is fitted."""
+def judge(outcome: Outcome, fitted: Fit) -> Fit:
+    """The free run over the held-out windows of what was fitted to the training: nothing but the initial states is fitted."""
+    own = trained(outcome, fitted)
+    known = outcome.judged.get(id(own))
+    if known is not None:
+        return known[1]
     states = {}
     for window in outcome.held_windows:
-        base = measured_state(outcome.problem, outcome.predictor, window)
-        from harness.diagnose.screen import carry_state
-
-        states[window] = carry_state(outcome.predictor, Hypothesis(), fitted.hypothesis, base)
-    frozen = np.ones(len(fitted.x), dtype=bool)
-    return fit(
-        outcome.predictor,
-        likelihood or outcome.study.likelihood,
-        fitted.hypothesis,
-        outcome.held_windows,
-        fitted.x,
-        states,
-        fixed=frozen,
+        state = fitted.states.get(window)
+        if state is None:
+            base = measured_state(outcome.problem, outcome.predictor, window)
+            state = carry_state(outcome.predictor, Hypothesis(), fitted.hypothesis, base)
+        states[window] = state
+    frozen = np.ones(len(own.x), dtype=bool)
+    held = fit(
+        outcome.predictor, outcome.study.likelihood, own.hypothesis, outcome.held_windows, own.x, states, fixed=frozen
     )
+    outcome.judged[id(own)] = (own, held)
+    return held
 
 
 def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 FINEST_STEP = 0.004  # s between the states that a free run hands over, unless the recording itself is coarser or finer
 TOLERANCE = 1e-10  # error of a free run in one step [rad, rad/s]; thousands of steps stay far below any sensor's noise
-CLOCK_MARGIN = 0.03  # share of a window that is simulated beyond its end where a clock may run slow
+CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,8 +181,7 @@ class Predictor:
 
     def margin(self, hypothesis: Hypothesis) -> float:
         """Share of a window that has to be simulated beyond its end."""
-        slow = any(m.effect.sensor is not None and m.effect.sensor.every_channel for m in hypothesis.members)
-        return CLOCK_MARGIN if slow else 0.0
+        return CLOCK_MARGIN if any(m.effect.sensor and m.effect.sensor.clock for m in hypothesis.members) else 0.0
 
     def grid(self, window: Window, margin: float = 0.0) -> Grid:
         """Times at which lanes hand over states for the window, carried on by a share ``margin`` of its length."""
@@ -207,9 +206,7 @@ class Predictor:
         mechanism = self.mechanism(hypothesis)
         n = len(mechanism.names)
         rows = np.array([self.row(hypothesis, vector) for vector in x])
-        margin = (
-            CLOCK_MARGIN if any(m.effect.sensor and m.effect.sensor.every_channel for m in hypothesis.members) else 0.0
-        )
+        margin = self.margin(hypothesis)
         dated = bool(self.system.attachments) or any(
             m.effect.user is not None or (m.site == "base" and m.effect.law is not None) for m in hypothesis.members
         )
@@ -266,6 +263,11 @@ class Predictor:
         inputs = [(k, m) for k, m in enumerate(hypothesis.members) if m.effect.input is not None]
         inputs.sort(key=lambda item: item[1].effect.input.stage if item[1].effect.input else 0)
         stated = {joint: input_chain(self.system.attachments, joint) for joint in joints}
+        # A clock that is off stamped the efforts as well: what acts at a true time stands in the file at the clock's.
+        pace = np.ones(len(lanes))
+        for k, member in enumerate(hypothesis.members):
+            if member.effect.sensor is not None and member.effect.sensor.clock:
+                pace *= self.effect_values(hypothesis, k, x[[lane for lane, _, _ in lanes]])[:, 0]
         for j, joint in enumerate(joints):
             column = mechanism.names.index(joint)
             acting = [(k, m) for k, m in inputs if m.site == joint or m.site.split(".")[0] == joint]
@@ -291,7 +293,8 @@ class Predictor:
                     signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
                 for row, i in enumerate(places):
                     start = stamps[lanes[i][1].first]
-                    tau[i, :, column] = np.interp(grid_time + start, stamps, signal[row if acting else 0])
+                    when = start + pace[i] * grid_time
+                    tau[i, :, column] = np.interp(when, stamps, signal[row if acting else 0])
         return tau
 
     def _observe(
@@ -403,6 +406,8 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
             np.log(np.maximum(candidate.effect.upper, 0.0) / candidate.scales),
             candidate.effect.upper / candidate.scales,
         )
+    if candidate.effect.sensor is not None and candidate.effect.sensor.clock:
+        lower = np.maximum(lower, 1.0 / (1.0 + CLOCK_MARGIN) / candidate.scales)
     reshape = candidate.effect.reshape
     if reshape is not None and reshape.topology:
         # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.

@@ -1,13 +1,9 @@
-"""What else it could be: effects that could stand in the place of a member, weighed on training and held-out data alike.
-
-Two laws that leave the same trace on the training recordings often part on a recording of another amplitude or drive.
-The data held out are fitted by nothing but initial states, so what they say adds to the criterion of the training data.
-"""
+"""What else it could be: effects that could stand in the place of a member, weighed on all recordings."""
 
 from __future__ import annotations
 
 from harness.diagnose.fit import Fit
-from harness.diagnose.investigate import Outcome, judge
+from harness.diagnose.investigate import Outcome
 
 MOST = 9  # rivals fitted for each member
 WORTH_FITTING = (
@@ -32,40 +28,26 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     return found
 
 
-def weight(outcome: Outcome, fitted: Fit) -> float:
-    """Criterion of the training data plus cost of the data held out: smaller is better."""
-    return outcome.study.criterion(fitted) + judge(outcome, fitted).cost
-
-
 def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
-    """Rivals of member ``k`` that neither training nor held-out data part from the best set, likeliest first."""
+    """Rivals of member ``k`` that the recordings do not part from the best set, likeliest first."""
     study = outcome.study
-    limit = study.criterion(best) + APART
-    close = [f for f in in_place_of(outcome, best, k) if study.criterion(f) < limit]
-    bound = weight(outcome, best) + APART if close else 0.0
-    weighed = sorted(((weight(outcome, f), id(f), f) for f in close), key=lambda item: item[:2])
-    return [f for value, _, f in weighed if value < bound]
+    limit = study.evidence(best) + APART
+    return sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
 
 
 def preferred(outcome: Outcome, best: Fit) -> Fit:
-    """The best set with each member that the training data leave open chosen by what the data held out say."""
+    """The best set with each member exchanged for a rival that does better, if there is one."""
     study = outcome.study
     for _ in range(len(best.hypothesis.members)):
-        now = weight(outcome, best)
-        better = best
-        for k in range(len(best.hypothesis.members)):
-            for other in in_place_of(outcome, best, k):
-                if study.criterion(other) < study.criterion(best) + APART and weight(outcome, other) < now - 1e-9:
-                    better, now = other, weight(outcome, other)
-        if better is best:
+        better = min((f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)),
+                     key=study.criterion, default=best)  # fmt: skip
+        if study.criterion(better) > study.criterion(best) - 1e-6:
             break
         best = better
     return best
 
 
 def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:
-    """The likeliest hypotheses fitted, by training and held-out data; the one claimed comes first."""
-    study = outcome.study
-    shortlist = sorted(study.fits.values(), key=study.criterion)[:count]
-    others = sorted((f for f in shortlist if f is not best), key=lambda f: weight(outcome, f))
-    return [best, *others][:count]
+    """The likeliest hypotheses fitted; the one claimed comes first."""
+    shortlist = sorted(outcome.study.fits.values(), key=outcome.study.criterion)[: count + 1]
+    return [best, *(f for f in shortlist if f is not best)][:count]

@@ -161,6 +161,77 @@ def carry_state(predictor: Predictor, before: Hypothesis, after: Hypothesis, sta
     return out
 
 
+SMALL = 0.02  # of the channels' extents: deviations up to here count as linear
+LEAST = 1e-4  # by which a starting point is brought nearer to absence at most
+FIRST_TRY = 0.1
+GREATEST = 30.0  # times the starting point, beyond which the linear view cannot vouch for a start
+
+
+def _brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
+    """A starting point with its effect made smaller by ``factor``, so that it acts linearly."""
+    parameters = candidate.effect.parameters
+    first = parameters[0]
+    out = point.copy()
+    if first.search == "range" or _at_infinity(candidate):
+        return out
+    if first.neutral == 0.0:
+        for k, parameter in enumerate(parameters):
+            if k == 0 or parameter.unit == first.unit or (first.name, parameter.name) == ("torque", "stiffness"):
+                out[k] *= factor
+    elif np.isfinite(first.neutral):
+        out[0] = first.neutral + (point[0] - first.neutral) * factor
+    else:
+        out[0] = point[0] / factor
+    return out
+
+
+def _at_infinity(candidate: Candidate) -> bool:
+    """Whether the effect acts through coordinates of its own that stiffen as it vanishes, so that it is not to be made small."""
+    reshape = candidate.effect.reshape
+    return reshape is not None and reshape.topology
+
+
+def _small_changes(
+    fitted: Fit,
+    predictor: Predictor,
+    likelihood: Likelihood,
+    candidate: Candidate,
+    points: Sequence[Array],
+    motions: dict[Window, Response],
+) -> tuple[list[Array], list[Array], list[float]]:
+    """Points near enough to absence to act linearly, the changes there per window (k, M), and how near they were brought."""
+    if wave(candidate) and responsive(predictor, fitted):
+        return list(points), wave_change(fitted, predictor, likelihood, candidate, points, motions), [1.0] * len(points)
+    extent = _extents(predictor, likelihood, fitted)
+    factors = [FIRST_TRY] * len(points)
+    if all(np.array_equal(_brought_near(candidate, p, FIRST_TRY), p) for p in points):
+        return list(points), change(fitted, predictor, likelihood, candidate, points), [1.0] * len(points)
+    near = [_brought_near(candidate, p, f) for p, f in zip(points, factors, strict=True)]
+    changes = change(fitted, predictor, likelihood, candidate, near)
+    for _ in range(2):
+        sizes = np.sqrt(sum(np.sum(np.nan_to_num(c, nan=1e6) ** 2, axis=1) for c in changes)) / extent
+        wide = [k for k in range(len(points)) if sizes[k] > SMALL and factors[k] > LEAST]
+        if not wide:
+            break
+        for k in wide:
+            factors[k] = max(LEAST, factors[k] * 0.5 * SMALL / float(sizes[k]))
+            near[k] = _brought_near(candidate, points[k], factors[k])
+        again = change(fitted, predictor, likelihood, candidate, [near[k] for k in wide])
+        for old, new in zip(changes, again, strict=True):
+            old[wide] = new
+    return near, changes, factors
+
+
+def _extents(predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> float:
+    """Norm of the channels' own variation over all windows, in standard deviations of noise."""
+    total = 0.0
+    for window in fitted.windows:
+        values = predictor.runs[window.run].values[:, window.first : window.last]
+        for c, colour in enumerate(likelihood.colours):
+            total += float(np.nanvar(values[c])) * values.shape[1] / colour.std**2
+    return float(np.sqrt(max(total, 1e-300)))
+
+
 def _best_ray(
     fitted: Fit,
     predictor: Predictor,
@@ -171,59 +242,77 @@ def _best_ray(
     motions: dict[Window, Response],
 ) -> Score | None:
     points = [point for line in lines for point in line]
-    if wave(candidate) and responsive(predictor, fitted):
-        changes = wave_change(fitted, predictor, likelihood, candidate, points, motions)
-    else:
-        changes = change(fitted, predictor, likelihood, candidate, points)
+    near, changes, factors = _small_changes(fitted, predictor, likelihood, candidate, points, motions)
     finite = np.ones(len(points), dtype=bool)
     for part in changes:
         finite &= np.all(np.isfinite(part), axis=1)
     changes = [np.nan_to_num(part) for part in changes]
     directions = space.project(changes)
     residual = space.residual
+    # Everything that is asked of the columns in three passes: they may be thousands.
+    along = directions.T @ residual
+    squares = np.einsum("ij,ij->j", directions, directions)
+    neighbours = np.einsum("ij,ij->j", directions[:, :-1], directions[:, 1:])
     best: Score | None = None
     place = 0
     for line in lines:
-        columns = directions[:, place : place + len(line)]
-        usable = bool(np.all(finite[place : place + len(line)]))
         first = place
+        index = slice(place, place + len(line))
         place += len(line)
-        norms = np.linalg.norm(columns, axis=0)
-        if not usable or norms.max() < WEAK:
+        visible = float(np.sqrt(squares[index].max()))
+        if not bool(np.all(finite[index])) or visible < WEAK * min(factors[index]):
             continue
-        amplitude = candidate.effect.parameters[0]
-        linear = amplitude.neutral == 0.0
         if len(line) == 2:
-            a, *_ = np.linalg.lstsq(columns, -residual, rcond=None)
-            gain = float(residual @ residual - np.sum((residual + columns @ a) ** 2))
-            start = points[first].copy()
-            quarter = [p.name for p in candidate.effect.parameters].index("phase")
-            start[0] = start[0] * float(np.hypot(a[0], a[1]))
-            start[quarter] = float(np.arctan2(a[1], a[0]))
-            visible = float(norms.max())
-        else:
-            column = columns[:, 0]
-            size = float(column @ column)
-            a0 = -float(column @ residual) / size
-            if amplitude.neutral == 0.0 and amplitude.lower >= 0.0 and a0 <= 0.0:
+            s0, s1, c = float(squares[first]), float(squares[first + 1]), float(neighbours[first])
+            determinant = s0 * s1 - c * c
+            if determinant < 1e-12 * s0 * s1 or determinant <= 0.0:
                 continue
-            if not linear and a0 <= 0.0 and not _may_reverse(candidate):
+            r0, r1 = -float(along[first]), -float(along[first + 1])
+            x, y = (s1 * r0 - c * r1) / determinant, (s0 * r1 - c * r0) / determinant
+            gain = x * r0 + y * r1
+            if best is not None and gain <= best.gain:
+                continue
+            found = combined(candidate, near[first], near[first + 1], x, y)
+            if found is None:
+                continue
+            start = found
+        else:
+            amplitude = candidate.effect.parameters[0]
+            size = float(squares[first])
+            a0 = -float(along[first]) / size
+            if a0 <= 0.0 and not _may_reverse(candidate):
                 continue
             gain = a0 * a0 * size
-            start = points[first].copy()
-            if linear:
-                # Scale what acts in proportion; but not beyond what the linear view can vouch for.
-                factor = float(np.clip(a0, -30.0, 30.0))
-                for k, parameter in enumerate(candidate.effect.parameters):
-                    if k == 0 or parameter.unit == amplitude.unit:
-                        start[k] *= factor
-            elif np.isfinite(amplitude.neutral):
-                start[0] = amplitude.neutral + (start[0] - amplitude.neutral) * float(np.clip(a0, -30.0, 30.0))
+            reach = GREATEST / factors[first]
+            start = near[first]
+            if np.isfinite(amplitude.neutral):
+                # Not beyond what the linear view can vouch for.
+                start = _brought_near(candidate, near[first], float(np.clip(a0, -reach, reach)))
+            elif factors[first] < 1.0:
+                start = _brought_near(candidate, near[first], float(np.clip(a0, 1e-2, reach)))
             start = np.clip(start, candidate.effect.lower, candidate.effect.upper)
-            visible = float(np.sqrt(size))
         if best is None or gain > best.gain:
             best = Score(candidate, gain, start, visible)
     return best
+
+
+def combined(candidate: Candidate, first: Array, second: Array, a: float, b: float) -> Array | None:
+    """The starting values that act as ``a`` times the first plus ``b`` times the second point; None if physics forbids them."""
+    names = [p.name for p in candidate.effect.parameters]
+    start = first.copy()
+    if "phase" in names:
+        quarter = names.index("phase")
+        start[0] = first[0] * float(np.hypot(a, b))
+        start[quarter] = float(np.arctan2(b, a))
+    elif "rest_angle" in names:
+        # Torques −k q and −k (q − r): the first is the spring alone, the second the spring with its rest moved.
+        stiffness = (a + b) * first[0]
+        if stiffness <= candidate.effect.lower[0]:
+            return None
+        start = np.array([stiffness, b * second[0] * second[1] / stiffness])
+    else:
+        start = a * first + b * second
+    return np.clip(start, candidate.effect.lower, candidate.effect.upper)
 
 
 def _may_reverse(candidate: Candidate) -> bool:

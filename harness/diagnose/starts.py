@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.problem import Problem
+from harness.effects.scale import references
 
 Array = NDArray[np.float64]
 
 Ray = tuple[Array, ...]
 """Starting values (SI) whose effects on the prediction are combined linearly: one vector, or two a quarter wave apart."""
 
+FOLLOWS = 12.0  # times a joint's own frequency; beyond, a shaken base moves it by less than a hundredth as much
 UNSEEN = 1e-3  # of a motion's extent
 MOST_PERIODS = 60  # of a cogging torque in one turn
 REACH = (0.55, 0.75, 0.9, 0.97)  # shares of the motion's extent at which a stop may stand
@@ -49,6 +51,14 @@ def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
         extent = _extent(candidate, problem, "position") or (-1.0, 1.0)
         least = UNSEEN * (extent[1] - extent[0])
         points = [p for p in points if p[torque] >= least * p[stiffness]] or points[:1]
+    if names == ["stiffness", "rest_angle"]:
+        # Linear in the stiffness and in the torque at zero.
+        return [
+            (np.array([p[0], 0.0]), np.array([p[0], parameters[1].scale(candidate.references)])) for p in points[:1]
+        ]
+    if names == ["quadratic", "cubic"]:
+        sizes = [p.scale(candidate.references) for p in parameters]
+        return [(np.array([sizes[0], 0.0]), np.array([0.0, sizes[1]]))]
     if quarter is None:
         return [(point,) for point in points]
     pairs: list[Ray] = []
@@ -60,9 +70,10 @@ def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
 
 
 def _frequencies(problem: Problem) -> Array:
-    """Frequencies [Hz] a quarter of the shortest useful resolution apart, up to a quarter of the sampling rate."""
+    """Frequencies [Hz] about half the resolution of the longest recording apart, up to where a joint no longer follows."""
     longest = max(run.duration for run in problem.train)
-    top = min(0.25 / max(run.interval for run in problem.train), 30.0)
+    swing = max(references(problem.system, name).frequency for name in problem.system.joint_names) / (2.0 * np.pi)
+    top = max(min(0.25 / max(run.interval for run in problem.train), FOLLOWS * swing), 4.0)
     spacing = max(0.5 / longest, 0.04)
     low = np.arange(spacing, 4.0, spacing)
     return np.concatenate([low, np.arange(4.0, top, 2.0 * spacing)])

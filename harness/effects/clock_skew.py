@@ -28,5 +28,5 @@ EFFECT = Effect(
     needs=("channel",),
     simpler=(),
     confusable_with=("payload_mass", "added_inertia", "com_offset", "joint_stiffness"),
-    sensor=Sensor(clock_skew, stage=10, every_channel=True),
+    sensor=Sensor(clock_skew, stage=10, every_channel=True, clock=True),
 )

@@ -51,5 +51,6 @@ EFFECT = Effect(
     },
     needs=("motion", "rigid"),
     confusable_with=("base_tilt", "sensor_offset", "constant_torque"),
+    rarity=1.5,
     reshape=Reshape(_shift),
 )

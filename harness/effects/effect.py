@@ -134,11 +134,13 @@ class Sensor:
     stage: place in the chain from the motion to the file; lower comes first. Two effects of one channel apply in
     this order.
     every_channel: acts on all channels of a recording alike, whatever channel it is written at.
+    clock: its first parameter is recorded over true time, so recorded efforts are stamped by it as well.
     """
 
     apply: Callable[[Array, Array, Array], Array]
     stage: int
     every_channel: bool = False
+    clock: bool = False
 
 
 @dataclass(frozen=True)
@@ -171,6 +173,7 @@ class Effect:
     expressed_by: how each engine can say it; an engine that is not named cannot.
     simpler: effects that this one contains as a special case. confusable_with: effects that some recordings cannot
     tell from it.
+    rarity: logarithm of how much rarer it is met than the plain effects, all else being equal (prior odds).
     law, reshape, sensor, input, user: exactly one is given.
     """
 
@@ -186,6 +189,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     simpler: tuple[str, ...] = ()
     confusable_with: tuple[str, ...] = ()
+    rarity: float = 0.0
     law: JointLaw | None = None
     reshape: Reshape | None = None
     sensor: Sensor | None = None

@@ -48,5 +48,6 @@ EFFECT = Effect(
     needs=("channel", "angle"),
     simpler=(),
     confusable_with=("sensor_nonlinearity", "cogging_torque"),
+    rarity=1.5,
     sensor=Sensor(periodic_error, stage=55),
 )

@@ -29,5 +29,6 @@ EFFECT = Effect(
     needs=("channel", "free"),
     simpler=(),
     confusable_with=("sensor_delay", "sensor_lowpass"),
+    rarity=1.5,
     sensor=Sensor(release, stage=5, every_channel=True),
 )

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from harness.proof.concealments import CONCEALMENTS, Concealment
 from harness.proof.outside import OUTSIDE
+from harness.proof.plain import PlainRig
 from harness.proof.rigs import Rig, deviate, draw_rig
 from harness.proof.scene import Planted, Run, Scene, Sensor
-from harness.proof.visibility import distance, nuisance, observe
+from harness.proof.visibility import RELATIVE_STEP, distance, moves, observe, profiled
 
 Array = NDArray[np.float64]
 
@@ -132,6 +133,16 @@ def _site(rig: Rig, c: Concealment, k: int) -> str:
     return {"joint": s.joint, "link": s.link, "channel": f"{s.joint}.position", "base": "base"}[c.site]
 
 
+ADDING = ("base_compliance", "joint_flexibility", "backlash", "link_flexibility")
+
+
+def _rank(c: Concealment) -> int:
+    """Place in the order of planting."""
+    if c.effect in ADDING:
+        return 1 + ADDING.index(c.effect)
+    return 0 if c.site == "link" else 1 + len(ADDING)
+
+
 def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), target: float | None = None) -> Case:
     """One case.
 
@@ -164,8 +175,9 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
 
     def build(on: Rig, strengths: Sequence[float], outside: float) -> Scene:
         scene = Scene(on, runs, sensor)
-        # Changes of inertia first: they alter the rig; then laws, whose parameters were fixed on the nominal rig.
-        order = sorted(range(len(chosen)), key=lambda i: chosen[i].site != "link")
+        # Changes of inertia first: they alter the rig; then what adds degrees of freedom, the base before the joints on it;
+        # then laws, which act on degrees of freedom that must all be there.
+        order = sorted(range(len(chosen)), key=lambda i: _rank(chosen[i]))
         for i in order:
             if strengths[i] > 0.0:
                 p = chosen[i].parameters(strengths[i], draws[i], rig.segments[sites[i]], top)
@@ -179,24 +191,37 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
         return Case(f"{kind}-{index}", kind, rig, true, (), (), lambda on: build(on, off, 0.0))
 
     lowest, highest = (3.0, 300.0) if kind in ("single",) else (15.0, 300.0)
-    sensitivities, sigma = nuisance(lambda on: build(on, off, 0.0), true)
+    may = moves(true, len(runs))
+    plain = PlainRig(true, runs, sensor, may)
     without = np.concatenate(observe(build(true, off, 0.0)))
+    at_zero = np.zeros(len(may.sigma))
+    probes = plain.simulate(np.vstack([at_zero, RELATIVE_STEP * np.eye(len(at_zero))]))
+    sensitivities = (probes[1:] - probes[0]).T / RELATIVE_STEP
+
+    def far(target: Array) -> float:
+        """Distance from what the nuisances can make."""
+        return profiled(target - without + probes[0], lambda z: plain.simulate(z[None])[0], sensitivities, may.sigma)
 
     def seek(make: Callable[[float], Scene], aim: float) -> tuple[float, float]:
-        """The strength whose visibility is nearest to the aim, by secants in logarithms, and that visibility."""
-        strength = 0.2
-        best = (strength, 0.0)
-        for _ in range(STRENGTH_STEPS):
-            d = distance(np.concatenate(observe(make(strength))) - without, sensitivities, sigma)
+        """The strength whose visibility is nearest to the aim, and that visibility: first by the linear view, which is quick
+        but takes for visible what large changes of the nuisances could make, then by the profile."""
+        strength, best = 0.2, (0.2, 0.0)
+        for attempt in range(STRENGTH_STEPS):
+            target = np.concatenate(observe(make(strength)))
+            d = distance(target - without, sensitivities, may.sigma)
+            near = abs(np.log(max(d, 1e-3) / aim)) < 0.5
+            if near or attempt >= 2:
+                d = far(target)
             if best[1] == 0.0 or abs(np.log(max(d, 1e-3) / aim)) < abs(np.log(max(best[1], 1e-3) / aim)):
                 best = (strength, d)
-            if abs(np.log(max(d, 1e-3) / aim)) < 0.15:
+            if abs(np.log(max(d, 1e-3) / aim)) < 0.25 and (near or attempt >= 2):
                 break
             step = float(np.clip(aim / max(d, 1e-3), 1e-2, 30.0))
             strength = float(np.clip(strength * step, *STRENGTH_RANGE))
             if strength == best[0]:
                 break
-        return best
+        target = np.concatenate(observe(make(best[0])))
+        return best[0], far(target)
 
     strengths: list[float] = []
     seen: list[float] = []
@@ -216,17 +241,27 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
         seen.append(d)
     if len(chosen) > 1:
         together = np.concatenate(observe(build(true, strengths, 0.0)))
-        missing = [
-            np.concatenate(observe(build(true, [0.0 if j == i else f for j, f in enumerate(strengths)], 0.0)))
-            for i in range(len(chosen))
-        ]
         # What one effect does that neither the nuisances nor more or less of the other effects could have done.
         for i in range(len(chosen)):
-            others = [together - missing[j] for j in range(len(chosen)) if j != i]
-            seen[i] = distance(
-                together - missing[i],
-                np.column_stack([sensitivities, *others]),
-                np.concatenate([sigma, np.full(len(others), np.inf)]),
+
+            def others(z: Array, i: int = i) -> Array:
+                """Without effect ``i``; the first of ``z`` scale the strengths of the others."""
+                scaled = list(strengths)
+                rest = [j for j in range(len(chosen)) if j != i]
+                for j, value in zip(rest, z, strict=False):
+                    scaled[j] *= float(np.exp(value))
+                scaled[i] = 0.0
+                return may.simulate(lambda on: build(on, scaled, 0.0), true, z[len(rest) :])
+
+            count = len(chosen) - 1 + len(may.sigma)
+            unmoved = others(np.zeros(count))
+            columns = [(others(1e-3 * np.eye(count)[j]) - unmoved) / 1e-3 for j in range(len(chosen) - 1)]
+            seen[i] = profiled(
+                together,
+                others,
+                np.column_stack([*columns, sensitivities]),
+                np.concatenate([np.full(len(columns), np.inf), may.sigma]),
+                steps=4,
             )
     planted = [
         Planted(c.effect, _site(rig, c, k), c.parameters(f, d, rig.segments[k], top))

@@ -15,9 +15,9 @@ from scipy.interpolate import CubicSpline
 
 from harness.engines.exudyn_ancf import Ancf
 from harness.proof.draw import Case
+from harness.proof.model_file import model_file
 from harness.proof.scene import Planted, Run, Sensor
 from harness.proof.visibility import whiten
-from harness.proof.write import model_file
 from harness.system import System, load
 
 Array = NDArray[np.float64]

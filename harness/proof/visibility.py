@@ -7,14 +7,14 @@ signal-to-noise ratio d of an ideal observer who knows which effect to look for;
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.proof.rigs import Rig
-from harness.proof.scene import Scene, Sensor
+from harness.proof.scene import Run, Scene, Sensor
 
 Array = NDArray[np.float64]
 
@@ -29,8 +29,8 @@ def whiten(residual: Array, sensor: Sensor) -> Array:
     if sensor.colour == 0.0:
         return residual / std
     out = residual.copy()
-    out[1:] -= sensor.colour * residual[:-1]
-    out[1:] /= np.sqrt(1.0 - sensor.colour**2)
+    out[..., 1:] -= sensor.colour * residual[..., :-1]
+    out[..., 1:] /= np.sqrt(1.0 - sensor.colour**2)
     return out / std
 
 
@@ -47,39 +47,96 @@ def observe(scene: Scene, offset: Mapping[str, float] | None = None, only: int |
     return rows
 
 
-def _stack(rows: list[Array]) -> Array:
-    return np.concatenate(rows)
+@dataclass(frozen=True)
+class Moves:
+    """What every hypothesis may change about a rig's recordings, as numbers around zero.
 
-
-def nuisance(make: Callable[[Rig], Scene], rig: Rig) -> tuple[Array, Array]:
-    """Whitened sensitivities of what every hypothesis may change, shape (samples, k), and their priors' 1σ, shape (k,).
-
-    make: builds the scene on a rig (so that the rig's data can be varied).
+    segments: per number the segment and the fields that it scales, by its exponential; releases: per further number the run
+    and the component of the release state that it shifts. sigma: priors' 1σ, shape (k,).
     """
-    base = make(rig)
-    reference = observe(base)
-    columns, sigma = [], []
-    for k, s in enumerate(rig.segments):
-        # A link heavier than thought has the same shape, so its inertia grows with its mass.
-        for names in (("mass", "inertia"), ("length", "com"), ("inertia",), ("damping",), ("armature",)):
-            if getattr(s, names[0]) == 0.0:
-                continue
-            segments = list(rig.segments)
-            segments[k] = replace(s, **{n: getattr(s, n) * (1.0 + RELATIVE_STEP) for n in names})
-            moved = observe(make(replace(rig, segments=tuple(segments))))
-            columns.append((_stack(moved) - _stack(reference)) / RELATIVE_STEP)
-            sigma.append(rig.tolerance)
-    sizes = [len(r) for r in reference]
-    for index in range(len(base.runs)):
-        for joint in rig.joints:
-            for name in ("q", "v"):
-                moved = observe(base, {f"{name}:{joint}": RELATIVE_STEP}, only=index)
-                column = np.zeros(sum(sizes))
-                start = sum(sizes[:index])
-                column[start : start + sizes[index]] = (moved[index] - reference[index]) / RELATIVE_STEP
-                columns.append(column)
-                sigma.append(np.inf)
-    return np.stack(columns, axis=1), np.array(sigma)
+
+    segments: tuple[tuple[int, tuple[str, ...]], ...]
+    releases: tuple[tuple[int, str], ...]
+    sigma: Array
+
+    def moved(self, rig: Rig, z: Array) -> Rig:
+        """The rig with its data changed."""
+        segments = list(rig.segments)
+        for (k, names), value in zip(self.segments, z, strict=False):
+            segments[k] = replace(segments[k], **{n: getattr(segments[k], n) * float(np.exp(value)) for n in names})
+        return replace(rig, segments=tuple(segments))
+
+    def offset(self, run: int, z: Array) -> dict[str, float]:
+        """Shifts of a run's release state by component."""
+        shifts = zip(self.releases, z[len(self.segments) :], strict=True)
+        return {name: float(value) for (index, name), value in shifts if index == run}
+
+    def released(self, run: Run, index: int, z: Array, joints: Sequence[str]) -> Array:
+        """A run's release state, positions then velocities."""
+        offset = self.offset(index, z)
+        q = [angle + offset.get(f"q:{joint}", 0.0) for angle, joint in zip(run.q0, joints, strict=True)]
+        v = [speed + offset.get(f"v:{joint}", 0.0) for speed, joint in zip(run.v0, joints, strict=True)]
+        return np.array([*q, *v])
+
+    def simulate(self, make: Callable[[Rig], Scene], rig: Rig, z: Array) -> Array:
+        """Whitened samples of all runs of a scene with the nuisances at ``z``."""
+        scene = make(self.moved(rig, z))
+        return np.concatenate([observe(scene, self.offset(i, z), only=i)[i] for i in range(len(scene.runs))])
+
+
+def moves(rig: Rig, runs: int) -> Moves:
+    """The nuisances of a rig and so many runs."""
+    # A link heavier than thought has the same shape, so its inertia grows with its mass.
+    together = (("mass", "inertia"), ("length", "com"), ("inertia",), ("damping",), ("armature",))
+    segments = [(k, names) for k, s in enumerate(rig.segments) for names in together if getattr(s, names[0]) != 0.0]
+    releases = [(run, f"{name}:{joint}") for run in range(runs) for joint in rig.joints for name in ("q", "v")]
+    sigma = np.array([rig.tolerance] * len(segments) + [np.inf] * len(releases))
+    return Moves(tuple(segments), tuple(releases), sigma)
+
+
+PROFILE_STEPS = 12
+FARTHEST = 3.0  # standard deviations that a nuisance moves in one step
+SETTLED = 0.02  # relative fall of the distance in a step that ends a profile
+
+
+def profiled(
+    target: Array, simulate: Callable[[Array], Array], sensitivities: Array, sigma: Array, steps: int = PROFILE_STEPS
+) -> float:
+    """Distance of a recording from the nearest one that nuisances alone can make, however far they have to move.
+
+    target: whitened samples; simulate: whitened samples at nuisances z; sensitivities, sigma: at zero, priors' 1σ.
+    Linear steps, the sensitivities corrected after each by what it did (Broyden, Math. Comp. 19 (1965) 577).
+    """
+    jacobian = sensitivities.copy()
+    z = np.zeros(len(sigma))
+    here = simulate(z)
+    inverse = np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
+
+    def size(left: Array, at: Array) -> float:
+        return float(np.sqrt(left @ left + np.sum((at * inverse) ** 2)))
+
+    best = size(target - here, z)
+    reach = 1.0
+    for _ in range(steps):
+        scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+        a = np.vstack([jacobian / scale, np.diag(inverse / scale)])
+        b = np.concatenate([target - here, -z * inverse])
+        step = reach * np.linalg.lstsq(a, b, rcond=1e-12)[0] / scale
+        bounded = np.isfinite(sigma)
+        step[bounded] = np.clip(step[bounded], -FARTHEST * sigma[bounded], FARTHEST * sigma[bounded])
+        there = simulate(z + step)
+        found = size(target - there, z + step)
+        jacobian += np.outer(there - here - jacobian @ step, step * scale**2) / float((step * scale) @ (step * scale))
+        if found >= best:
+            reach *= 0.3
+            if reach < 0.02:
+                break
+            continue
+        done = found > (1.0 - SETTLED) * best and reach == 1.0
+        z, here, best, reach = z + step, there, found, min(1.0, 2.0 * reach)
+        if done:
+            break
+    return best
 
 
 def distance(difference: Array, sensitivities: Array, sigma: Array) -> float:

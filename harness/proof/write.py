@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
 from harness.proof.draw import Case
-
-
-@contextmanager
-def model_file(text: str) -> Iterator[Path]:
-    """A TOML model as a file for as long as it is read."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "model.toml"
-        path.write_text(text, encoding="utf-8")
-        yield path
 
 
 def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
