@@ -119,16 +119,18 @@ def _sparse(table: Array) -> tuple[Array, NDArray[np.int64]]:
     return values, places
 
 
-def _kernel() -> Callable[..., None]:
-    """The compiled integrator; says so once if it has to be compiled first."""
+def _kernels(in_plane: bool) -> tuple[Callable[..., None], int]:
+    """The compiled integrator and the address of the recursion; says so once if they have to be compiled first."""
     global _announced
+    from harness.denoc.lanes_address import planar, spatial
     from harness.denoc.lanes_integrate import run_groups
 
     if not _announced:
-        _announced = True
-        if not run_groups.signatures and not any("run_groups" in path.name for path in _kept_kernels()):
+        kept = " ".join(path.name for path in _kept_kernels())
+        if not all(name in kept for name in ("run_groups", "planar_at" if in_plane else "spatial_at")):
+            _announced = True
             _log.warning("compiling the simulation kernels, once (about ten seconds) …")
-    return run_groups
+    return run_groups, planar() if in_plane else spatial()
 
 
 @lru_cache(maxsize=1)
@@ -336,14 +338,14 @@ class LaneModel:
         shaken = rows[:, self.slot("base", "excitation_amplitude")] != 0.0
         frequency = np.abs(rows[:, self.slot("base", "excitation_frequency")])
         limits = np.where(shaken & (frequency * longest > 0.125), 0.125 / np.maximum(frequency, 1e-300), longest)
-        # A sampled effort cuts the motion into pieces; where one step of order 5 spans a piece, it is the cheaper one.
-        order = 5 if driven and np.median(np.diff(time)) < 3e-3 * (tolerance / 1e-10) ** (1.0 / 6.0) else 8
+        # A sampled effort cuts the motion into pieces; where a step or two of order 5 span a piece, it is the cheaper one.
+        order = 5 if driven and np.median(np.diff(time)) < 7e-3 * (tolerance / 1e-10) ** (1.0 / 6.0) else 8
         shape = (copies, len(time), n)
         position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
-        run = _kernel()
 
-        def advance(tables: tuple[Any, ...], which: Any) -> None:
+        def advance(tables: tuple[Any, ...], which: Any, in_plane: bool) -> None:
             """Advance some of the copies by the equations that the tables stand for."""
+            run, recursion = _kernels(in_plane)
             whole = isinstance(which, slice)
             out = (
                 [position, velocity, acceleration] if whole else [x[which] for x in (position, velocity, acceleration)]
@@ -353,7 +355,7 @@ class LaneModel:
 
             def part(first: int, last: int) -> None:
                 run(
-                    first, last, mine, initial, *tables, self._user,
+                    first, last, mine, initial, recursion, *tables, self._user,
                     time, forces, driven, int(hold == "linear"), longest_steps, tolerance, *_method(order),
                     *out,
                 )  # fmt: skip
@@ -373,13 +375,10 @@ class LaneModel:
         # Apart, so that a copy's equations do not depend on which others run beside it.
         flat = np.zeros(copies, dtype=bool) if self.plane is None else self.plane.holds(rows)
         everyone = slice(None)
-        if self.plane is not None and flat.all():
-            advance(self.plane.tables(self.tables), everyone)
-        elif self.plane is None or not flat.any():
-            advance(self.tables, everyone)
-        else:
-            advance(self.plane.tables(self.tables), np.flatnonzero(flat))
-            advance(self.tables, np.flatnonzero(~flat))
+        if self.plane is not None and flat.any():
+            advance(self.plane.tables(self.tables), everyone if flat.all() else np.flatnonzero(flat), True)
+        if not flat.all():
+            advance(self.tables, np.flatnonzero(~flat) if flat.any() else everyone, False)
         return position, velocity, acceleration
 
 

@@ -60,7 +60,17 @@ from harness.denoc.lanes_tree import (
     settled,
     user_forces,
 )
-from harness.denoc.lanes_vector import add_run, load, load_run, sine_cosine, spread, square_root, store, store_run
+from harness.denoc.lanes_vector import (
+    add_run,
+    inner,
+    load,
+    load_run,
+    sine_cosine,
+    spread,
+    square_root,
+    store,
+    store_run,
+)
 
 # One node's workspace: spin, cosine and sine of the node's angle, offset from the parent's origin, bias acceleration, two
 # directions (of the slide, or f and h of a beam), articulated inertia and bias wrench, column of the joint, force,
@@ -70,7 +80,7 @@ SPIN, TURN, OFFSET, DRIFT, ALONG, ACROSS, ARTICULATED, BIAS, COLUMN, FORCE, INVE
 )  # fmt: skip
 
 
-@njit(error_model="numpy", _nrt=False, cache=True)
+@inner
 def _beam(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     """Inertia, coupling and bias of a beam node's mass points at its spin and bending."""
     b = (n * JOINT + GROUP + i * BODY) * 8
@@ -151,7 +161,7 @@ def _beam(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     )
 
 
-@njit(error_model="numpy", _nrt=False, cache=True)
+@inner
 def _eliminate_modes(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     """Take a beam's modes out of its articulated inertia and bias; leaves L, L⁻¹ Nᵀ and L⁻¹ y of A = L Lᵀ."""
     b = (n * JOINT + GROUP + i * BODY) * 8
@@ -205,7 +215,7 @@ def _eliminate_modes(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     store_run(ws, b + ARTICULATED * 8, (a00, a01, a02, a11, a12, a22, b0, b1, b2))
 
 
-@njit(error_model="numpy", _nrt=False, cache=True)
+@inner
 def _accelerate_modes(tree: Any, ws: Any, n: int, i: int) -> None:
     """Modal accelerations L⁻ᵀ (L⁻¹ y − L⁻¹ Nᵀ a) from the beam node's acceleration a."""
     b = (n * JOINT + GROUP + i * BODY) * 8
@@ -524,7 +534,7 @@ def _outward_accelerations(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any
     return unsettled
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def planar_accelerations(
     tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, user: int, shaken: int, loaded: int
 ) -> None:

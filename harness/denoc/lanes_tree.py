@@ -25,6 +25,7 @@ from harness.denoc.lanes_vector import (
     address_of,
     call_at,
     choose,
+    inner,
     load,
     load_run,
     magnitude,
@@ -167,7 +168,7 @@ def shift_tensors(
     )  # fmt: skip
 
 
-@njit(error_model="numpy", _nrt=False, cache=True)
+@inner
 def _beam_outward(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     """Inertia, coupling and bias of a beam node's mass points at its velocity and bending."""
     b = (n * JOINT + GROUP + i * BODY) * 8
@@ -378,7 +379,7 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
         )  # fmt: skip
 
 
-@njit(error_model="numpy", _nrt=False, cache=True)
+@inner
 def _eliminate_modes(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     """Take a beam's modes out of its articulated inertia and bias; leaves L, L⁻¹ Nᵀ and L⁻¹ y of A = L Lᵀ."""
     b = (n * JOINT + GROUP + i * BODY) * 8
@@ -463,7 +464,7 @@ def _eliminate_modes(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
             store(ws, a, load(ws, a) + load(ws, work + (6 * k + d) * 8) * y)
 
 
-@njit(error_model="numpy", _nrt=False, cache=True)
+@inner
 def _accelerate_modes(tree: Any, ws: Any, n: int, i: int) -> None:
     """Modal accelerations L⁻ᵀ (L⁻¹ y − L⁻¹ Nᵀ a) from the beam node's acceleration a."""
     b = (n * JOINT + GROUP + i * BODY) * 8
@@ -481,7 +482,7 @@ def _accelerate_modes(tree: Any, ws: Any, n: int, i: int) -> None:
         store(ws, first + (k * JOINT + QDD) * 8, value / load(ws, modal + (k * m + k) * 8))
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def user_forces(laws: Any, ws: Any, user: int, time: int, j: int, start: int) -> Any:
     """The user's own law, called lane by lane; eight forces in the scratch vector."""
     scratch = time + (SCRATCH - TIME) * 8
@@ -852,7 +853,7 @@ def _outward_accelerations(
     return unsettled
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def accelerations(
     tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, user: int, shaken: int, loaded: int
 ) -> None:

@@ -29,6 +29,10 @@ _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _INTEGERS = ir.VectorType(ir.IntType(64), LANES)
 
 
+# Kernels that only kernels call, and never from Python.
+inner: Any = njit(error_model="numpy", _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
 class LaneVector(types.Type):
     """Numba type of eight doubles held in registers."""
 
@@ -248,6 +252,40 @@ def _address_of_code(typingctx: Any, array: Any, index: Any) -> Any:
 
 
 address_of: Any = intrinsic(_address_of_code)
+
+
+def _pointer_code(kind: Any) -> Any:
+    def typed(typingctx: Any, address: Any) -> Any:
+        def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return builder.inttoptr(args[0], context.get_value_type(sig.return_type))
+
+        return types.CPointer(kind)(types.int64), codegen
+
+    return typed
+
+
+numbers_at: Any = intrinsic(_pointer_code(types.float64))
+"""Pointer to doubles at an address."""
+integers_at: Any = intrinsic(_pointer_code(types.int64))
+"""Pointer to integers at an address."""
+
+
+def _call_recursion_code(
+    typingctx: Any, recursion: Any, tree: Any, nodes: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any,
+    n: Any, user: Any, shaken: Any, loaded: Any,
+) -> Any:  # fmt: skip
+    """Call the recursion that lies at an address (``lanes_address``): all arguments integers, arrays by address."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        word = ir.IntType(64)
+        kind = ir.FunctionType(ir.VoidType(), [word] * 11)
+        builder.call(builder.inttoptr(args[0], kind.as_pointer()), args[1:])
+        return context.get_dummy_value()
+
+    return types.void(*[types.int64] * 12), codegen
+
+
+call_recursion: Any = intrinsic(_call_recursion_code)
 
 
 def _either(function: Any, on_lanes: Any, on_scalar: Any) -> None:

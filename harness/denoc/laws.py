@@ -29,7 +29,7 @@ from typing import Any
 
 from numba import njit
 
-from harness.denoc.lanes_vector import choose, exponential, load, sine_cosine
+from harness.denoc.lanes_vector import choose, exponential, inner, load, sine_cosine
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ USER_1 = SLOT_NAMES.index("user_1")
 HAS_DRY, HAS_STRIBECK, HAS_LOAD, HAS_DAHL, HAS_COGGING, HAS_STOP, HAS_USER, HAS_SIGN = 1, 2, 4, 8, 16, 32, 64, 128
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def terms_in_use(parameters: Any, start: int, stride: int) -> int:
     """Bit set (HAS_…) of the terms that one joint's slots switch on."""
     flags = 0
@@ -194,7 +194,7 @@ def passive_force(
     return force
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def dahl_friction(laws: Any, start: int, lane: int, q: float, direction: float, anchor: float, grip: float) -> float:
     """Dahl's friction of one lane, opposing positive motion, at a position reached in one direction from the anchor."""
     torque = laws[start + DAHL_TORQUE * 8 + lane]
@@ -205,7 +205,7 @@ def dahl_friction(laws: Any, start: int, lane: int, q: float, direction: float, 
     return level - (level - grip) * math.exp(-stiffness / torque * direction * (q - anchor))
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner
 def stop_gap(laws: Any, start: int, lane: int, q: float, v: float) -> float:
     """Positive exactly while one lane's stop pushes: the lesser of how far the joint is beyond it and the push."""
     angle = laws[start + STOP_ANGLE * 8 + lane]
