@@ -6,7 +6,7 @@ This is the workhorse of fitting and sweeping: a Jacobian is a few extra lanes. 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
@@ -119,18 +119,17 @@ def _sparse(table: Array) -> tuple[Array, NDArray[np.int64]]:
     return values, places
 
 
-def _kernels(in_plane: bool) -> tuple[Callable[..., None], int]:
-    """The compiled integrator and the address of the recursion; says so once if they have to be compiled first."""
+def _recursion(in_plane: bool) -> int:
+    """The address of the recursion; says so once if it or the integrator has to be compiled first."""
     global _announced
     from harness.denoc.lanes_address import planar, spatial
-    from harness.denoc.lanes_integrate import run_groups
 
     if not _announced:
         kept = " ".join(path.name for path in _kept_kernels())
         if not all(name in kept for name in ("run_groups", "planar_at" if in_plane else "spatial_at")):
             _announced = True
             _log.warning("compiling the simulation kernels, once (about ten seconds) …")
-    return run_groups, planar() if in_plane else spatial()
+    return planar() if in_plane else spatial()
 
 
 @lru_cache(maxsize=1)
@@ -236,7 +235,7 @@ class LaneModel:
         self.slots = MappingProxyType(slots)
         self.tables = _topology(system, slots)
         self.plane = plane_of(system, self.tables[0], self.tables[1]) if planar else None
-        self._user, self._alive = _user_address(law)
+        self.user, self._alive = _user_address(law)
         _kept_kernels()
 
     def slot(self, site: str, name: str) -> int:
@@ -282,6 +281,17 @@ class LaneModel:
         write_beams(row, system, self.slots, self.tables[0])
         return row
 
+    def parts(self, rows: Array) -> Iterator[tuple[tuple[Any, ...], int, NDArray[np.int64]]]:
+        """The kernels' tables and recursion, and which of the rows (B, P) they are for.
+
+        Apart, so that a copy's equations do not depend on which others run beside it.
+        """
+        flat = np.zeros(len(rows), dtype=bool) if self.plane is None else self.plane.holds(rows)
+        if self.plane is not None and flat.any():
+            yield self.plane.tables(self.tables), _recursion(True), np.flatnonzero(flat)
+        if not flat.all():
+            yield self.tables, _recursion(False), np.flatnonzero(~flat)
+
     def simulate(
         self,
         rows: Array,
@@ -291,6 +301,7 @@ class LaneModel:
         *,
         tau: Array | None = None,
         hold: str = "linear",
+        method: str = "adaptive",
         step: float | None = None,
         tolerance: float = TOLERANCE,
         threads: int = 1,
@@ -301,6 +312,9 @@ class LaneModel:
         time: sample times [s], increasing, not necessarily even, (T,); the motion starts at time[0].
         tau: applied generalized forces at the sample times, (T, n) or (B, T, n); between samples they run
             straight (``hold="linear"``) or keep the earlier value (``hold="zero"``).
+        method: "adaptive" locates sudden changes and keeps to ``tolerance``; "exponential" is for smooth free motion of
+            flexible links at evenly spaced times, with the fixed ``step`` (1 ms by default) that the swing needs and the
+            vibration does not (``harness.denoc.lanes_exponential``). Halve the step to see what is left of its error.
         step: longest step [s]; within it the step follows the error estimate held under ``tolerance``.
         threads: threads to spread the copies over. A copy's result depends neither on that nor on the other copies.
         A copy whose motion cannot be followed (not a number, negative inertia) is nan from there on.
@@ -321,11 +335,19 @@ class LaneModel:
             raise InputError("sample times do not increase", mend="sort them and drop duplicates")
         if hold not in ("linear", "zero"):
             raise InputError(f"hold={hold!r}", mend="linear or zero")
-        longest = 0.25 if step is None else float(step)
+        if method not in ("adaptive", "exponential"):
+            raise InputError(f"method={method!r}", mend="adaptive or exponential")
+        longest = (0.25 if method == "adaptive" else 1e-3) if step is None else float(step)
         if not longest > 0.0:
             raise InputError(f"step={step!r}", mend="a positive time in seconds")
         rows = np.array(np.broadcast_to(rows, (copies, self.P)), order="C")
         start = np.concatenate([np.broadcast_to(q0, (copies, n)), np.broadcast_to(qd0, (copies, n))], axis=1)
+        if method == "exponential":
+            from harness.denoc.lanes_exponential import simulate
+
+            if tau is not None:
+                raise UnsupportedError("the exponential method is for free motion", mend="leave method out")
+            return simulate(self, rows, start, time, longest)
         driven, effort = 0, np.zeros((1, 1, n))
         if tau is not None:
             effort = np.array(tau, dtype=np.float64, order="C")
@@ -343,19 +365,19 @@ class LaneModel:
         shape = (copies, len(time), n)
         position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
 
-        def advance(tables: tuple[Any, ...], which: Any, in_plane: bool) -> None:
+        def advance(tables: tuple[Any, ...], recursion: int, which: Any) -> None:
             """Advance some of the copies by the equations that the tables stand for."""
-            run, recursion = _kernels(in_plane)
-            whole = isinstance(which, slice)
-            out = (
-                [position, velocity, acceleration] if whole else [x[which] for x in (position, velocity, acceleration)]
-            )
-            mine, initial, longest_steps = rows[which], start[which], limits[which]
-            forces = effort[which] if driven == 2 else effort
+            whole = len(which) == copies
+            out = [position, velocity, acceleration]
+            mine, initial, longest_steps, forces = rows, start, limits, effort
+            if not whole:
+                out = [array[which] for array in out]
+                mine, initial, longest_steps = rows[which], start[which], limits[which]
+                forces = effort[which] if driven == 2 else effort
 
             def part(first: int, last: int) -> None:
                 run(
-                    first, last, mine, initial, recursion, *tables, self._user,
+                    first, last, mine, initial, recursion, *tables, self.user,
                     time, forces, driven, int(hold == "linear"), longest_steps, tolerance, *_method(order),
                     *out,
                 )  # fmt: skip
@@ -372,13 +394,10 @@ class LaneModel:
             if not whole:
                 position[which], velocity[which], acceleration[which] = out
 
-        # Apart, so that a copy's equations do not depend on which others run beside it.
-        flat = np.zeros(copies, dtype=bool) if self.plane is None else self.plane.holds(rows)
-        everyone = slice(None)
-        if self.plane is not None and flat.any():
-            advance(self.plane.tables(self.tables), everyone if flat.all() else np.flatnonzero(flat), True)
-        if not flat.all():
-            advance(self.tables, np.flatnonzero(~flat) if flat.any() else everyone, False)
+        from harness.denoc.lanes_integrate import run_groups as run
+
+        for tables, recursion, which in self.parts(rows):
+            advance(tables, recursion, which)
         return position, velocity, acceleration
 
 

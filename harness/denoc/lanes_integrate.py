@@ -752,11 +752,30 @@ def _break_loose(
 
 
 @njit(cache=True, error_model="numpy")
-def _vectors(count: int) -> Any:
+def vectors(count: int) -> Any:
     """Zeros for vectors of eight lanes that begin where a cache line does: one that lies across two costs twice as much."""
     room = np.zeros((count + 1) * 8)
     skip = (64 - address_of(room, 0) % 64) % 64 // 8
     return room[skip : skip + count * 8]
+
+
+@inner
+def present_nodes(tree: Any, constants: Any, present: Any) -> None:
+    """Mark the sections that carry nothing in any lane, to ``present``.
+
+    Contributions of nothing are exact zeros: leaving them out changes no lane's result.
+    """
+    for i in range(tree.shape[0]):
+        present[i, KIND] = tree[i, KIND]
+        if tree[i, KIND] == SECTION:
+            carried = 0.0
+            for k in range((i * CONSTANTS + MASS) * 8, (i + 1) * CONSTANTS * 8):
+                carried += abs(constants[k])
+            for child in range(i + 1, tree.shape[0]):
+                if tree[child, PARENT] == i:
+                    carried = 1.0
+            if carried == 0.0:
+                present[i, KIND] = ABSENT
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -776,23 +795,19 @@ def run_groups(
     n = position.shape[2]
     copies = rows.shape[0]
     most = 2 * n
-    constants = _vectors(tree.shape[0] * CONSTANTS)
-    beams = _vectors(sizes[1])
-    laws = _vectors(n * law.WIDTH)
-    ws = _vectors(sizes[0])
-    state = _vectors(most)
-    after = _vectors(3 * most + 8)
-    slopes = _vectors((KEPT + 1) * most)
-    dense = _vectors((DEGREE + 1) * most)
-    ledger = _vectors(LEDGER)
+    constants = vectors(tree.shape[0] * CONSTANTS)
+    beams = vectors(sizes[1])
+    laws = vectors(n * law.WIDTH)
+    ws = vectors(sizes[0])
+    state = vectors(most)
+    after = vectors(3 * most + 8)
+    slopes = vectors((KEPT + 1) * most)
+    dense = vectors((DEGREE + 1) * most)
+    ledger = vectors(LEDGER)
     next_sample = np.zeros(8, dtype=np.int64)
     flags = np.zeros(n, dtype=np.int64)
     shake = ws[(n * JOINT + SHAKE) * 8 :]
     present = tree.copy()
-    leaf = np.ones(tree.shape[0], dtype=np.int64)
-    for i in range(tree.shape[0]):
-        if tree[i, PARENT] >= 0:
-            leaf[tree[i, PARENT]] = 0
     for g in range(first, last):
         lanes = min(8, copies - 8 * g)
         for i in range(n):
@@ -807,15 +822,7 @@ def run_groups(
                 state[(n + i) * 8 + lane] = start[source, n + i]
             if rows[source, 3] != 0.0:
                 shaken = 1
-        for i in range(tree.shape[0]):
-            # Contributions of nothing are exact zeros: leaving them out changes no lane's result.
-            present[i, KIND] = tree[i, KIND]
-            if tree[i, KIND] == SECTION:
-                carried = 0.0
-                for k in range((i * CONSTANTS + MASS) * 8, (i + 1) * CONSTANTS * 8):
-                    carried += abs(constants[k])
-                if carried == 0.0 and leaf[i] != 0:
-                    present[i, KIND] = ABSENT
+        present_nodes(tree, constants, present)
         width = 2 * n
         loaded: Any = np.int64(0)
         for i in range(n):

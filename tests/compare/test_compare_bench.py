@@ -128,6 +128,21 @@ def test_error_of_a_deflection_by_hand() -> None:
     assert flexible.error(truth + 0.04, truth) == pytest.approx(0.01)
 
 
+def test_native_deflection_is_that_of_the_public_simulation() -> None:
+    from harness.denoc.beam import beam_data
+    from harness.denoc.lanes import LaneModel
+
+    system = flexible.pendulum(2)
+    model = peers.native(system)
+    time = np.linspace(0.0, 0.2, 201)
+    wanted = model.simulate(*flexible.start(model.n), time).channels[flexible.CHANNEL]
+    lanes = LaneModel(system)
+    for copies in (1, 9):
+        rows = np.repeat(lanes.row()[None], copies, axis=0)
+        found = flexible.native_deflection(lanes, rows, beam_data(system, "rod").tip.s, time, 2.5e-4)
+        assert flexible.error(found, np.asarray(wanted)) < 1e-4
+
+
 def test_unknown_benchmark_is_refused_before_anything_runs() -> None:
     with pytest.raises(InputError, match="single_calls"):
         next(bench.run(["single_calls"]))

@@ -43,7 +43,8 @@ BENCHMARKS = {
         ("simulation_many", "simulation_one", "simulation_two_threads"),
     ),
     "flexible": Benchmark(
-        "a flexible pendulum against Exudyn's finite elements at the same accuracy", ("flexible_pendulum",)
+        "a flexible pendulum against Exudyn's finite elements at the same accuracy",
+        ("flexible_pendulum", "flexible_pendulum_many"),
     ),
     "diagnosis": Benchmark("a full diagnosis against one mujoco.sysid fit", ("diagnosis",)),
     "startup": Benchmark(
