@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
-from harness.denoc.compiled import compiled
+from harness.denoc.compiled import compiled, internal
 from harness.denoc.dynamics_call import call
 from harness.denoc.fixed_step import DIVERGED, force_at
 from harness.denoc.rows import ARMATURE
@@ -45,7 +45,7 @@ _EVENTS = 1_000_000
 _MARGIN = 1e-9
 
 
-@compiled
+@internal
 def rates(
     function: int,
     model: int,
@@ -69,20 +69,20 @@ def rates(
     return status
 
 
-@compiled
+@internal
 def needed(mode: Vector, dy: Vector, i: int) -> float:
     """Force that a resting joint would move with, and that friction has to balance."""
     return dy[len(mode) + i] * LOCK
 
 
-@compiled
+@internal
 def hold(rows: Matrix, row_of: Vector, armature: Vector, mode: Vector, i: int, new: int) -> None:
     """Set the state of joint i, and with it the lock."""
     mode[i] = new
     rows[row_of[i], ARMATURE] = LOCK if new == RESTING else armature[i]
 
 
-@compiled
+@internal
 def sort_resting(
     function: int,
     model: int,
@@ -124,7 +124,7 @@ def sort_resting(
     return UNDECIDED
 
 
-@compiled
+@internal
 def interpolate(dense: Matrix, y0: Vector, x: float, out: Vector) -> None:
     """State at share x of the step."""
     for i in range(len(out)):
@@ -135,7 +135,7 @@ def interpolate(dense: Matrix, y0: Vector, x: float, out: Vector) -> None:
         out[i] = value + y0[i]
 
 
-@compiled
+@internal
 def velocity_at(dense: Matrix, y0: Vector, x: float, i: int) -> float:
     value = 0.0
     for r in range(7):
@@ -350,7 +350,7 @@ def dormand_prince8(
     return status
 
 
-@compiled
+@internal
 def _stalled(mode: Vector, y: Vector, stages: Matrix) -> bool:
     """Bring to rest the joints that have come to a stop within rounding and are still slowing down."""
     n = len(mode)
@@ -363,7 +363,7 @@ def _stalled(mode: Vector, y: Vector, stages: Matrix) -> bool:
     return found
 
 
-@compiled
+@internal
 def _first_step(
     function: int,
     model: int,
@@ -400,7 +400,7 @@ def _first_step(
     return min(100.0 * h0, h1)
 
 
-@compiled
+@internal
 def _first_event(
     function: int,
     model: int,
@@ -489,7 +489,7 @@ def _first_event(
     return first, who, 0
 
 
-@compiled
+@internal
 def _excess(
     function: int,
     model: int,

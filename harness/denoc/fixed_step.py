@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.denoc.compiled import compiled
+from harness.denoc.compiled import compiled, internal
 from harness.denoc.dynamics_call import call
 
 Vector = Any
@@ -20,7 +20,7 @@ Matrix = Any
 DIVERGED = -3
 
 
-@compiled
+@internal
 def force_at(tau: Matrix, linear: bool, k: int, share: float, out: Vector) -> None:
     """Forces within sampling interval k, at ``share`` of it."""
     if len(tau) == 0:
@@ -226,7 +226,7 @@ def gauss_legendre6(
     return 0
 
 
-@compiled
+@internal
 def _continuation(ratio: float, guess: Matrix) -> None:
     """Lagrange weights that carry stage values over to the next step's stages, ``ratio`` the quotient of the steps."""
     for r in range(_STAGES):
@@ -239,7 +239,7 @@ def _continuation(ratio: float, guess: Matrix) -> None:
             guess[r, c] = value
 
 
-@compiled
+@internal
 def _factor(
     function: int,
     model: int,
@@ -281,7 +281,7 @@ def _factor(
     return 0
 
 
-@compiled
+@internal
 def _decompose(a: Matrix, pivots: Vector) -> None:
     """LU with row exchanges, in place."""
     n = len(a)
@@ -303,7 +303,7 @@ def _decompose(a: Matrix, pivots: Vector) -> None:
                     a[i, j] -= factor * a[k, j]
 
 
-@compiled
+@internal
 def _solve(a: Matrix, pivots: Vector, x: Vector) -> None:
     """Solve with the factors of ``_decompose``, in place."""
     n = len(a)

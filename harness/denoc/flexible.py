@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.denoc.compiled import compiled
+from harness.denoc.compiled import compiled, internal
 from harness.denoc.elastic import AXES, HAS_TIP_INERTIA, HEAD, POLAR, TIP_INERTIA
 from harness.denoc.rigid import add_shifted_inertia, turn_inertia
 from harness.denoc.rows import (
@@ -65,12 +65,12 @@ Matrix = Any
 Triple = tuple[float, float, float]
 
 
-@compiled
+@internal
 def cross(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Triple:
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-@compiled
+@internal
 def tilt(e: Beams, at: int, m: int, b: Vector, bd: Vector, first: int) -> tuple[float, ...]:
     """Angles ψ1, ψ2, φ of a section and their rates, from its constants at ``at``."""
     one, two, twist = 0.0, 0.0, 0.0
@@ -86,7 +86,7 @@ def tilt(e: Beams, at: int, m: int, b: Vector, bd: Vector, first: int) -> tuple[
     return one, two, twist, one_rate, two_rate, twist_rate
 
 
-@compiled
+@internal
 def bent_place(
     e: Beams, at: int, m: int, b: Vector, bd: Vector, first: int, hb: int
 ) -> tuple[float, float, float, float, float, float, float]:
@@ -110,7 +110,7 @@ def bent_place(
     return e[at] - 0.5 * stretch, u, w, -rate, ud, wd, -bias
 
 
-@compiled
+@internal
 def ride_on_section(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vector) -> None:
     """Pose, spin and velocity-product acceleration of body i whose joint sits on a section of its flexible parent."""
     p = t[i, PARENT]
@@ -232,7 +232,7 @@ def ride_on_section(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vecto
         e[out + 6 * k + 5] = vz + fz * s3 + hz * s1 + nz * s2
 
 
-@compiled
+@internal
 def ride_rigidly(d: Rows, t: Topology, i: int, q: Vector, qd: Vector) -> None:
     """Pose, spin and velocity-product acceleration of body i whose joint sits rigidly in its parent's frame."""
     p = t[i, PARENT]
@@ -279,7 +279,7 @@ def ride_rigidly(d: Rows, t: Topology, i: int, q: Vector, qd: Vector) -> None:
     d[i, REACH], d[i, REACH + 1], d[i, REACH + 2] = rx, ry, rz
 
 
-@compiled
+@internal
 def place(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vector) -> None:
     """Pose, spin and velocity-product acceleration of body i from its parent's."""
     if t[i, STATION] >= 0:
@@ -288,7 +288,7 @@ def place(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vector) -> None
         ride_rigidly(d, t, i, q, qd)
 
 
-@compiled
+@internal
 def bend(d: Rows, t: Topology, e: Beams, i: int, b: Vector, bd: Vector) -> None:
     """Add the beam's inertia and bias to the body's row, and fill the coupling N, modal inertia A and modal bias.
 
@@ -398,7 +398,7 @@ def bend(d: Rows, t: Topology, e: Beams, i: int, b: Vector, bd: Vector) -> None:
             e[a_at + l * m + k] = e[a_at + k * m + l]
 
 
-@compiled
+@internal
 def _tip_inertia(
     e: Beams,
     i: int,
@@ -486,7 +486,7 @@ def _tip_inertia(
     )
 
 
-@compiled
+@internal
 def outward(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector) -> None:
     """Pose, inertia and bias of every body, from the base outwards."""
     for i in range(1, bodies + 1):
@@ -538,7 +538,7 @@ def forward_dynamics(
     return singular
 
 
-@compiled
+@internal
 def eliminate_modes(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vector, tau: Vector) -> bool:
     """Take the modal accelerations out of a body's inertia and bias; whether A was positive definite."""
     m = t[i, MODES]
@@ -606,7 +606,7 @@ def eliminate_modes(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vecto
     return sound
 
 
-@compiled
+@internal
 def subtract_square(
     d: Rows, i: int, u0: float, u1: float, u2: float, u3: float, u4: float, u5: float, scale: float
 ) -> None:
@@ -635,7 +635,7 @@ def subtract_square(
     d[i, M + 5] -= v5 * u5
 
 
-@compiled
+@internal
 def times_inertia(d: Rows, i: int, a: Vector, at: int) -> tuple[float, float, float, float, float, float]:
     """Wrench [J B; Bᵀ M] a for a six-vector that begins at a[at]."""
     a0, a1, a2, a3, a4, a5 = a[at], a[at + 1], a[at + 2], a[at + 3], a[at + 4], a[at + 5]
@@ -649,7 +649,7 @@ def times_inertia(d: Rows, i: int, a: Vector, at: int) -> tuple[float, float, fl
     )
 
 
-@compiled
+@internal
 def eliminate_joint(d: Rows, t: Topology, i: int, u: float) -> bool:
     """U, D and u of the joint, taken out of the body's inertia and bias; whether D was positive."""
     zx, zy, zz = d[i, TURN + 2], d[i, TURN + 5], d[i, TURN + 8]
@@ -686,7 +686,7 @@ def eliminate_joint(d: Rows, t: Topology, i: int, u: float) -> bool:
     return pivot > 0.0
 
 
-@compiled
+@internal
 def hand_on_inertia(d: Rows, t: Topology, e: Beams, i: int) -> None:
     """Add body i's inertia to its parent's, and to the parent's modes if it rides on a section."""
     p = t[i, PARENT]
@@ -732,7 +732,7 @@ def hand_on_inertia(d: Rows, t: Topology, e: Beams, i: int) -> None:
             e[o + 5] += w5
 
 
-@compiled
+@internal
 def hand_on_wrench(
     d: Rows, t: Topology, e: Beams, i: int, w0: float, w1: float, w2: float, w3: float, w4: float, w5: float
 ) -> None:
@@ -753,7 +753,7 @@ def hand_on_wrench(
             e[p_at + k] += w0 * e[o] + w1 * e[o + 1] + w2 * e[o + 2] + w3 * e[o + 3] + w4 * e[o + 4] + w5 * e[o + 5]
 
 
-@compiled
+@internal
 def hand_on(d: Rows, t: Topology, e: Beams, i: int) -> None:
     """Add body i's articulated inertia and bias to its parent's."""
     w0, w1, w2, w3, w4, w5 = times_inertia(d, i, d[i], BIAS)
@@ -772,7 +772,7 @@ def hand_on(d: Rows, t: Topology, e: Beams, i: int) -> None:
     hand_on_inertia(d, t, e, i)
 
 
-@compiled
+@internal
 def accelerate(d: Rows, t: Topology, e: Beams, i: int, qdd: Vector) -> None:
     """Acceleration body i would have without its joint's own; the parent's modal accelerations are in ``qdd``."""
     p = t[i, PARENT]
@@ -912,7 +912,7 @@ def mass_matrix(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, mass: Ma
             _column_to_ancestors(d, t, e, i, first + k, e[s], e[s + 1], e[s + 2], e[s + 3], e[s + 4], e[s + 5], mass)
 
 
-@compiled
+@internal
 def _column_to_ancestors(
     d: Rows,
     t: Topology,
@@ -952,7 +952,7 @@ def _column_to_ancestors(
         k = p
 
 
-@compiled
+@internal
 def advance_origin(d: Rows, t: Topology, e: Beams, i: int, qd: Vector) -> None:
     """Position and velocity of body i's origin in base coordinates, once the body is placed."""
     p = t[i, PARENT]
