@@ -117,6 +117,12 @@ def vector_at(address: int, n: int) -> Any:
     return carray(_floats(address), n)
 
 
+@compiled
+def matrix_of(reference: Any, n: int) -> Any:
+    """An array of Python's as an (n, n) matrix, unseen: for one that the caller has just made."""
+    return carray(_floats(carray(_words(_address(reference)), 8)[_DATA]), (n, n))
+
+
 def entry(kernel: Any, vectors: int) -> Callable[..., int]:
     """The compiled function itself, without dispatcher, of a kernel (header address, vector, …, vector)."""
     signature = (types.int64, *([object_reference] * vectors))

@@ -42,6 +42,7 @@ class Denoc:
         "_inverse",
         "_kernels",
         "_many",
+        "_mass",
         "_model",
         "_zero",
         "beams",
@@ -78,6 +79,7 @@ class Denoc:
         self._forward = entry(forward_entry, 4)
         self._inverse = entry(inverse_entry, 4)
         self._many: BatchModel | None = None
+        self._mass: Any = None
         self._kernels: Any = rigid
         self._arguments: tuple[Any, ...] = (tree.bodies, tree.rows, tree.topology)
         if flexible:
@@ -126,9 +128,21 @@ class Denoc:
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Generalized inertia matrix M(q), armature included, shape (n, n)."""
-        mass = np.empty((self.n, self.n))
-        self._kernels.mass_matrix(*self._arguments, self.vector("q", q), mass)
+        mass = empty((self.n, self.n))
+        if self._mass is None:
+            self._mass = self._short_mass_matrix()
+        if self._mass(self._model, q, mass):
+            # Converted and checked, or a line that says what is wrong.
+            self._kernels.mass_matrix(*self._arguments, self.vector("q", q), mass)
         return mass
+
+    def _short_mass_matrix(self) -> Any:
+        """The short way to the mass matrix; where links bend there is none, and it declines."""
+        if self.beams:
+            return lambda model, q, mass: NOT_PLAIN
+        from harness.denoc.rigid_address import mass_entry
+
+        return entry(mass_entry, 2)
 
     def bias(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """C(q, q̇) q̇ + g(q), without passive forces, shape (n,)."""

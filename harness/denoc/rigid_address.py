@@ -8,10 +8,23 @@ from __future__ import annotations
 import functools
 from typing import Any
 
+import numpy as np
 from numba import cfunc, types
 
-from harness.denoc.binding import BODIES, COORDINATES, header_at, rows_of, topology_of, vector_at
-from harness.denoc.rigid import forward_dynamics, inverse_dynamics, subtract_passive
+from harness.denoc.binding import (
+    BODIES,
+    COORDINATES,
+    NOT_FINITE,
+    NOT_PLAIN,
+    header_at,
+    matrix_of,
+    rows_of,
+    topology_of,
+    vector_at,
+    vector_data,
+)
+from harness.denoc.compiled import compiled
+from harness.denoc.rigid import forward_dynamics, inverse_dynamics, mass_matrix, subtract_passive
 
 _SIGNATURE = types.int64(*[types.int64] * 5)
 
@@ -20,6 +33,24 @@ _SIGNATURE = types.int64(*[types.int64] * 5)
 def addresses() -> tuple[int, int]:
     """Addresses of forward and of inverse dynamics."""
     return int(_forward().address), int(_inverse().address)
+
+
+@compiled
+def mass_entry(model: int, q: Any, mass: Any) -> int:
+    """Generalized inertia matrix for ``binding.entry``; mass: an array (n, n) that the caller has just made."""
+    header = header_at(model)
+    n = header[COORDINATES]
+    at = vector_data(q, header)
+    if at == 0:
+        return NOT_PLAIN
+    position = vector_at(at, n)
+    total = 0.0
+    for value in position:
+        total += value * 0.0
+    if not np.isfinite(total):
+        return NOT_FINITE
+    mass_matrix(header[BODIES], rows_of(header), topology_of(header), position, matrix_of(mass, n))
+    return 0
 
 
 @functools.cache

@@ -66,6 +66,9 @@ def test_anything_that_holds_the_numbers_gives_the_same(vector: object) -> None:
     plain = np.array(vector, dtype=np.float64)
     expected = MODEL.forward_dynamics(plain, plain, plain)
     assert np.array_equal(MODEL.forward_dynamics(vector, vector, vector), expected)  # type: ignore[arg-type]
+    assert np.array_equal(MODEL.mass_matrix(vector), MODEL.mass_matrix(plain))  # type: ignore[arg-type]
+    # The short way of one state and the loop over many are the same kernel.
+    assert np.allclose(MODEL.mass_matrix(plain), MODEL.mass_matrix_batch(plain[None])[0], rtol=1e-13, atol=1e-13)
 
 
 def test_integers_are_numbers() -> None:
