@@ -126,7 +126,7 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
     study, problem = outcome.study, outcome.problem
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
-    left = examine(outcome.predictor, study.likelihood, smaller, None, joints, torques, outcome.period)
+    left = examine(outcome.predictor, study.likelihood, smaller, joints, torques, outcome.period)
     log_n = float(np.log(study.samples))
     named = [t for t in left.tests if t.places >= 0]
     prices = [t.gain - (t.size + t.places) * log_n for t in named]
@@ -176,7 +176,7 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
     if z < WORSE:
         return None
     where = f"mean square {np.exp(rise):.2f} times that of the training data"
-    return Test("a worse fit of the data held out", added - judged * level, 1, float(norm.sf(z)), z, (where,), -1)
+    return Test("a worse fit of the data held out", added - judged * level, 1, float(norm.sf(z)), (where,), -1)
 
 
 def conclude(outcome: Outcome) -> Conclusion:
@@ -186,7 +186,7 @@ def conclude(outcome: Outcome) -> Conclusion:
     own, held = trained(outcome, best), judge(outcome, best)
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
-    remains = examine(outcome.predictor, study.likelihood, best, None, joints, torques, outcome.period, LEVEL)
+    remains = examine(outcome.predictor, study.likelihood, best, joints, torques, outcome.period, LEVEL)
     for test in (_stretched(outcome, best), _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))

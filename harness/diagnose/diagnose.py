@@ -154,7 +154,8 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
     side, site = _side_and_site(outcome, conclusion)
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
     values = {
-        claim.candidate.key: estimates(outcome.predictor, conclusion.own, claim.index) for claim in conclusion.claims
+        claim.candidate.key: estimates(outcome.predictor, conclusion.own, claim.index, outcome.training)
+        for claim in conclusion.claims
     }
     findings = [_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims]
     nominal_held = judge(outcome, outcome.nominal)
@@ -206,7 +207,7 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
     remainder: dict[str, Any] = {
         "significant": conclusion.remains.significant,
         "tests": [
-            {"what": t.name, "gain": t.gain, "chance": t.chance, "heldout_sigma": t.heldout_z, "where": list(t.where)}
+            {"what": t.name, "gain": t.gain, "chance": t.chance, "where": list(t.where)}
             for t in conclusion.remains.tests
         ],
         "doubted": list(conclusion.doubted),

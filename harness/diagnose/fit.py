@@ -133,7 +133,7 @@ def linearise(
         stacked = np.vstack(
             [np.column_stack([js, jp, r]), np.column_stack([np.diag(damping), np.zeros((len(s), size + 1))])]
         )
-        (triangle,) = qr(stacked, mode="r", check_finite=False)
+        triangle = _triangle(stacked)
         n = len(s)
         triangle = triangle[: n + size + 1]
         triangles.append((triangle[:n, :n], triangle[:n, n : n + size], triangle[:n, -1]))
@@ -144,6 +144,19 @@ def linearise(
     return Linearisation(
         cost, tuple(residuals), tuple(triangles), np.vstack(rows), np.concatenate(right), tuple(bases), tuple(shared)
     )
+
+
+BLOCK = 1024  # rows factorised at once, so that they stay in the cache
+
+
+def _triangle(tall: Array) -> Array:
+    """R of a tall matrix's QR factorisation, by blocks of rows (Demmel et al., SIAM J. Sci. Comput. 34 (2012) A206)."""
+    if len(tall) <= 2 * BLOCK:
+        return np.asarray(qr(tall, mode="r", check_finite=False)[0])
+    parts = [
+        qr(part, mode="r", check_finite=False)[0][: tall.shape[1]] for part in np.array_split(tall, len(tall) // BLOCK)
+    ]
+    return np.asarray(qr(np.vstack(parts), mode="r", check_finite=False)[0])
 
 
 def fit(

@@ -39,6 +39,8 @@ RATE = 250.0  # Hz to which recordings are thinned
 SPREAD = 0.15  # of the logarithm of a level: what bearings are known to do
 STEP = 1e-6  # of a parameter's scale, between lanes
 BLOCKS = 12  # of a recording, between which the gradient's scatter is taken
+AGAIN = 8  # fits that begin where the best one ended
+ENOUGH = 2.0  # in cost, below which a further fit is not worth it
 START = 0.1  # of a starting value, by which it is expected to be wrong
 SHORTEST_WAY = 1e-3  # rad or m in which Dahl's friction may build up; shorter ones are Coulomb's friction
 WHOLE = ("periods",)  # parameters that are whole numbers, and stay
@@ -76,7 +78,15 @@ def fit_levels(
         raise UnsupportedError("levels of friction are fitted for rigid links only", mend="leave the flexible link out")
     if not recordings or not systems:
         raise InputError("no recording or no system given", mend="name at least one of each")
-    return min((_Levels(system, recordings, spread).fit() for system in systems), key=lambda found: found.cost)
+    best = min((_Levels(system, recordings, spread).fit() for system in systems), key=lambda found: found.cost)
+    # Valleys of friction laws are long and flat: from where the best one ended, with steps measured there, until it stands still.
+    for _ in range(AGAIN):
+        further = _Levels(best.system, recordings, spread).fit()
+        gained = best.cost - further.cost
+        best = further if gained > 0.0 else best
+        if gained < ENOUGH:
+            break
+    return best
 
 
 @dataclass(frozen=True, eq=False)

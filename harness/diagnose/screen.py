@@ -26,6 +26,8 @@ from harness.diagnose.windows import Window
 Array = NDArray[np.float64]
 
 MOST_LANES = 512  # run at once, to bound memory
+MOST_TOGETHER = 256  # columns whose inner products are all kept
+UNRESOLVED = 1e-13  # share of a column's square below which what is left of it is rounding
 WEAK = 1e-4  # norm of a projected direction [noise standard deviations] below which nothing can be seen of it
 
 
@@ -44,6 +46,17 @@ class Score:
 
 
 @dataclass(frozen=True, eq=False)
+class Projected:
+    """Inner products of columns without their adjustable part: with the residual, with themselves, with the next one; and
+    all of them among each other (None for very many). Shapes (K,), (K,), (K − 1,), (K, K)."""
+
+    along: Array
+    squares: Array
+    neighbours: Array
+    gram: Array | None
+
+
+@dataclass(frozen=True, eq=False)
 class Nuisance:
     """Orthonormal bases of what a fit may adjust: per window the initial state, over all windows the shared parameters."""
 
@@ -52,11 +65,39 @@ class Nuisance:
     residual: Array
     prior: Array
 
-    def project(self, columns: Sequence[Array]) -> Array:
-        """Whitened changes per window (each (k, M_w)) as one matrix (M + P, k) without their adjustable part."""
-        parts = [c.T - q @ (q.T @ c.T) for c, q in zip(columns, self.states, strict=True)]
-        stacked = np.vstack([*parts, np.zeros((len(self.prior), columns[0].shape[0]))])
-        return stacked - self.shared @ (self.shared.T @ stacked)
+    def measure(self, columns: Sequence[Array], *, only: int | None = None) -> Projected:
+        """Whitened changes per window, each (K, M_w), without their adjustable part, held against the residual.
+
+        only: the number of the window that ``columns`` (one array) belongs to, if they change nothing elsewhere.
+        The columns themselves are never projected: what is adjustable of them is told by a few inner products.
+        """
+        windows = range(len(self.states)) if only is None else [only]
+        edges = np.cumsum([0, *(len(q) for q in self.states)])
+        count = columns[0].shape[0]
+        along, raw = np.zeros(count), np.zeros(count)
+        gram = np.zeros((count, count)) if count <= MOST_TOGETHER else None
+        neighbours = np.zeros(max(count - 1, 0))
+        of_shared = np.zeros((count, self.shared.shape[1]))
+        of_states = []
+        for c, w in zip(columns, windows, strict=True):
+            rows = slice(edges[w], edges[w + 1])
+            along += c @ self.residual[rows]
+            of_shared += c @ self.shared[rows]
+            of_states.append(c @ self.states[w])
+            if gram is None:
+                raw += np.einsum("ij,ij->i", c, c)
+                neighbours += np.einsum("ij,ij->i", c[:-1], c[1:])
+            else:
+                gram += c @ c.T
+        adjustable = np.hstack([of_shared, *of_states])
+        if gram is not None:
+            gram -= adjustable @ adjustable.T
+            squares, beside = np.diag(gram), np.diag(gram, 1)
+        else:
+            squares = raw - np.einsum("ij,ij->i", adjustable, adjustable)
+            beside = neighbours - np.einsum("ij,ij->i", adjustable[:-1], adjustable[1:])
+        raw = squares + np.einsum("ij,ij->i", adjustable, adjustable)
+        return Projected(along, np.where(squares > UNRESOLVED * raw, squares, 0.0), beside, gram)
 
 
 def nuisance(fitted: Fit, predictor: Predictor) -> Nuisance:
@@ -247,12 +288,8 @@ def _best_ray(
     for part in changes:
         finite &= np.all(np.isfinite(part), axis=1)
     changes = [np.nan_to_num(part) for part in changes]
-    directions = space.project(changes)
-    residual = space.residual
-    # Everything that is asked of the columns in three passes: they may be thousands.
-    along = directions.T @ residual
-    squares = np.einsum("ij,ij->j", directions, directions)
-    neighbours = np.einsum("ij,ij->j", directions[:, :-1], directions[:, 1:])
+    seen = space.measure(changes)
+    along, squares, neighbours = seen.along, seen.squares, seen.neighbours
     best: Score | None = None
     place = 0
     for line in lines:

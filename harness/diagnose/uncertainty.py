@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.stats import chi2, norm
 
 from harness.diagnose.fit import Fit, covariance
 from harness.diagnose.predict import Predictor, from_internal, is_logarithmic
-from harness.diagnose.study import whole_numbers
+from harness.diagnose.study import Study, whole_numbers
 
 Array = NDArray[np.float64]
 
@@ -35,8 +35,26 @@ def inflation(fitted: Fit) -> float:
     return max(1.0, float(used @ used) / dof)
 
 
-def estimates(predictor: Predictor, fitted: Fit, k: int) -> dict[str, Estimate]:
-    """Estimates of member k's parameters, by name."""
+MOST_NEIGHBOURS = 5
+
+
+def whole_interval(study: Study, fitted: Fit, index: int) -> tuple[float, float]:
+    """Whole numbers that the data leave open at 95 %, by fitting everything else again for each."""
+    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted)
+    value = study.counted(fitted, index)
+    ends = []
+    for sense in (-1.0, 1.0):
+        reach = 0.0
+        while abs(reach) < MOST_NEIGHBOURS and value + reach + sense >= 1.0:
+            if study.neighbour(fitted, index, reach + sense).score > limit:
+                break
+            reach += sense
+        ends.append(value + reach)
+    return ends[0], ends[1]
+
+
+def estimates(predictor: Predictor, fitted: Fit, k: int, study: Study | None = None) -> dict[str, Estimate]:
+    """Estimates of member k's parameters, by name. study: of the fit, to try other whole numbers in."""
     member = fitted.hypothesis.members[k]
     span = fitted.hypothesis.span(k)
     first = len(predictor.nominal) + span.start
@@ -50,7 +68,8 @@ def estimates(predictor: Predictor, fitted: Fit, k: int) -> dict[str, Estimate]:
         s = float(sigma[first + j])
         value = float(values[j])
         if whole[j]:
-            out[parameter.name] = Estimate(value, 0.0, value, value)
+            low, high = whole_interval(study, fitted, first + j) if study is not None else (value, value)
+            out[parameter.name] = Estimate(value, 0.25 * (high - low), low, high)
             continue
         if not np.isfinite(s):
             # At a bound: one-sided, from the curvature there if it can be had.
