@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -142,3 +143,23 @@ def test_what_leaves_the_plane_is_not_taken_for_it() -> None:
     assert (
         LaneModel(system.replace_joint(replace(second, axis=constant(tilted / np.linalg.norm(tilted))))).plane is None
     )
+
+
+def test_arithmetic_is_on_vectors_in_the_machine_code() -> None:
+    from numba import types
+
+    from harness.denoc.lanes_planar import planar_accelerations
+
+    numbers, whole = types.float64[::1], types.int64
+    signature = (whole[:, ::1], whole[::1], numbers, numbers, numbers, numbers, whole, whole, whole, whole)
+    planar_accelerations.compile(signature)
+    code = planar_accelerations.inspect_asm(signature)
+    packed, single = (
+        len(re.findall(rf"^\tv?(?:f[n]?m(?:add|sub)\d+|add|sub|mul|div|sqrt){kind}\t", code, re.MULTILINE))
+        for kind in ("pd", "sd")
+    )
+    if packed + single == 0:
+        pytest.skip("the instructions of another kind of processor")
+    # What is left to single numbers is the sign of a joint.
+    assert packed > 500
+    assert single < 0.02 * packed
