@@ -39,7 +39,8 @@ RATE = 250.0  # Hz to which recordings are thinned
 SPREAD = 0.15  # of the logarithm of a level: what bearings are known to do
 STEP = 1e-6  # of a parameter's scale, between lanes
 BLOCKS = 12  # of a recording, between which the gradient's scatter is taken
-AGAIN = 8  # fits that begin where the best one ended
+FIRST_SIGMA = 3e-4  # of the largest position: the residual that is aimed at, before it is known
+AGAIN = 4  # fits that begin where the best one ended
 ENOUGH = 2.0  # in cost, below which a further fit is not worth it
 START = 0.1  # of a starting value, by which it is expected to be wrong
 SHORTEST_WAY = 1e-3  # rad or m in which Dahl's friction may build up; shorter ones are Coulomb's friction
@@ -124,7 +125,7 @@ class _Levels:
         self.scale = np.where(start != 0.0, START * np.abs(start), START * self._inner(np.array(scales)))
         self.scale = np.maximum(np.abs(self.scale), 1e-12)
         self.start = start
-        self.model: LaneModel = lane_model(self._shaped(np.zeros(len(self.nominal)), self.start))
+        self.model: LaneModel = lane_model(self._shaped(np.zeros(len(self.nominal)), values))
 
     def _run(self, recording: Recording) -> _Run:
         if any(np.any(e.values != 0.0) for e in recording.efforts):
@@ -263,7 +264,7 @@ class _Levels:
         unit = np.ones(total)
         unit[b:c] = 0.1
         unit[c:] = np.tile(np.concatenate([np.full(n, 1e-3), np.full(n, 1e-2)]), len(self.runs))
-        sigma = 1.0
+        sigma = FIRST_SIGMA * max(float(np.abs(run.position).max()) for run in self.runs)
         pairs: dict[bytes, tuple[Array, Array]] = {}
 
         def both(x: Array) -> tuple[Array, Array]:
