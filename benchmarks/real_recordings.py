@@ -258,7 +258,7 @@ def with_levels(
 ) -> dict[str, Any]:
     """Dry friction that yields before it slides and is larger in slow motion, at a level of its own in every recording.
 
-    Beside drag, a tilt and an eccentric encoder disc, from eight starts that divide the dry friction which the diagnosis found; the
+    Beside drag, a tilt and an eccentric encoder disc, from four starts that divide the dry friction which the diagnosis found; the
     one that fits the training recordings best counts. The held-out ones are predicted with the last training recording's level.
     """
     joint = system.joint(system.joint_names[0])
@@ -267,8 +267,8 @@ def with_levels(
     drag = found.get("quadratic_drag", {}).get("coefficient", 0.0)
     bare = system.replace_joint(replace(joint, damping=0.0, friction=0.0))
     starts = []
-    for share, speed, way in product((0.4, 0.8), (1.5, 3.0), (0.04, 0.08)):
-        slow, gives = (1.0 - share) * dry, share * dry
+    for share, speed in product((0.4, 0.8), (1.5, 3.0)):
+        slow, gives, way = (1.0 - share) * dry, share * dry, 0.04
         starts.append(
             replace(
                 bare,
