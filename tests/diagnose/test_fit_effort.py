@@ -180,3 +180,53 @@ def test_written_answer_can_be_read_again(system: System, tmp_path: Path) -> Non
     assert {p.name for p in paths} == {"diagnosis.json", "report.html", "augmented.toml"}
     again = load(tmp_path / "out" / "augmented.toml")
     assert any(a.effect == "coulomb_friction" for a in again.attachments)
+
+
+def test_the_right_joint_of_two_is_named(tmp_path: Path) -> None:
+    text = """<robot name="two"><link name="base"/>
+    <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/></joint>
+    <link name="upper"><inertial><origin xyz="0 0 -0.15"/><mass value="0.8"/>
+    <inertia ixx="0.006" iyy="0.006" izz="0.0002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/>
+    <origin xyz="0 0 -0.3"/><axis xyz="0 1 0"/></joint>
+    <link name="lower"><inertial><origin xyz="0 0 -0.1"/><mass value="0.4"/>
+    <inertia ixx="0.002" iyy="0.002" izz="0.0001" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+    (tmp_path / "two.urdf").write_text(text, encoding="utf-8")
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disable"/></option><worldbody><body>
+        <joint type="hinge" axis="0 1 0" damping="0.05"/>
+        <inertial pos="0 0 -0.15" mass="0.8" diaginertia="0.006 0.006 0.0002"/>
+        <body pos="0 0 -0.3"><joint type="hinge" axis="0 1 0" damping="0.012"/>
+        <inertial pos="0 0 -0.1" mass="0.4" diaginertia="0.002 0.002 0.0001"/></body></body></worldbody></mujoco>"""
+    )
+    runs = []
+    for seed in (31, 32):
+        data = mujoco.MjData(model)
+        first, second = drive(seed), drive(seed + 50)
+        rows = []
+        for k in range(24000):
+            middle = data.time + 0.5 * model.opt.timestep
+            if k % 8 == 0:
+                rows.append([data.time, *data.qpos, 0.8 * first(data.time), 0.25 * second(data.time)])
+            data.qfrc_applied[:] = 0.8 * first(middle), 0.25 * second(middle)
+            mujoco.mj_step(model, data)
+        table = np.array(rows)
+        noise = np.random.default_rng(seed).standard_normal((len(table), 4)) * np.array([1e-4, 1e-4, 0.01, 0.004])
+        table[:, 1:] += noise
+        joints = ("shoulder", "elbow")
+        runs.append(
+            Recording(
+                f"run{seed}",
+                f"run{seed}.csv",
+                table[:, 0],
+                tuple(Channel(f"{n}.position", n, "position", "rad", table[:, 1 + j]) for j, n in enumerate(joints)),
+                tuple(Channel(f"{n}.effort", n, "effort", "N*m", table[:, 3 + j]) for j, n in enumerate(joints)),
+            )
+        )
+    # The shoulder's damping is known, the elbow's is not.
+    known = load(tmp_path / "two.urdf")
+    known = known.replace_joint(replace(known.joint("shoulder"), damping=0.05))
+    found = diagnose(runs, known, fit_effort=True, only=("viscous_damping", "coulomb_friction", "quadratic_drag"))
+    assert [(f["effect"], f["site"]) for f in found.findings] == [("viscous_damping", "elbow")]
+    assert found.findings[0]["parameters"]["coefficient"]["value"] == pytest.approx(0.012, rel=0.05)
+    assert found.verdict == "explained"
