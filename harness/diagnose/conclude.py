@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from harness.diagnose.fit import Fit
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, trained
 from harness.diagnose.locate import rmse
-from harness.diagnose.remainder import Remains, Test, examine
+from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
+from harness.effects.effect import Family
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
@@ -26,6 +27,9 @@ FAKED = (
 CARRIES = (
     1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
 )
+BETTER = 12.0  # in the criterion, by which an unnamed force must do better than an effect that explains all
+STEADY, STEADY_FREQUENCY = 0.4, 0.03  # relative differences between separate recordings
+STEADY_PHASE = 0.6  # rad
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations under their tolerance, below which they are a finding
 WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
 LEVEL = (
@@ -118,20 +122,47 @@ def _probabilities(outcome: Outcome) -> dict[str, float]:
     return out
 
 
-def _imitated(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
-    """Whether a force or a jump that nobody has named explains as well what a member of the best set was called for.
-
-    Asked where a remainder shows that something outside the catalogue is at work: it may have called for the member too.
-    """
+def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) -> bool:
+    """Whether a force or a jump that nobody has named explains, better by ``margin``, what a member was called for."""
     study, problem = outcome.study, outcome.problem
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
     left = examine(outcome.predictor, study.likelihood, smaller, joints, torques, outcome.period)
     log_n = float(np.log(study.samples))
-    named = [t for t in left.tests if t.places >= 0]
+    # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
+    lasting = any(
+        m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
+    )
+    named = [t for t in left.tests if t.places >= 0 and not (lasting and t.what.startswith(SETS_IN))]
     prices = [t.gain - (t.size + t.places) * log_n for t in named]
     prices += [t.together[0] - t.together[1] * (1 + t.places) * log_n for t in named]
-    return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best))
+    return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
+
+
+def _steady(outcome: Outcome, own: Fit, k: int) -> bool:
+    """Whether the data held out, fitted by themselves, give member ``k`` about the same size as the training did.
+
+    What only soaks up a remainder seldom does so twice with the same numbers.
+    """
+    study, held = outcome.study, outcome.held_windows
+    if own.hypothesis.identity not in outcome.alone:
+        states = judge(outcome, own).states
+        outcome.alone[own.hypothesis.identity] = fit(
+            outcome.predictor, study.likelihood, own.hypothesis, held, own.x, states, most_steps=20
+        )
+    other = outcome.alone[own.hypothesis.identity]
+    a, b = (outcome.predictor.effect_values(f.hypothesis, k, f.x) for f in (own, other))
+    for j, parameter in enumerate(own.hypothesis.members[k].effect.parameters):
+        origin = parameter.neutral if np.isfinite(parameter.neutral) else 0.0
+        one, two = a[j] - origin, b[j] - origin
+        if parameter.name == "phase":
+            if abs(np.angle(np.exp(1j * (one - two)))) > STEADY_PHASE:
+                return False
+        elif parameter.name == "frequency" or j == 0:
+            reach = STEADY_FREQUENCY if parameter.name == "frequency" else STEADY
+            if abs(one - two) > reach * max(abs(one), abs(two)):
+                return False
+    return True
 
 
 def _stretched(outcome: Outcome, best: Fit) -> Test | None:
@@ -200,8 +231,12 @@ def conclude(outcome: Outcome) -> Conclusion:
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)
         gain = smaller.score - best.score
-        weak = remains.significant and (gain < FAKED * excess or _imitated(outcome, best, smaller))
-        if weak and not _carries(outcome, held, smaller):
+        if remains.significant:
+            weak = gain < FAKED * excess or _imitated(outcome, best, smaller)
+            doubtful = weak and not (_carries(outcome, held, smaller) and _steady(outcome, own, k))
+        else:
+            doubtful = _imitated(outcome, best, smaller, BETTER)
+        if doubtful:
             doubted.append(member.key)
             continue
         rivals = []
@@ -214,6 +249,7 @@ def conclude(outcome: Outcome) -> Conclusion:
                 min(1.0, probabilities.get(member.key, 0.0)),
             )
         )  # fmt: skip
+    incomplete = incomplete or bool(doubted)
     if not best.hypothesis.members:
         verdict = "unexplained" if incomplete else "consistent"
     elif not incomplete:

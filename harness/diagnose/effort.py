@@ -42,6 +42,7 @@ SHARE = 0.05  # of the residual's variance that it must explain besides
 WORSE = 1.3  # times the training residual that the held-out one may be
 SHOWN = 8  # hypotheses in the ranking
 FEWEST = 40  # independent samples
+SLOW = 0.1  # of the greatest speed, below which a joint is about to reverse
 PIECES = 24  # of a recording, in which the nominal model is judged
 POINTS = 4000  # of a curve
 
@@ -82,7 +83,7 @@ def diagnose_effort(
         )
     tell("noise of the efforts")
     known = tuple(
-        c
+        _resolvable(c, system, train)
         for c in candidates(system, every, only=only or KNOWN)
         if c.effect.sensor is None or c.site.endswith(".position")
     )
@@ -91,6 +92,23 @@ def diagnose_effort(
     notes = [_note(system, runs[p.run], p) for p in pushes]
     tell("telling")
     return _Answer(system, every, runs, study, best, pushes, notes, cutoff, len(train)).document()
+
+
+def _resolvable(candidate: Candidate, system: System, runs: Sequence[EffortRun]) -> Candidate:
+    """A Stribeck velocity no smaller than the speed that a reversal gains within the smoothing, which would else imitate it."""
+    if candidate.effect.name != "stribeck_friction":
+        return candidate
+    joint = system.joint_names.index(candidate.site)
+    least = 0.0
+    for run in runs:
+        slow = run.usable & (np.abs(run.qd[:, joint]) < SLOW * np.abs(run.qd[:, joint]).max())
+        if slow.any():
+            least = max(least, float(np.median(np.abs(run.qdd[slow, joint]))) / (2.0 * run.bandwidth))
+    parameters = tuple(
+        replace(p, lower=max(p.lower, least)) if p.name == "stribeck_velocity" else p
+        for p in candidate.effect.parameters
+    )
+    return replace(candidate, effect=replace(candidate.effect, parameters=parameters))
 
 
 def _known(only: Sequence[str]) -> None:
@@ -202,8 +220,11 @@ class _Answer:
     def _channel(self, joint: int) -> str:
         return f"{self.system.joint_names[joint]}.effort"
 
+    def _plain(self, data: EffortData, fitted: EffortFit, joint: int) -> Array:
+        return data.plain(data.model.residuals(fitted.hypothesis, fitted.x), joint)
+
     def _rms(self, data: EffortData, fitted: EffortFit, joint: int) -> float:
-        values = data.plain(data.model.residuals(fitted.hypothesis, fitted.x), joint)
+        values = self._plain(data, fitted, joint)
         return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
 
     def _fit(self, nominal: EffortFit, empty: EffortFit) -> tuple[list[dict[str, Any]], float]:
@@ -247,11 +268,10 @@ class _Answer:
                             "chance": chance, "heldout_sigma": None, "where": [where]})  # fmt: skip
             held, floor = self._rms(study.held, best, j), self._rms(study.data, best, j)
             count = max(study.held.samples, 2)
-            z = (
-                float(np.log(held / floor)) / float(np.sqrt(0.5 / count + 0.5 / study.data.samples))
-                if floor > 0
-                else 0.0
+            unsure = float(
+                np.linalg.norm([_unsureness(self._plain(data, best, j)) for data in (study.held, study.data)])
             )
+            z = float(np.log(held / floor)) / unsure if floor > 0.0 and unsure > 0.0 else 0.0
             if held > WORSE * floor and z > 5.0:
                 out.append({"what": "a worse fit of the data held out", "gain": (held / floor) ** 2 * count - count,
                             "chance": float(norm.sf(z)), "heldout_sigma": None,
@@ -446,6 +466,12 @@ class _Answer:
             for j in study.data.joints
         ]
         return Curves(tuple(residuals), (), tuple(maps), ())
+
+
+def _unsureness(values: Array) -> float:
+    """Standard deviation of the logarithm of the values' root mean square, heavy tails (reversals) counted."""
+    power = values**2
+    return 0.5 * float(np.std(power)) / (float(np.mean(power)) * float(np.sqrt(len(power)))) if power.any() else 0.0
 
 
 def _shapes(run: EffortRun, j: int, s: NDArray[np.intp]) -> Array:

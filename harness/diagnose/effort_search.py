@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.effort_fit import EffortData, EffortFit, fit_effort
+from harness.diagnose.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.remainder import heldout_gain
 from harness.diagnose.rivals import APART
@@ -24,6 +24,9 @@ DEEPEST = 5  # effects
 MOST_STARTS = 6  # of one candidate
 STRETCHED = 1e-7  # chance of a stretch of the nominal quantities under their tolerance, below which it is evidence
 HELD_OUT = 1.0  # standard deviations by which an effect must improve data held out
+FROM_NOTHING = (
+    3.0  # standard deviations, by the scatter between stretches too, that an effect must be away from absence
+)
 
 
 @dataclass(eq=False)
@@ -68,6 +71,14 @@ class EffortStudy:
         other, _ = self.held.rows(self.held.model.residuals(larger.hypothesis, larger.x))
         size = float(np.sqrt(np.mean(other**2)))
         return heldout_gain(rows / size, other / size)
+
+    def from_nothing(self, fitted: EffortFit, k: int) -> float:
+        """Standard deviations that the first parameter of member ``k`` is away from where the effect is absent."""
+        first = fitted.hypothesis.members[k].effect.parameters[0]
+        at = self.nominal + fitted.hypothesis.span(k).start
+        sigma = float(spread(fitted, self.nominal)[at])
+        origin = first.neutral if np.isfinite(first.neutral) else 0.0
+        return abs(float(fitted.x[at]) - origin) / sigma if sigma > 0.0 else float("inf")
 
     def weight(self, fitted: EffortFit) -> float:
         """Criterion of the training data, and the same of the data held out without a fit: smaller is better."""
@@ -183,9 +194,9 @@ def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
         for k in range(len(fitted.hypothesis.members)):
             smaller = study.reduce(fitted, k)
             pays = study.criterion(smaller) - study.criterion(fitted)
-            judged.append(
-                (min(pays, 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))), k, smaller)
-            )
+            carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
+            clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING)
+            judged.append((min(pays, carries, clear), k, smaller))
         worst, _, smaller = min(judged, key=lambda item: item[0])
         if worst > 0.0:
             break

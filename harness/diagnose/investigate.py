@@ -130,7 +130,8 @@ class Outcome:
     """What the search ended with, for judging and telling.
 
     study: fits on all recordings, by which sets of effects are weighed. training: fits on the training recordings alone, whose
-    parameters are those that are told and judged on the data held out. nominal: as stated, initial states fitted (training).
+    parameters are those that are told and judged on the data held out. judged, alone: fits on the data held out, of nothing but
+    initial states, and of everything. nominal: as stated, initial states fitted (training).
     """
 
     problem: Problem
@@ -145,6 +146,7 @@ class Outcome:
     motion_hz: float
     period: float
     judged: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
+    alone: dict[frozenset[str], Fit] = field(default_factory=dict)
 
 
 def investigate(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.signal import coherence
 
 from harness.effects.measured import Measured
+from harness.effects.scale import references
 from harness.errors import InputError
 from harness.system import System
 
@@ -19,6 +20,8 @@ SEGMENT = 128  # samples of a stretch of a coherence estimate
 COHERENT_CHANCE = 0.01  # at which a frequency counts as coherent
 COHERENT_SHARE = 0.15  # of the frequencies that must be, for a velocity to count as computed from the position
 HELD_OUT_SHARE = 0.3  # of a single recording, until it has come to rest
+MOST_SAMPLES = 24_000  # of all recordings together, a channel
+SAMPLES_A_SWING = 60.0
 AT_REST = 0.02  # of a channel's extent, around where it ends
 FEWEST_MOVING = 100  # samples of motion that can be divided
 MEASURED = ("position", "velocity", "tip_deflection", "root_strain", "tip_acceleration")
@@ -116,6 +119,8 @@ def pose(
     infos = [info for info in infos if info.name not in derived]
     runs = [_run(system, tuple(infos), recording, k) for k, recording in enumerate(recordings)]
     steps = tuple(_resolution([run.values[c] for run in runs]) for c in range(len(infos)))
+    every = [*recordings, *([heldout] if heldout is not None else [])]
+    finest_rate = min(finest_rate, _affordable_rate(system, every))
     runs = [_thin(run, finest_rate) for run in runs]
     if heldout is not None:
         return Problem(
@@ -137,6 +142,18 @@ def pose(
         True,
         steps,
     )
+
+
+def _affordable_rate(system: System, recordings: Sequence[Measured]) -> float:
+    """Rate [Hz] at which recordings come to ``MOST_SAMPLES`` together, but never too few samples a swing.
+
+    Averaging in blocks loses nothing of what is slow.
+    """
+    seconds = sum(float(np.nanmax(r.time) - np.nanmin(r.time)) for r in recordings)
+    swing = max(references(system, name).frequency for name in system.joint_names) / (2.0 * np.pi)
+    if system.flexible:
+        return np.inf
+    return max(MOST_SAMPLES / max(seconds, 1e-9), SAMPLES_A_SWING * swing)
 
 
 def _is_derived(joint: str, recordings: Sequence[Measured]) -> bool:

@@ -247,6 +247,9 @@ def examine(
         tests.append(_pulses(own, space, joint, period, noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
+        tests.append(_setting_in(own, space, joint, fast, noise))
+        if _counts(tests[-1], level):
+            excess = max(excess, tests[-1].gain)
     tests.append(_trend(fitted))
     tests.append(_spectrum(own_period=period, predictor=predictor, fitted=fitted))
     tests.append(_jump(predictor, likelihood, fitted, space, noise))
@@ -393,6 +396,37 @@ def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float
             where = f"{run.name} at {centres[top] + run.time[window.first]:.2f} s"
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
     return Test(f"a force that acts once at {joint}", best, 1, chance, (joint, where), 1, (sum(each), len(each)))
+
+
+SETS_IN = "a force that sets in"
+MOMENTS = 12  # in a recording at which a force is tried to set in
+
+
+def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: float) -> Test:
+    """Largest gain by a push, a friction or a drag that sets in at a moment of one recording, or grows all along it."""
+    k = own.names.index(joint)
+    best, count, where = 0.0, 0, ""
+    each: list[float] = []
+    for window, found in own.motions.items():
+        speed = np.clip(found.qd[:, k] / fast, -1.5, 1.5)
+        shapes = np.array([np.ones_like(speed), np.tanh(20.0 * speed), speed])
+        moments = np.linspace(0.0, found.time[-1], MOMENTS + 2)[1:-1]
+        later = (found.time[None, :] >= moments[:, None]).astype(np.float64)
+        growing = (found.time / found.time[-1])[None, :]
+        histories = np.vstack([(shapes[:, None, :] * later[None]).reshape(-1, len(speed)), shapes * growing])
+        gains = _single_gains(
+            space.measure([own.pulses(joint, window, histories)], only=own.fitted.windows.index(window))
+        )
+        count += len(gains)
+        top = int(np.argmax(gains))
+        each.append(float(gains[top]))
+        if gains[top] > best:
+            best = float(gains[top])
+            run = own.predictor.runs[window.run]
+            moment = moments[top % MOMENTS] if top < len(shapes) * MOMENTS else 0.0
+            where = f"{run.name} from {moment + run.time[window.first]:.2f} s on"
+    chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
+    return Test(f"{SETS_IN} at {joint}", best, 1, chance, (joint, where), 2, (sum(each), len(each)))
 
 
 MOTION = (0.3, 4.0)  # times the swing's frequency: where a misfit of the motion shows first

@@ -3,29 +3,40 @@
 from __future__ import annotations
 
 from harness.diagnose.fit import Fit
+from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome
 
 MOST = 9  # rivals fitted for each member
 WORTH_FITTING = (
     0.5  # share of a member's gain that a rival's score test must promise; the test is linear, the truth is not
 )
+LEAST_SHARE = 0.05  # the same for a relative, whose law may be far from linear
 APART = 6.0  # difference in the criterion (odds of twenty to one) below which hypotheses cannot be told apart
 
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
-    """Fits with member ``k`` replaced by each candidate whose score test promises a similar gain."""
+    """Fits with member ``k`` replaced by each candidate whose score test promises a similar gain, and by its relatives."""
     study = outcome.study
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
     own = without.score - best.score
     found: list[Fit] = []
-    for scored in study.ranked(without):
-        if scored.candidate.key == member.key:
+    ranked = [s for s in study.ranked(without) if s.candidate.key != member.key]
+    for scored in ranked:
+        related = _related(member, scored.candidate)
+        if not related and (len(found) >= MOST or scored.gain < WORTH_FITTING * own):
             continue
-        if len(found) >= MOST or scored.gain < WORTH_FITTING * own:
-            break
-        found.append(study.extend(without, scored))
+        if not related or scored.gain > LEAST_SHARE * own:
+            found.append(study.extend(without, scored))
     return found
+
+
+def _related(member: Candidate, other: Candidate) -> bool:
+    """Whether two candidates are forms of one thing, or known for being taken for one another."""
+    a, b = member.effect, other.effect
+    if a.name in b.simpler or b.name in a.simpler:
+        return member.site == other.site
+    return a.name in b.confusable_with or b.name in a.confusable_with
 
 
 def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
@@ -38,7 +49,9 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
 def preferred(outcome: Outcome, best: Fit) -> Fit:
     """The best set with each member exchanged for a rival that does better, if there is one."""
     study = outcome.study
-    for _ in range(len(best.hypothesis.members)):
+    for _ in range(len(best.hypothesis.members) + 1):
+        # To the end: what the search only had to rank may have stopped short.
+        best = study.fit(best.hypothesis, [best.x], best, most_steps=40)
         better = min((f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)),
                      key=study.criterion, default=best)  # fmt: skip
         if study.criterion(better) > study.criterion(best) - 1e-6:

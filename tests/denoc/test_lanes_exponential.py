@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from harness.denoc.lanes import LaneModel
 from harness.denoc.model import Denoc
 from harness.errors import InputError, UnsupportedError
 from harness.system import System
+from harness.system.description import constant
 
 
 def error(
@@ -62,6 +65,22 @@ def test_copies_have_their_own_parameters_and_do_not_feel_each_other() -> None:
     assert alone[0] == pytest.approx(found[4], rel=1e-12, abs=1e-14)
 
 
+def test_a_flexible_link_may_carry_another() -> None:
+    # The modes' frequencies change with the angle between the links, which the linearization at the start does not know.
+    first = pendulum(2)
+    upper, lower = first.joints[0], first.links[0]
+    second = replace(upper, name="elbow", parent="rod", child="second", xyz=constant([0.0, 0.0, -0.3]))
+    system = replace(first, joints=(upper, second), links=(lower, replace(lower, name="second")))
+    model = LaneModel(system)
+    q0 = np.zeros(model.n)
+    q0[0], q0[3] = 0.6, -1.0
+    time = np.linspace(0.0, 0.4, 81)
+    wanted = np.asarray(Denoc(system).simulate(q0, 0.0 * q0, time).position)
+    errors = [error(model, model.row(), q0, time, step, wanted) for step in (5e-4, 2.5e-4)]
+    assert errors[0] < 1e-3 * np.abs(wanted).max()
+    assert errors[0] > 8.0 * errors[1]
+
+
 def test_rigid_pendulum_swings_as_elliptic_functions_say(rigid: System) -> None:
     # Period of a pendulum of length l at amplitude a: 4 √(l/g) K(sin(a/2)).
     from scipy.special import ellipk
@@ -82,7 +101,6 @@ def test_rigid_pendulum_swings_as_elliptic_functions_say(rigid: System) -> None:
 def rigid() -> System:
     """A point mass on a massless rod of 0.5 m."""
     from harness.system import Joint, JointType, Link
-    from harness.system.description import constant
 
     joint = Joint("pivot", JointType.REVOLUTE, "base", "bob", axis=constant([0.0, 1.0, 0.0]))
     return System("bob", (joint,), (Link("bob", 0.3, constant([0.0, 0.0, -0.5])),))
