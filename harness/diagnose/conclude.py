@@ -133,9 +133,11 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
     lasting = any(
         m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
     )
-    named = [t for t in left.tests if t.places >= 0 and not (lasting and t.what.startswith(SETS_IN))]
-    prices = [t.gain - (t.size + t.places) * log_n for t in named]
-    prices += [t.together[0] - t.together[1] * (1 + t.places) * log_n for t in named]
+    named = [t for t in left.tests if t.places >= 0 and not (lasting and t.name.startswith(SETS_IN))]
+    # A linear gain may promise more than there is; nothing explains better than down to the noise.
+    most = smaller.score - min(best.score, study.samples)
+    prices = [min(t.gain, most) - (t.size + t.places) * log_n for t in named]
+    prices += [min(t.together[0], most) - t.together[1] * (1 + t.places) * log_n for t in named]
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
 
 
