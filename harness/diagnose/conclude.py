@@ -212,50 +212,71 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
     return Test("a worse fit of the data held out", added - judged * level, 1, float(norm.sf(z)), (where,), -1)
 
 
+ROUNDS = 3  # of leaving out what is doubted and weighing the rest again
+
+
 def conclude(outcome: Outcome) -> Conclusion:
-    """Weigh what the search found and judge it on the data held out."""
-    study, problem = outcome.study, outcome.problem
+    """Weigh what the search found and judge it on the data held out; what is doubted is left out, and the rest weighed again."""
+    study = outcome.study
     best = settle(outcome, preferred(outcome, outcome.best))
-    own, held = trained(outcome, best), judge(outcome, best)
-    joints = problem.system.joint_names
-    torques = [references(problem.system, joint).torque for joint in joints]
-    remains = examine(outcome.predictor, study.likelihood, best, joints, torques, outcome.period, LEVEL)
+    doubted: list[str] = []
+    for _ in range(ROUNDS):
+        remains, incomplete = _remains(outcome, best)
+        fresh = [m.key for k, m in enumerate(best.hypothesis.members) if _doubtful(outcome, best, k, remains)]
+        if not fresh:
+            break
+        # What has leant on the doubtful must stand without it.
+        doubted += fresh
+        while any(key in doubted for key in best.hypothesis.keys):
+            best = study.reduce(best, [key in doubted for key in best.hypothesis.keys].index(True))
+    remains, incomplete = _remains(outcome, best)
+    incomplete = incomplete or bool(doubted)
+    claims = _claims(outcome, best)
+    without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
+    verdict = with_ if claims else without
+    return Conclusion(verdict, best, trained(outcome, best), judge(outcome, best), claims, remains, tuple(doubted))
+
+
+def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
+    """What a set of effects leaves, and whether that is more than noise anywhere."""
+    study, system = outcome.study, outcome.problem.system
+    held = judge(outcome, best)
+    torques = [references(system, joint).torque for joint in system.joint_names]
+    remains = examine(outcome.predictor, study.likelihood, best, system.joint_names, torques, outcome.period, LEVEL)
     for test in (_stretched(outcome, best), _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))
     floor_ratio = float(np.sqrt(held.cost / max(study.likelihood.samples(outcome.held_windows), 1.0)))
+    return remains, remains.significant or floor_ratio > AT_FLOOR
+
+
+def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
+    """Whether member ``k`` may only stand in for something that nobody has named."""
+    study = outcome.study
+    smaller = study.below(best, k)
+    if not remains.significant:
+        return _imitated(outcome, best, smaller, BETTER)
     everywhere = float(np.sqrt(best.linear.cost / max(study.samples, 1.0)))
-    incomplete = remains.significant or floor_ratio > AT_FLOOR
     excess = max(remains.excess, (everywhere**2 - AT_FLOOR**2) * study.samples)
+    if smaller.score - best.score >= FAKED * excess and not _imitated(outcome, best, smaller):
+        return False
+    return not (_carries(outcome, judge(outcome, best), smaller) and _steady(outcome, trained(outcome, best), k))
+
+
+def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:
+    study = outcome.study
     probabilities = _probabilities(outcome)
-    claims, doubted = [], []
-    log_n = float(np.log(study.samples))
+    claims = []
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)
         gain = smaller.score - best.score
-        if remains.significant:
-            weak = gain < FAKED * excess or _imitated(outcome, best, smaller)
-            doubtful = weak and not (_carries(outcome, held, smaller) and _steady(outcome, own, k))
-        else:
-            doubtful = _imitated(outcome, best, smaller, BETTER)
-        if doubtful:
-            doubted.append(member.key)
-            continue
-        rivals = []
-        for other in near(outcome, best, k):
-            rivals += [m for m in other.hypothesis.members if m.key not in best.hypothesis.keys]
-        gained = gain - member.size * log_n
+        rivals = [
+            m for other in near(outcome, best, k) for m in other.hypothesis.members if m.key not in best.hypothesis.keys
+        ]
         claims.append(
             Claim(
-                member, k, gain, heldout_z(outcome, smaller, best), gained, tuple(r.key for r in rivals), tuple(rivals),
-                min(1.0, probabilities.get(member.key, 0.0)),
+                member, k, gain, heldout_z(outcome, smaller, best), gain - member.size * float(np.log(study.samples)),
+                tuple(r.key for r in rivals), tuple(rivals), min(1.0, probabilities.get(member.key, 0.0)),
             )
         )  # fmt: skip
-    incomplete = incomplete or bool(doubted)
-    if not best.hypothesis.members:
-        verdict = "unexplained" if incomplete else "consistent"
-    elif not incomplete:
-        verdict = "explained"
-    else:
-        verdict = "partly_explained" if claims else "unexplained"
-    return Conclusion(verdict, best, own, held, tuple(claims), remains, tuple(doubted))
+    return tuple(claims)

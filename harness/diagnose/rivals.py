@@ -5,6 +5,7 @@ from __future__ import annotations
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome
+from harness.diagnose.search import pruned
 
 MOST = 9  # rivals fitted for each member
 WORTH_FITTING = (
@@ -49,6 +50,7 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
 def preferred(outcome: Outcome, best: Fit) -> Fit:
     """The best set with each member exchanged for a rival that does better, if there is one."""
     study = outcome.study
+    best = pruned(study, best)
     for _ in range(len(best.hypothesis.members) + 1):
         # To the end: what the search only had to rank may have stopped short.
         best = study.fit(best.hypothesis, [best.x], best, most_steps=40)

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.diagnose.fit import Fit
-from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.predict import to_internal
 from harness.diagnose.study import Study, compatible
 
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 NEAR = 60.0  # in the criterion
+CLEARLY = 3.0  # standard deviations of the cost of noise alone
 HOPELESS = 2.0  # times the cost of noise alone
 
 
@@ -68,6 +71,13 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
                     known[smaller.hypothesis.identity] = smaller
                     fresh.append(smaller)
         ordered = sorted(known.values(), key=study.criterion)
+        if ordered[0].score > study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples)):
+            for wider in generalized(study, ordered[0]):
+                if wider.hypothesis.identity not in known:
+                    known[wider.hypothesis.identity] = wider
+                    fresh.append(wider)
+                    progress(" + ".join(wider.hypothesis.keys))
+            ordered = sorted(known.values(), key=study.criterion)
         improved = study.criterion(ordered[0]) < best - 1e-6
         best = study.criterion(ordered[0])
         frontier = [f for f in ordered[: effort.beam] if f.hypothesis.identity not in expanded]
@@ -86,6 +96,39 @@ def _needless(study: Study, fitted: Fit) -> bool:
             if other is not None and study.criterion(other) < own:
                 return True
     return False
+
+
+def generalized(study: Study, base: Fit) -> list[Fit]:
+    """Fits with a member replaced by a law of which it is a special case, begun from what the member was fitted to.
+
+    A score test from absence cannot see such a law behind its special case: they act alike to first order.
+    """
+    found = []
+    for k, member in enumerate(base.hypothesis.members):
+        values = study.predictor.effect_values(base.hypothesis, k, base.x)
+        for wider in study.candidates:
+            if wider.site != member.site or member.effect.name not in wider.effect.simpler:
+                continue
+            rest = base.hypothesis.without(k)
+            if rest.with_(wider).identity in study.fits or not compatible(rest, wider):
+                continue
+            span = base.hypothesis.span(k)
+            offset = len(study.predictor.nominal)
+            others = np.delete(base.x, np.arange(offset + span.start, offset + span.stop))
+            starts = [np.concatenate([others, to_internal(wider, p)]) for p in _like(wider, float(values[0]))]
+            found.append(study.fit(rest.with_(wider), starts, base, target=base.score))
+    return found
+
+
+LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
+
+
+def _like(wider: Candidate, amplitude: float) -> list[NDArray[np.float64]]:
+    """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``."""
+    first, *others = wider.effect.parameters
+    choices = [(LARGER * amplitude,) if p.unit == first.unit else p.start_values(wider.references) for p in others]
+    points = [np.array([amplitude, *rest]) for rest in product(*choices)]
+    return [np.clip(p, wider.effect.lower, wider.effect.upper) for p in points]
 
 
 def _diverse(promising: Sequence[object], count: int) -> list:
@@ -122,14 +165,24 @@ def alternatives(study: Study, best: Fit, k: int, effort: Effort) -> list[Fit]:
     return sorted(found, key=study.criterion)
 
 
+def pruned(study: Study, fitted: Fit) -> Fit:
+    """The set without members that do not pay for themselves beside the others."""
+    while fitted.hypothesis.members:
+        smaller = min((study.reduce(fitted, k) for k in range(len(fitted.hypothesis.members))), key=study.criterion)
+        if study.criterion(smaller) > study.criterion(fitted):
+            break
+        fitted = smaller
+    return fitted
+
+
 def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress) -> list[Fit]:
     """Swap members of the best set for alternatives until nothing improves; all fits known then, best first."""
     # Far above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
     for _ in range(3 if ordered[0].score < HOPELESS * study.samples else 1):
-        best = ordered[0]
+        before = study.criterion(ordered[0])
+        best = pruned(study, ordered[0])
         if len(study.fits) >= effort.most_fits:
             break
-        before = study.criterion(best)
         for k in range(len(best.hypothesis.members)):
             alternatives(study, best, k, effort)
             progress("alternatives to " + best.hypothesis.keys[k])
