@@ -26,6 +26,17 @@ def default_workers() -> int:
     return max(1, os.cpu_count() or 1)
 
 
+MOST_THREADS = 4  # of one piece of work; more cores are better used by more pieces
+
+
+def threads_allowed() -> int:
+    """Threads that compiled code inside one piece of work may use: OMP_NUM_THREADS if set (workers here run with 1), else
+    the cores, up to four."""
+    stated = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
+    cores = default_workers()
+    return max(1, min(int(stated) if stated.isdecimal() else MOST_THREADS, cores))
+
+
 def parallel_map(
     function: Callable[[T], R],
     items: Sequence[T],

@@ -78,6 +78,25 @@ def bounds(predictor: Predictor, hypothesis: Hypothesis) -> tuple[Array, Array]:
     return np.concatenate(lower), np.concatenate(upper)
 
 
+def residuals_at(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    states: Mapping[Window, Array],
+) -> tuple[float, tuple[Array, ...]]:
+    """Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
+    predictions = predictor.predict(hypothesis, x[None], [(0, window, states[window]) for window in windows])
+    cost = 0.0
+    residuals = []
+    for window, prediction in zip(windows, predictions, strict=True):
+        r = likelihood.whiten(window, [prediction])[0]
+        cost += float(r @ r) if np.all(np.isfinite(prediction)) else LOST
+        residuals.append(r)
+    return cost, tuple(residuals)
+
+
 def linearise(
     predictor: Predictor,
     likelihood: Likelihood,
@@ -89,8 +108,9 @@ def linearise(
     upper: Array | None = None,
     fixed: NDArray[np.bool_] | None = None,
     state_damping: float = 0.0,
+    known: tuple[float, tuple[Array, ...]] | None = None,
 ) -> Linearisation:
-    """Residuals and Jacobian by differences, all lanes of all windows at once."""
+    """Residuals and Jacobian by differences, all lanes of all windows at once; known: the residuals if they are at hand."""
     size = len(x)
     moves = [k for k in range(size) if fixed is None or not fixed[k]]
     vectors = np.tile(x, (1 + len(moves), 1))
@@ -102,43 +122,44 @@ def linearise(
         steps[row] = step
         vectors[row + 1, k] += step
     lanes: list[tuple[int, Window, Array]] = []
+    first = 0 if known is None else 1
     for window in windows:
         s = states[window]
-        lanes += [(row, window, s) for row in range(len(vectors))]
+        lanes += [(row, window, s) for row in range(first, len(vectors))]
         for j in range(len(s)):
             moved = s.copy()
             moved[j] += DIFFERENCE * max(1.0, abs(s[j]))
             lanes.append((0, window, moved))
     predictions = predictor.predict(hypothesis, vectors, lanes)
-    cost = 0.0
+    cost = 0.0 if known is None else known[0]
     residuals, triangles, bases, shared, rows, right = [], [], [], [], [], []
     place = 0
-    for window in windows:
+    for number, window in enumerate(windows):
         s = states[window]
-        count = len(vectors) + len(s)
+        n = len(s)
+        count = len(vectors) - first + n
         chunk = predictions[place : place + count]
         place += count
-        lost = not np.all(np.isfinite(chunk[0]))
         white = likelihood.whiten(window, chunk)
-        r = white[0]
-        jp = np.zeros((len(r), size))
+        if known is None:
+            r, white = white[0], white[1:]
+            cost += float(r @ r) if np.all(np.isfinite(chunk[0])) else LOST
+        else:
+            r = known[1][number]
+        # State, shared parameters, residual side by side, and rows that keep the state from running away below them.
+        stacked = np.zeros((len(r) + n, n + size + 1), order="F")
         for row, k in enumerate(moves):
-            jp[:, k] = (white[row + 1] - r) / steps[row]
-        js = np.empty((len(r), len(s)))
-        for j in range(len(s)):
-            js[:, j] = (white[len(vectors) + j] - r) / (DIFFERENCE * max(1.0, abs(s[j])))
-        cost += LOST if lost else float(r @ r)
-        residuals.append(r)
-        damping = np.sqrt(state_damping) * np.linalg.norm(js, axis=0) + 1e-9
-        stacked = np.vstack(
-            [np.column_stack([js, jp, r]), np.column_stack([np.diag(damping), np.zeros((len(s), size + 1))])]
-        )
-        triangle = _triangle(stacked)
-        n = len(s)
-        triangle = triangle[: n + size + 1]
+            np.divide(white[row] - r, steps[row], out=stacked[: len(r), n + k])
+        for j in range(n):
+            np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=stacked[: len(r), j])
+        stacked[: len(r), -1] = r
+        js, jp = stacked[: len(r), :n], stacked[: len(r), n : n + size]
+        stacked[len(r) :, :n] = np.diag(np.sqrt(state_damping) * np.linalg.norm(js, axis=0) + 1e-9)
+        triangle = _triangle(stacked)[: n + size + 1]
         triangles.append((triangle[:n, :n], triangle[:n, n : n + size], triangle[:n, -1]))
         rows.append(triangle[n:, n : n + size])
         right.append(triangle[n:, -1])
+        residuals.append(r)
         bases.append(js)
         shared.append(jp)
     return Linearisation(
@@ -201,11 +222,14 @@ def fit(
                 break
         trial_x = np.clip(x + step, lower, upper)
         trial_states = {w: current[w] + change[w] for w in windows}
-        there = linearise(predictor, likelihood, hypothesis, windows, trial_x, trial_states, upper=upper, fixed=held)
+        found = residuals_at(predictor, likelihood, hypothesis, windows, trial_x, trial_states)
         trial_prior = float(np.sum(prior_weight * trial_x**2))
-        gain = here.cost + prior - there.cost - trial_prior
+        gain = here.cost + prior - found[0] - trial_prior
         if gain > 0.0:
-            x, current, here, prior = trial_x, trial_states, there, trial_prior
+            x, current, prior = trial_x, trial_states, trial_prior
+            here = linearise(
+                predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held, known=found
+            )
             damping = max(damping * (0.1 if gain > 0.5 * predicted else 0.5), 1e-9)
             if converged:
                 break

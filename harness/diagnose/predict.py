@@ -16,6 +16,7 @@ from harness.effects.attach import input_chain, sensor_chain
 from harness.effects.directions import sideways
 from harness.effects.effect import Parameter
 from harness.effects.lanes import lane_model, lane_row, write_attachment
+from harness.parallel import threads_allowed
 from harness.recording.sensors import observe
 from harness.system import Attachment, System
 
@@ -79,6 +80,11 @@ def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> G
 def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
     """Positions, velocities, accelerations (B, G, n) at the window's samples, by quintic Hermite interpolation."""
     if grid.exact:
+        first, step = int(grid.index[0]), int(grid.index[1] - grid.index[0]) if len(grid.index) > 1 else 1
+        last = first + step * (len(grid.index) - 1)
+        if step > 0 and last == grid.index[-1] and np.array_equal(grid.index, np.arange(first, last + 1, step)):
+            part = slice(first, last + 1, step)
+            return position[:, part], velocity[:, part], acceleration[:, part]
         return position[:, grid.index], velocity[:, grid.index], acceleration[:, grid.index]
     i, s, h = grid.index, grid.weight[None, :, None], grid.step
     p0, v0, a0 = position[:, i], velocity[:, i] * h, acceleration[:, i] * (h * h)
@@ -94,6 +100,35 @@ def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -
     return q, qd, qdd
 
 
+@dataclass(frozen=True, eq=False)
+class Request:
+    """Lanes of one hypothesis to be predicted; see ``Predictor.predict``."""
+
+    hypothesis: Hypothesis
+    x: Array
+    lanes: Sequence[tuple[int, Window, Array]]
+    extra: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """What lanes of a request need before they run: rows (K, P) of the mechanism, how far beyond their windows, and whether
+    something in them knows the date."""
+
+    mechanism: Mechanism
+    rows: Array
+    margin: float
+    dated: bool
+
+
+def taken(array: Array, places: Sequence[int]) -> Array:
+    """Some of the leading entries; a view where they follow one another."""
+    first = places[0]
+    if list(places) == list(range(first, first + len(places))):
+        return array[first : first + len(places)]
+    return array[places]
+
+
 class Predictor:
     """Predictions of hypotheses for windows of a problem's runs; compiled systems and grids are kept."""
 
@@ -107,7 +142,8 @@ class Predictor:
         self._shaking = sideways(problem.system)
         self._mechanisms: dict[tuple[str, ...], Mechanism] = {}
         self._grids: dict[tuple[Window, float], Grid] = {}
-        self._rows: dict[tuple[tuple[str, ...], bytes], tuple[Mechanism, Array, System]] = {}
+        self._rows: dict[tuple[tuple[str, ...], bytes], Array] = {}
+        self.threads = threads_allowed()
         self.lanes_run = 0
 
     # -- parameters ---------------------------------------------------------------------------------------------
@@ -151,31 +187,35 @@ class Predictor:
 
     def row(self, hypothesis: Hypothesis, x: Array) -> Array:
         """Parameter row of one lane."""
+        return self.rows(hypothesis, x[None])[0]
+
+    def rows(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """Parameter rows of lanes with parameter vectors ``x``, shape (K, size)."""
         mechanism = self.mechanism(hypothesis)
+        model = mechanism.model
+        values = [self.effect_values(hypothesis, k, x) for k in range(len(hypothesis.members))]
         structural = tuple(m.key for m in hypothesis.members if m.effect.reshape is not None)
-        pieces = [x[: len(self.nominal)]]
-        for k, member in enumerate(hypothesis.members):
-            if member.effect.reshape is not None:
-                pieces.append(self.effect_values(hypothesis, k, x))
-        key = (structural, np.concatenate(pieces).tobytes())
-        found = self._rows.get(key)
-        if found is None:
-            system = self.altered(hypothesis, x)
-            found = (mechanism, lane_row(mechanism.model, system), system)
-            if len(self._rows) > 20_000:
-                self._rows.clear()
-            self._rows[key] = found
-        row = found[1].copy()
-        row[[mechanism.model.slot("base", f"excitation_{a}") for a in "xyz"]] = self._shaking
-        for k, member in enumerate(hypothesis.members):
-            law = member.effect.law
-            if law is not None:
-                write_law(row, mechanism.model, member, self.effect_values(hypothesis, k, x))
+        shaping = [v for m, v in zip(hypothesis.members, values, strict=True) if m.effect.reshape is not None]
+        shapes = np.ascontiguousarray(np.concatenate([x[:, : len(self.nominal)], *shaping], axis=1))
+        rows = np.empty((len(x), model.P))
+        for place, shape in enumerate(shapes):
+            key = (structural, shape.tobytes())
+            found = self._rows.get(key)
+            if found is None:
+                found = lane_row(model, self.altered(hypothesis, x[place]))
+                if len(self._rows) > 20_000:
+                    self._rows.clear()
+                self._rows[key] = found
+            rows[place] = found
+        rows[:, [model.slot("base", f"excitation_{a}") for a in "xyz"]] = self._shaking
+        for member, own in zip(hypothesis.members, values, strict=True):
+            if member.effect.law is not None:
+                write_law(rows, model, member, own)
             elif member.effect.user is not None:
-                values = member.effect.named(self.effect_values(hypothesis, k, x))
-                attached = Attachment(member.effect.name, member.site, values)
-                write_attachment(row, mechanism.model, attached, {member.effect.name: member.effect})
-        return row
+                for row, one in zip(rows, own, strict=True):
+                    attached = Attachment(member.effect.name, member.site, member.effect.named(one))
+                    write_attachment(row, model, attached, {member.effect.name: member.effect})
+        return rows
 
     # -- predictions --------------------------------------------------------------------------------------------
 
@@ -203,51 +243,111 @@ class Predictor:
         x: parameter vectors, shape (K, size). extra: further generalized forces on the grid [N·m or N], shape (B, G, n),
         for lanes of one window. Lanes of windows with equal grids run together.
         """
-        mechanism = self.mechanism(hypothesis)
-        n = len(mechanism.names)
-        rows = np.array([self.row(hypothesis, vector) for vector in x])
-        margin = self.margin(hypothesis)
-        dated = bool(self.system.attachments) or any(
-            m.effect.user is not None or (m.site == "base" and m.effect.law is not None) for m in hypothesis.members
-        )
-        groups: dict[tuple[int, float, bool, float], list[int]] = {}
-        for lane, (_, window, _) in enumerate(lanes):
-            grid = self.grid(window, margin)
-            # A law that knows the time needs the time of the recording, not of the window.
-            start = float(self.runs[window.run].time[window.first] - self.runs[window.run].time[0]) if dated else 0.0
-            groups.setdefault((len(grid.time), grid.step, self.runs[window.run].effort is None, start), []).append(lane)
-        out: list[Array] = [np.empty(0)] * len(lanes)
-        for (_, _, free, start), members in groups.items():
-            grid_time = self.grid(lanes[members[0]][1], margin).time
-            which = np.array([lanes[i][0] for i in members])
-            tau = None if free else self.efforts(hypothesis, x, mechanism, [lanes[i] for i in members], grid_time)
-            if extra is not None:
-                tau = extra[members] if tau is None else tau + extra[members]
-            states = np.array([lanes[i][2] for i in members])
-            first, again = _distinct(rows[which], states, tau)
-            self.lanes_run += len(first)
-            q, qd, qdd = mechanism.model.simulate(
-                rows[which[first]],
-                np.ascontiguousarray(states[first, :n]),
-                np.ascontiguousarray(states[first, n:]),
-                grid_time + start,
-                tau=None if tau is None else tau[first],
-                tolerance=self.tolerance,
-            )
-            if len(first) < len(members):
-                q, qd, qdd = q[again], qd[again], qdd[again]
-            by_window: dict[Window, list[int]] = {}
-            for place, i in enumerate(members):
-                by_window.setdefault(lanes[i][1], []).append(place)
-            for window, places in by_window.items():
+        return self.predict_all([Request(hypothesis, x, lanes, extra)])[0]
+
+    def predict_all(self, requests: Sequence[Request]) -> list[list[Array]]:
+        """The same for several requests at once: lanes of one mechanism run together, whatever is asked of them."""
+        asked = [self._prepare(request) for request in requests]
+        out: list[list[Array]] = [[np.empty(0)] * len(request.lanes) for request in requests]
+        groups: dict[tuple[int, int, float, bool, float, bool], list[tuple[int, int]]] = {}
+        for k, (request, ready) in enumerate(zip(requests, asked, strict=True)):
+            for lane, (_, window, _) in enumerate(request.lanes):
+                grid = self.grid(window, ready.margin)
                 run = self.runs[window.run]
-                sampled = hermite(self.grid(window, margin), q[places], qd[places], qdd[places])
-                channels = self._observe(
-                    hypothesis, x[which[places]], rows[which[places]], mechanism, run, window, sampled, margin
-                )
-                for j, place in enumerate(places):
-                    out[members[place]] = channels[j]
+                # A law that knows the time needs the time of the recording, not of the window.
+                start = float(run.time[window.first] - run.time[0]) if ready.dated else 0.0
+                free = run.effort is None
+                key = (id(ready.mechanism), len(grid.time), grid.step, free, start, request.extra is None)
+                groups.setdefault(key, []).append((k, lane))
+        for (_, _, _, free, start, _), members in groups.items():
+            self._run(requests, asked, members, free, start, out)
         return out
+
+    def _prepare(self, request: Request) -> Prepared:
+        """What lanes of a request need before they run."""
+        hypothesis = request.hypothesis
+        rows = self.rows(hypothesis, request.x)
+        dated = bool(self.system.attachments) or any(m.effect.user is not None for m in hypothesis.members)
+        return Prepared(self.mechanism(hypothesis), rows, self.margin(hypothesis), dated)
+
+    def _run(
+        self,
+        requests: Sequence[Request],
+        asked: Sequence[Prepared],
+        members: Sequence[tuple[int, int]],
+        free: bool,
+        start: float,
+        out: list[list[Array]],
+    ) -> None:
+        """Run lanes (request, lane) of one mechanism and one grid together and hand their channels to ``out``."""
+        mechanism = asked[members[0][0]].mechanism
+        n = len(mechanism.names)
+        by_request: dict[int, list[int]] = {}
+        for k, lane in members:
+            by_request.setdefault(k, []).append(lane)
+        first_lane = requests[members[0][0]].lanes[members[0][1]]
+        grid_time = self.grid(first_lane[1], asked[members[0][0]].margin).time
+        rows, states, efforts = [], [], []
+        for k, own in by_request.items():
+            request, lanes = requests[k], [requests[k].lanes[i] for i in own]
+            mine = asked[k].rows[[row for row, _, _ in lanes]]
+            if start == 0.0:
+                self._shift_shaking(mechanism.model, mine, [window for _, window, _ in lanes])
+            rows.append(mine)
+            states.append(np.array([state for _, _, state in lanes]))
+            tau = None if free else self.efforts(request.hypothesis, request.x, mechanism, lanes, grid_time)
+            if request.extra is not None:
+                tau = request.extra[own] if tau is None else tau + request.extra[own]
+            if tau is not None:
+                efforts.append(tau)
+        every_row, every_state = np.concatenate(rows), np.concatenate(states)
+        every_tau = np.concatenate(efforts) if efforts else None
+        first, again = _distinct(every_row, every_state, every_tau)
+        self.lanes_run += len(first)
+        alone = len(first) == len(members)
+        if not alone:
+            every_row, every_state = every_row[first], every_state[first]
+            every_tau = None if every_tau is None else every_tau[first]
+        q, qd, qdd = mechanism.model.simulate(
+            every_row,
+            np.ascontiguousarray(every_state[:, :n]),
+            np.ascontiguousarray(every_state[:, n:]),
+            grid_time + start,
+            tau=every_tau,
+            tolerance=self.tolerance,
+            threads=self.threads,
+        )
+        place = 0
+        for k, own in by_request.items():
+            request, ready = requests[k], asked[k]
+            by_window: dict[Window, list[int]] = {}
+            for j, i in enumerate(own):
+                by_window.setdefault(request.lanes[i][1], []).append(j)
+            for window, places in by_window.items():
+                where = [place + j for j in places] if alone else [again[place + j] for j in places]
+                sampled = hermite(self.grid(window, ready.margin), *(taken(array, where) for array in (q, qd, qdd)))
+                which = [request.lanes[own[j]][0] for j in places]
+                channels = self._observe(
+                    request.hypothesis,
+                    request.x[which],
+                    ready.rows[which],
+                    mechanism,
+                    self.runs[window.run],
+                    window,
+                    sampled,
+                    ready.margin,
+                )
+                for j, channel in zip(places, channels, strict=True):
+                    out[k][own[j]] = channel
+            place += len(own)
+
+    def _shift_shaking(self, model: LaneModel, rows: Array, windows: Sequence[Window]) -> None:
+        """Let the shaking of the base begin at the windows' places in their recordings, in place."""
+        for lane in np.flatnonzero(rows[:, model.slot("base", "excitation_amplitude")]).tolist():
+            run = self.runs[windows[lane].run]
+            start = float(run.time[windows[lane].first] - run.time[0])
+            frequency = rows[lane, model.slot("base", "excitation_frequency")]
+            rows[lane, model.slot("base", "excitation_phase")] += 2.0 * np.pi * frequency * start
 
     def efforts(
         self,
@@ -433,13 +533,16 @@ def start_vector(candidate: Candidate) -> Array:
     return to_internal(candidate, values)
 
 
-def write_law(row: Array, model: LaneModel, candidate: Candidate, values: Array) -> None:
-    """Put a joint law's parameters into a row; what the nominal model has in the same slot is added to, not replaced."""
+def write_law(rows: Array, model: LaneModel, candidate: Candidate, values: Array) -> None:
+    """Put a joint law's parameters (K, k) into rows (K, P); what the nominal model has in the same slot is added to, not
+    replaced."""
     law = candidate.effect.law
     assert law is not None
-    before = row.copy()
-    law.write(row[None, :], model, candidate.site, values[None, :])
-    for slot, parameter in zip(law.slots, candidate.effect.parameters, strict=True):
-        if parameter.neutral == 0.0:
-            place = model.slot(candidate.site, slot)
-            row[place] += before[place]
+    added = [
+        model.slot(candidate.site, slot)
+        for slot, parameter in zip(law.slots, candidate.effect.parameters, strict=True)
+        if parameter.neutral == 0.0
+    ]
+    before = rows[:, added]
+    law.write(rows, model, candidate.site, values)
+    rows[:, added] += before

@@ -7,7 +7,7 @@ residual. Nothing is fitted, so the whole catalogue costs little more than one r
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from scipy.linalg import qr
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor, to_internal
+from harness.diagnose.predict import Predictor, Request, to_internal
 from harness.diagnose.problem import Problem
 from harness.diagnose.response import Response, respond, responsive, to_channels
 from harness.diagnose.starts import Ray, rays
@@ -25,7 +25,7 @@ from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
 
-MOST_LANES = 512  # run at once, to bound memory
+MOST_SAMPLES = 1_500_000  # of all lanes run at once and of changes kept at once, to bound memory
 MOST_TOGETHER = 256  # columns whose inner products are all kept
 UNRESOLVED = 1e-13  # share of a column's square below which what is left of it is rounding
 WEAK = 1e-4  # norm of a projected direction [noise standard deviations] below which nothing can be seen of it
@@ -130,29 +130,80 @@ def score(
     """Every candidate against a fit, best first; candidates that change nothing visible are left out."""
     found = []
     motions: dict[Window, Response] = {}
-    for candidate in candidates:
-        best = _best_ray(fitted, predictor, likelihood, candidate, rays(candidate, problem), space, motions)
-        if best is not None:
-            found.append(best)
+    asked = [(candidate, rays(candidate, problem)) for candidate in candidates]
+    for batch in _batches(asked, fitted):
+        points = [[point for line in lines for point in line] for _, lines in batch]
+        near = _near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
+        for (candidate, lines), (starts, changes, factors) in zip(batch, near, strict=True):
+            best = _best_ray(candidate, lines, space, starts, changes, factors)
+            if best is not None:
+                found.append(best)
     return sorted(found, key=lambda s: -s.gain)
 
 
+def _batches(
+    asked: Sequence[tuple[Candidate, Sequence[Ray]]], fitted: Fit
+) -> Iterator[list[tuple[Candidate, Sequence[Ray]]]]:
+    """Candidates in stretches whose changes fit into memory together."""
+    samples = sum(window.size for window in fitted.windows)
+    batch: list[tuple[Candidate, Sequence[Ray]]] = []
+    size = 0
+    for candidate, lines in asked:
+        own = samples * sum(len(line) for line in lines)
+        if batch and size + own > MOST_SAMPLES:
+            yield batch
+            batch, size = [], 0
+        batch.append((candidate, lines))
+        size += own
+    if batch:
+        yield batch
+
+
 def change(
-    fitted: Fit, predictor: Predictor, likelihood: Likelihood, candidate: Candidate, points: Sequence[Array]
-) -> list[Array]:
-    """Whitened changes of the prediction when a candidate is switched on at SI ``points``: per window (k, M)."""
-    wider = fitted.hypothesis.with_(candidate)
-    x = np.array([np.concatenate([fitted.x, to_internal(candidate, point)]) for point in points])
-    out = []
-    for window in fitted.windows:
-        state = carry_state(predictor, fitted.hypothesis, wider, fitted.states[window])
-        chunks = []
-        for first in range(0, len(points), MOST_LANES):
-            part = x[first : first + MOST_LANES]
-            predictions = predictor.predict(wider, part, [(row, window, state) for row in range(len(part))])
-            chunks.append(likelihood.whiten(window, predictions))
-        out.append(np.vstack(chunks) - fitted.linear.residuals[fitted.windows.index(window)])
-    return out
+    fitted: Fit,
+    predictor: Predictor,
+    likelihood: Likelihood,
+    candidates: Sequence[Candidate],
+    points: Sequence[Sequence[Array]],
+) -> list[list[Array]]:
+    """Whitened changes of the prediction when candidates are switched on, each at its SI ``points``: of every candidate, per
+    window (k, M)."""
+    requests, sources = [], []
+    most = max(1, MOST_SAMPLES // sum(window.size for window in fitted.windows))
+    for number, (candidate, own) in enumerate(zip(candidates, points, strict=True)):
+        wider = fitted.hypothesis.with_(candidate)
+        x = np.array([np.concatenate([fitted.x, to_internal(candidate, point)]) for point in own])
+        states = [
+            (w, carry_state(predictor, fitted.hypothesis, wider, fitted.states[window]))
+            for w, window in enumerate(fitted.windows)
+        ]
+        for first in range(0, len(own), most):
+            part = x[first : first + most]
+            lanes = [(row, fitted.windows[w], state) for w, state in states for row in range(len(part))]
+            requests.append(Request(wider, part, lanes))
+            sources.append(number)
+    pieces: list[list[list[Array]]] = [[[] for _ in fitted.windows] for _ in candidates]
+    for first, last in _stretches(requests):
+        predicted = predictor.predict_all(requests[first:last])
+        for number, request, lanes_out in zip(sources[first:last], requests[first:last], predicted, strict=True):
+            count = len(request.x)
+            for w, window in enumerate(fitted.windows):
+                white = likelihood.whiten(window, lanes_out[w * count : (w + 1) * count])
+                pieces[number][w].append(white - fitted.linear.residuals[w])
+    return [[np.vstack(parts) for parts in own] for own in pieces]
+
+
+def _stretches(requests: Sequence[Request]) -> Iterator[tuple[int, int]]:
+    """Stretches of requests to be run together, first and last + 1: as many as fit into memory."""
+    first, samples = 0, 0
+    for k, request in enumerate(requests):
+        own = sum(window.size for _, window, _ in request.lanes)
+        if k > first and samples + own > MOST_SAMPLES:
+            yield first, k
+            first, samples = k, 0
+        samples += own
+    if requests:
+        yield first, len(requests)
 
 
 def wave(candidate: Candidate) -> bool:
@@ -232,35 +283,58 @@ def _at_infinity(candidate: Candidate) -> bool:
     return reshape is not None and reshape.topology
 
 
-def _small_changes(
+Near = tuple[list[Array], list[Array], list[float]]
+"""Points near enough to absence to act linearly, the changes there per window (k, M), and how near they were brought."""
+
+
+def _near_changes(
     fitted: Fit,
     predictor: Predictor,
     likelihood: Likelihood,
-    candidate: Candidate,
-    points: Sequence[Array],
+    candidates: Sequence[Candidate],
+    points: Sequence[Sequence[Array]],
     motions: dict[Window, Response],
-) -> tuple[list[Array], list[Array], list[float]]:
-    """Points near enough to absence to act linearly, the changes there per window (k, M), and how near they were brought."""
-    if wave(candidate) and responsive(predictor, fitted):
-        return list(points), wave_change(fitted, predictor, likelihood, candidate, points, motions), [1.0] * len(points)
+) -> list[Near]:
+    """Points of several candidates brought near to absence, and the changes there; all of them run together."""
+    found: list[Near | None] = [None] * len(candidates)
+    near: dict[int, list[Array]] = {}
+    for k, (candidate, own) in enumerate(zip(candidates, points, strict=True)):
+        if wave(candidate) and responsive(predictor, fitted):
+            changes = wave_change(fitted, predictor, likelihood, candidate, own, motions)
+            found[k] = list(own), changes, [1.0] * len(own)
+            continue
+        near[k] = [_brought_near(candidate, p, FIRST_TRY) for p in own]
+    moved = {k for k, own in near.items() if not all(map(np.array_equal, own, points[k]))}
+    running = list(near)
+    for k, own_changes in zip(
+        running,
+        change(fitted, predictor, likelihood, [candidates[k] for k in running], [near[k] for k in running]),
+        strict=True,
+    ):
+        found[k] = near[k], own_changes, [FIRST_TRY if k in moved else 1.0] * len(near[k])
     extent = _extents(predictor, likelihood, fitted)
-    factors = [FIRST_TRY] * len(points)
-    if all(np.array_equal(_brought_near(candidate, p, FIRST_TRY), p) for p in points):
-        return list(points), change(fitted, predictor, likelihood, candidate, points), [1.0] * len(points)
-    near = [_brought_near(candidate, p, f) for p, f in zip(points, factors, strict=True)]
-    changes = change(fitted, predictor, likelihood, candidate, near)
     for _ in range(2):
-        sizes = np.sqrt(sum(np.sum(np.nan_to_num(c, nan=1e6) ** 2, axis=1) for c in changes)) / extent
-        wide = [k for k in range(len(points)) if sizes[k] > SMALL and factors[k] > LEAST]
-        if not wide:
-            break
-        for k in wide:
-            factors[k] = max(LEAST, factors[k] * 0.5 * SMALL / float(sizes[k]))
-            near[k] = _brought_near(candidate, points[k], factors[k])
-        again = change(fitted, predictor, likelihood, candidate, [near[k] for k in wide])
-        for old, new in zip(changes, again, strict=True):
-            old[wide] = new
-    return near, changes, factors
+        wide: dict[int, list[int]] = {}
+        for k in sorted(moved):
+            starts, changes, factors = found[k] or ([], [], [])
+            sizes = np.sqrt(sum(np.sum(np.nan_to_num(c, nan=1e6) ** 2, axis=1) for c in changes)) / extent
+            own_wide = [i for i in range(len(starts)) if sizes[i] > SMALL and factors[i] > LEAST]
+            for i in own_wide:
+                factors[i] = max(LEAST, factors[i] * 0.5 * SMALL / float(sizes[i]))
+                starts[i] = _brought_near(candidates[k], points[k][i], factors[i])
+            if own_wide:
+                wide[k] = own_wide
+        moved = set(wide)
+        again = change(
+            fitted, predictor, likelihood,
+            [candidates[k] for k in wide], [[near[k][i] for i in own] for k, own in wide.items()],
+        )  # fmt: skip
+        for (k, own_wide), renewed in zip(wide.items(), again, strict=True):
+            known = found[k]
+            assert known is not None
+            for old, new in zip(known[1], renewed, strict=True):
+                old[own_wide] = new
+    return [item for item in found if item is not None]
 
 
 def _extents(predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> float:
@@ -274,17 +348,14 @@ def _extents(predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> float
 
 
 def _best_ray(
-    fitted: Fit,
-    predictor: Predictor,
-    likelihood: Likelihood,
     candidate: Candidate,
     lines: Sequence[Ray],
     space: Nuisance,
-    motions: dict[Window, Response],
+    near: Sequence[Array],
+    changes: Sequence[Array],
+    factors: Sequence[float],
 ) -> Score | None:
-    points = [point for line in lines for point in line]
-    near, changes, factors = _small_changes(fitted, predictor, likelihood, candidate, points, motions)
-    finite = np.ones(len(points), dtype=bool)
+    finite = np.ones(len(near), dtype=bool)
     for part in changes:
         finite &= np.all(np.isfinite(part), axis=1)
     changes = [np.nan_to_num(part) for part in changes]
