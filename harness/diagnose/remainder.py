@@ -403,13 +403,15 @@ MOMENTS = 12  # in a recording at which a force is tried to set in
 
 
 def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: float) -> Test:
-    """Largest gain by a push, a friction or a drag that sets in at a moment of one recording, or grows all along it."""
+    """Largest gain by a push, friction, drag or spring that sets in at a moment of one recording, or grows all along it."""
     k = own.names.index(joint)
     best, count, where = 0.0, 0, ""
     each: list[float] = []
     for window, found in own.motions.items():
         speed = np.clip(found.qd[:, k] / fast, -1.5, 1.5)
-        shapes = np.array([np.ones_like(speed), np.tanh(20.0 * speed), speed])
+        away = np.sin(found.q[:, k])
+        away = away / max(float(np.abs(away).max()), 1e-12)
+        shapes = np.array([np.ones_like(speed), np.tanh(20.0 * speed), speed, away])
         moments = np.linspace(0.0, found.time[-1], MOMENTS + 2)[1:-1]
         later = (found.time[None, :] >= moments[:, None]).astype(np.float64)
         growing = (found.time / found.time[-1])[None, :]
