@@ -15,13 +15,15 @@ from harness.proof.outside import OUTSIDE
 from harness.proof.plain import PlainRig
 from harness.proof.rigs import Rig, deviate, draw_rig
 from harness.proof.scene import Planted, Run, Scene, Sensor
-from harness.proof.visibility import RELATIVE_STEP, distance, moves, observe, profiled
+from harness.proof.visibility import distance, moves, observe, profiled
 
 Array = NDArray[np.float64]
 
 RATES = (100.0, 200.0, 250.0, 500.0)
 STRENGTH_RANGE = (1e-4, 6.0)
-STRENGTH_STEPS = 5
+CLOSE = 0.25  # ratio, as a logarithm, of visibility and aim
+FASTEST = 2.5  # growth of the strength in one step, over which nuisances follow
+STRENGTH_STEPS = 12
 # Effects that leave one and the same trace on an angle, or cannot both be planted at one place.
 FAMILIES = (
     {"coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction"},
@@ -195,49 +197,70 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
     plain = PlainRig(true, runs, sensor, may)
     without = np.concatenate(observe(build(true, off, 0.0)))
     at_zero = np.zeros(len(may.sigma))
-    probes = plain.simulate(np.vstack([at_zero, RELATIVE_STEP * np.eye(len(at_zero))]))
-    sensitivities = (probes[1:] - probes[0]).T / RELATIVE_STEP
+    plainly = plain.simulate(at_zero[None])[0]
+    sensitivities = plain.sensitivities(at_zero)
 
-    def far(target: Array) -> float:
-        """Distance from what the nuisances can make."""
-        return profiled(target - without + probes[0], lambda z: plain.simulate(z[None])[0], sensitivities, may.sigma)
+    def far(target: Array, start: Array) -> tuple[float, Array]:
+        """Distance from what the nuisances can make, and the nuisances that come nearest."""
+        return profiled(
+            target - without + plainly,
+            lambda z: plain.simulate(z[None])[0],
+            sensitivities,
+            may.sigma,
+            differentiate=plain.sensitivities,
+            start=start,
+        )
 
-    def seek(make: Callable[[float], Scene], aim: float) -> tuple[float, float]:
-        """The strength whose visibility is nearest to the aim, and that visibility: first by the linear view, which is quick
-        but takes for visible what large changes of the nuisances could make, then by the profile."""
-        strength, best = 0.2, (0.2, 0.0)
-        for attempt in range(STRENGTH_STEPS):
-            target = np.concatenate(observe(make(strength)))
-            d = distance(target - without, sensitivities, may.sigma)
-            near = abs(np.log(max(d, 1e-3) / aim)) < 0.5
-            if near or attempt >= 2:
-                d = far(target)
-            if best[1] == 0.0 or abs(np.log(max(d, 1e-3) / aim)) < abs(np.log(max(best[1], 1e-3) / aim)):
-                best = (strength, d)
-            if abs(np.log(max(d, 1e-3) / aim)) < 0.25 and (near or attempt >= 2):
+    def seek(make: Callable[[float], Scene], aim: float) -> tuple[float, float, Array]:
+        """The strength whose visibility is nearest to the aim, that visibility, and the nuisances nearest to it.
+
+        The linear view, which takes for visible what large changes of the nuisances could make, says where to begin; from there
+        nuisances follow the strength, since from far away there is no way to them.
+        """
+        strength = 0.2
+        for _ in range(3):
+            seen = distance(np.concatenate(observe(make(strength))) - without, sensitivities, may.sigma)
+            strength = float(np.clip(strength * np.clip(aim / max(seen, 1e-3), 1e-2, 30.0), *STRENGTH_RANGE))
+            if 0.5 < aim / max(seen, 1e-3) < 2.0:
                 break
-            step = float(np.clip(aim / max(d, 1e-3), 1e-2, 30.0))
-            strength = float(np.clip(strength * step, *STRENGTH_RANGE))
-            if strength == best[0]:
+        known: dict[float, tuple[float, Array]] = {}
+        for _ in range(STRENGTH_STEPS):
+            from_ = min(known, key=lambda f: abs(np.log(f / strength)), default=strength)
+            start = known[from_][1] * (strength / from_) if known else at_zero
+            known[strength] = far(np.concatenate(observe(make(strength))), start)
+            below = [f for f, (d, _) in known.items() if d < aim]
+            above = [f for f, (d, _) in known.items() if d >= aim]
+            nearest = min(known, key=lambda f: abs(np.log(max(known[f][0], 1e-3) / aim)))
+            if abs(np.log(max(known[nearest][0], 1e-3) / aim)) < CLOSE:
                 break
-        target = np.concatenate(observe(make(best[0])))
-        return best[0], far(target)
+            if below and above:
+                strength = float(np.sqrt(max(below) * min(above)))
+            elif below:
+                strength = max(below) * float(np.clip(aim / max(known[max(below)][0], 1e-3), 1.2, FASTEST))
+            else:
+                strength = min(above) / FASTEST
+            strength = float(np.clip(strength, *STRENGTH_RANGE))
+            if strength in known:
+                break
+        return nearest, *known[nearest]
 
     strengths: list[float] = []
     seen: list[float] = []
+    nearest: list[Array] = []
     for i in range(len(chosen)):
         aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
 
         def make(f: float, i: int = i) -> Scene:
             return build(true, [f if j == i else 0.0 for j in range(len(chosen))], 0.0)
 
-        f, d = seek(make, aim)
+        f, d, z = seek(make, aim)
         strengths.append(f)
         seen.append(d)
+        nearest.append(z)
     outside = 0.0
     if kind == "outside":
         aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
-        outside, d = seek(lambda f: build(true, off, f), aim)
+        outside, d, _ = seek(lambda f: build(true, off, f), aim)
         seen.append(d)
     if len(chosen) > 1:
         together = np.concatenate(observe(build(true, strengths, 0.0)))
@@ -256,12 +279,13 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
             count = len(chosen) - 1 + len(may.sigma)
             unmoved = others(np.zeros(count))
             columns = [(others(1e-3 * np.eye(count)[j]) - unmoved) / 1e-3 for j in range(len(chosen) - 1)]
-            seen[i] = profiled(
+            seen[i], _ = profiled(
                 together,
                 others,
                 np.column_stack([*columns, sensitivities]),
                 np.concatenate([np.full(len(columns), np.inf), may.sigma]),
-                steps=4,
+                start=np.concatenate([np.zeros(len(columns)), nearest[i]]),
+                steps=6,
             )
     planted = [
         Planted(c.effect, _site(rig, c, k), c.parameters(f, d, rig.segments[k], top))

@@ -14,7 +14,7 @@ from harness.effects.lanes import lane_model, lane_row
 from harness.proof.model_file import model_file
 from harness.proof.rigs import Rig
 from harness.proof.scene import FINE_STEP, Run, Sensor
-from harness.proof.visibility import Moves, whiten
+from harness.proof.visibility import RELATIVE_STEP, Moves, whiten
 from harness.system import System, load
 
 Array = NDArray[np.float64]
@@ -52,6 +52,11 @@ class PlainRig:
             q, _, _ = self._model.simulate(rows, state[:, :n], state[:, n:], time, tau=tau)
             pieces += [whiten(q[:, ::parts, j], self.sensor) for j in range(n)]
         return np.concatenate(pieces, axis=1)
+
+    def sensitivities(self, z: Array) -> Array:
+        """Changes of the samples with each nuisance at ``z`` (k,): (samples, k)."""
+        moved = self.simulate(np.vstack([z, z + RELATIVE_STEP * np.eye(len(z))]))
+        return np.asarray((moved[1:] - moved[0]).T / RELATIVE_STEP)
 
 
 def _system(rig: Rig) -> System:

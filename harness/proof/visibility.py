@@ -94,21 +94,29 @@ def moves(rig: Rig, runs: int) -> Moves:
     return Moves(tuple(segments), tuple(releases), sigma)
 
 
-PROFILE_STEPS = 12
+PROFILE_STEPS = 25
 FARTHEST = 3.0  # standard deviations that a nuisance moves in one step
 SETTLED = 0.02  # relative fall of the distance in a step that ends a profile
 
 
 def profiled(
-    target: Array, simulate: Callable[[Array], Array], sensitivities: Array, sigma: Array, steps: int = PROFILE_STEPS
-) -> float:
-    """Distance of a recording from the nearest one that nuisances alone can make, however far they have to move.
+    target: Array,
+    simulate: Callable[[Array], Array],
+    sensitivities: Array,
+    sigma: Array,
+    *,
+    differentiate: Callable[[Array], Array] | None = None,
+    start: Array | None = None,
+    steps: int = PROFILE_STEPS,
+) -> tuple[float, Array]:
+    """Distance of a recording from the nearest one that nuisances alone can make, however far they move, and where they end.
 
     target: whitened samples; simulate: whitened samples at nuisances z; sensitivities, sigma: at zero, priors' 1σ.
-    Linear steps, the sensitivities corrected after each by what it did (Broyden, Math. Comp. 19 (1965) 577).
+    differentiate: sensitivities at nuisances z; without it they are corrected after each step by what it did (Broyden,
+    Math. Comp. 19 (1965) 577). start: nuisances to begin from, zero if not given.
     """
     jacobian = sensitivities.copy()
-    z = np.zeros(len(sigma))
+    z = np.zeros(len(sigma)) if start is None else start.copy()
     here = simulate(z)
     inverse = np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
 
@@ -117,26 +125,30 @@ def profiled(
 
     best = size(target - here, z)
     reach = 1.0
-    for _ in range(steps):
+    for number in range(steps):
+        if differentiate is not None and (number or start is not None) and reach == 1.0:
+            jacobian = differentiate(z)
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
         a = np.vstack([jacobian / scale, np.diag(inverse / scale)])
         b = np.concatenate([target - here, -z * inverse])
         step = reach * np.linalg.lstsq(a, b, rcond=1e-12)[0] / scale
-        bounded = np.isfinite(sigma)
-        step[bounded] = np.clip(step[bounded], -FARTHEST * sigma[bounded], FARTHEST * sigma[bounded])
+        # As a whole, so that numbers which act alike keep their proportion.
+        step *= min(1.0, FARTHEST / max(float(np.abs(step * inverse).max()), 1e-300))
         there = simulate(z + step)
         found = size(target - there, z + step)
-        jacobian += np.outer(there - here - jacobian @ step, step * scale**2) / float((step * scale) @ (step * scale))
+        if differentiate is None:
+            along = step * scale**2
+            jacobian += np.outer(there - here - jacobian @ step, along) / float((step * scale) @ (step * scale))
         if found >= best:
             reach *= 0.3
-            if reach < 0.02:
+            if reach < 0.005:
                 break
             continue
         done = found > (1.0 - SETTLED) * best and reach == 1.0
-        z, here, best, reach = z + step, there, found, min(1.0, 2.0 * reach)
+        z, here, best, reach = z + step, there, found, min(1.0, 4.0 * reach)
         if done:
             break
-    return best
+    return best, z
 
 
 def distance(difference: Array, sensitivities: Array, sigma: Array) -> float:
