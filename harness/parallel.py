@@ -26,6 +26,15 @@ def default_workers() -> int:
     return max(1, os.cpu_count() or 1)
 
 
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Linear algebra of small matrices on one thread: handing it to several takes many times as long as doing it."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        yield
+
+
 MOST_THREADS = 4  # of one piece of work; more cores are better used by more pieces
 
 

@@ -29,6 +29,7 @@ from harness.effects.effect import Effect
 from harness.effects.scale import references
 from harness.effects.user import load_user_effects
 from harness.errors import InputError
+from harness.parallel import one_blas_thread
 from harness.recording import Recording, read_recordings
 from harness.system import Attachment, System, load
 
@@ -38,6 +39,7 @@ STATED = {"viscous_damping": ("coefficient", "damping"), "coulomb_friction": ("t
 SHOWN = 8  # hypotheses in the ranking
 
 
+@one_blas_thread()
 def diagnose(
     recordings: Sequence[str | Path | Recording],
     model: str | Path | System,

@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 DIFFERENCE = 3e-5  # relative step of difference quotients, in the fit's own coordinates (order one)
 HOPE = 6.0  # a step's predicted gain times this is the most that the rest of a search is expected to bring
 LOST = 1e15  # cost of a run that left the numbers
+HARDEST = 1e8  # damping beyond which no step helps
+LANES = 8  # that run together at the price of one
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,23 +80,28 @@ def bounds(predictor: Predictor, hypothesis: Hypothesis) -> tuple[Array, Array]:
     return np.concatenate(lower), np.concatenate(upper)
 
 
+Residuals = tuple[float, tuple[Array, ...]]
+"""Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
+
+
 def residuals_at(
     predictor: Predictor,
     likelihood: Likelihood,
     hypothesis: Hypothesis,
     windows: Sequence[Window],
-    x: Array,
-    states: Mapping[Window, Array],
-) -> tuple[float, tuple[Array, ...]]:
-    """Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
-    predictions = predictor.predict(hypothesis, x[None], [(0, window, states[window]) for window in windows])
-    cost = 0.0
-    residuals = []
-    for window, prediction in zip(windows, predictions, strict=True):
-        r = likelihood.whiten(window, [prediction])[0]
-        cost += float(r @ r) if np.all(np.isfinite(prediction)) else LOST
-        residuals.append(r)
-    return cost, tuple(residuals)
+    points: Sequence[tuple[Array, Mapping[Window, Array]]],
+) -> list[Residuals]:
+    """Residuals at several points (shared parameters, initial states), all lanes at once."""
+    lanes = [(k, window, states[window]) for window in windows for k, (_, states) in enumerate(points)]
+    predictions = predictor.predict(hypothesis, np.array([x for x, _ in points]), lanes)
+    costs = [0.0] * len(points)
+    residuals: list[list[Array]] = [[] for _ in points]
+    for w, window in enumerate(windows):
+        chunk = predictions[w * len(points) : (w + 1) * len(points)]
+        for k, r in enumerate(likelihood.whiten(window, chunk)):
+            costs[k] += float(r @ r) if np.all(np.isfinite(chunk[k])) else LOST
+            residuals[k].append(r)
+    return [(cost, tuple(own)) for cost, own in zip(costs, residuals, strict=True)]
 
 
 def linearise(
@@ -108,7 +115,7 @@ def linearise(
     upper: Array | None = None,
     fixed: NDArray[np.bool_] | None = None,
     state_damping: float = 0.0,
-    known: tuple[float, tuple[Array, ...]] | None = None,
+    known: Residuals | None = None,
 ) -> Linearisation:
     """Residuals and Jacobian by differences, all lanes of all windows at once; known: the residuals if they are at hand."""
     size = len(x)
@@ -209,10 +216,27 @@ def fit(
     prior = float(np.sum(prior_weight * x**2))
     damping, converged = 1e-3, False
     free = ~held
+    # A step that fails is tried again with more damping, from the same place: as many such trials as fit beside the first
+    # one into lanes that run anyway are made at once.
+    together = max(1, LANES * -(-len(windows) // LANES) // len(windows))
+    tried: dict[float, tuple[Trial, Residuals]] = {}
     for _ in range(most_steps):
-        step, free = _step(here, x, prior_weight, lower, upper, held, damping)
-        change = {w: _state_step(t, step, damping) for w, t in zip(windows, here.triangles, strict=True)}
-        predicted = _predicted_gain(here, prior_weight, x, step)
+        if damping not in tried:
+            trials = [_trial(here, windows, x, current, prior_weight, lower, upper, held, damping)]
+            while len(trials) < together and trials[-1].predicted >= enough and trials[-1].damping <= HARDEST:
+                trials.append(
+                    _trial(here, windows, x, current, prior_weight, lower, upper, held, _harder(trials[-1].damping))
+                )
+            if here.cost + prior - HOPE * max(trials[0].predicted, 0.0) > target > -np.inf:
+                free = trials[0].free
+                break
+            if trials[0].predicted >= 1e-3 * enough:
+                at = residuals_at(predictor, likelihood, hypothesis, windows, [(t.x, t.states) for t in trials])
+            else:
+                at = [(np.inf, ())] * len(trials)
+            tried = {t.damping: (t, found) for t, found in zip(trials, at, strict=True)}
+        trial, found = tried[damping]
+        free, predicted = trial.free, trial.predicted
         if here.cost + prior - HOPE * max(predicted, 0.0) > target > -np.inf:
             break
         if predicted < enough:
@@ -220,24 +244,56 @@ def fit(
             # One last full step costs nothing further and takes the rest of the way.
             if predicted < 1e-3 * enough:
                 break
-        trial_x = np.clip(x + step, lower, upper)
-        trial_states = {w: current[w] + change[w] for w in windows}
-        found = residuals_at(predictor, likelihood, hypothesis, windows, trial_x, trial_states)
-        trial_prior = float(np.sum(prior_weight * trial_x**2))
+        trial_prior = float(np.sum(prior_weight * trial.x**2))
         gain = here.cost + prior - found[0] - trial_prior
         if gain > 0.0:
-            x, current, prior = trial_x, trial_states, trial_prior
+            x, current, prior = trial.x, trial.states, trial_prior
             here = linearise(
                 predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held, known=found
             )
+            tried = {}
             damping = max(damping * (0.1 if gain > 0.5 * predicted else 0.5), 1e-9)
             if converged:
                 break
         else:
-            if converged or damping > 1e8:
+            if converged or damping > HARDEST:
                 break
-            damping = max(damping * 8.0, 1e-4)
+            damping = _harder(damping)
     return Fit(hypothesis, tuple(windows), x, current, here, prior, converged, free)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A step proposed: where it leads, what it is expected to gain, and which parameters were free of their bounds."""
+
+    damping: float
+    x: Array
+    states: dict[Window, Array]
+    predicted: float
+    free: NDArray[np.bool_]
+
+
+def _harder(damping: float) -> float:
+    """The damping after a step that failed."""
+    return max(damping * 8.0, 1e-4)
+
+
+def _trial(
+    here: Linearisation,
+    windows: Sequence[Window],
+    x: Array,
+    states: Mapping[Window, Array],
+    prior_weight: Array,
+    lower: Array,
+    upper: Array,
+    held: NDArray[np.bool_],
+    damping: float,
+) -> Trial:
+    """The step that the linear model proposes under a damping."""
+    step, free = _step(here, x, prior_weight, lower, upper, held, damping)
+    moved = {w: states[w] + _state_step(t, step, damping) for w, t in zip(windows, here.triangles, strict=True)}
+    predicted = _predicted_gain(here, prior_weight, x, step)
+    return Trial(damping, np.clip(x + step, lower, upper), moved, predicted, free)
 
 
 def _step(

@@ -6,7 +6,7 @@ very start of a window, whose past a sensor with memory would need, do not count
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +28,15 @@ class Likelihood:
     problem: Problem
     colours: tuple[Colour, ...]
     lead: float = 0.0
+    _weights: dict[Window, Array] = field(default_factory=dict, init=False, repr=False)
 
     def weights(self, window: Window) -> Array:
-        """Square roots of the samples' weights, shape (C, T)."""
+        """Square roots of the samples' weights, shape (C, T); not to be written to."""
+        if window not in self._weights:
+            self._weights[window] = self._weigh(window)
+        return self._weights[window]
+
+    def _weigh(self, window: Window) -> Array:
         run = self.problem.runs[window.run]
         part = slice(window.first, window.last)
         values = run.values[:, part]
@@ -45,7 +51,9 @@ class Likelihood:
         """Whitened residuals prediction − measurement of several lanes of one window, shape (L, C·T)."""
         run = self.problem.runs[window.run]
         values = run.values[:, window.first : window.last]
-        raw = np.nan_to_num(np.array(predictions) - values, nan=0.0, posinf=0.0, neginf=0.0)
+        raw = np.array(predictions) - values
+        if not np.isfinite(raw).all():
+            raw[~np.isfinite(raw)] = 0.0
         return self.whiten_signal(window, raw)
 
     def whiten_signal(self, window: Window, signal: Array) -> Array:

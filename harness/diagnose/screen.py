@@ -358,7 +358,8 @@ def _best_ray(
     finite = np.ones(len(near), dtype=bool)
     for part in changes:
         finite &= np.all(np.isfinite(part), axis=1)
-    changes = [np.nan_to_num(part) for part in changes]
+    if not finite.all():
+        changes = [np.nan_to_num(part) for part in changes]
     seen = space.measure(changes)
     along, squares, neighbours = seen.along, seen.squares, seen.neighbours
     best: Score | None = None
