@@ -247,9 +247,8 @@ def examine(
         tests.append(_pulses(own, space, joint, period, noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
-        tests.append(_setting_in(own, space, joint, fast, noise))
-        if _counts(tests[-1], level):
-            excess = max(excess, tests[-1].gain)
+        tests += _setting_in(own, space, joint, fast, noise)
+        excess = max([excess, *(test.gain for test in tests[-2:] if _counts(test, level))])
     tests.append(_trend(fitted))
     tests.append(_spectrum(own_period=period, predictor=predictor, fitted=fitted))
     tests.append(_jump(predictor, likelihood, fitted, space, noise))
@@ -402,33 +401,46 @@ SETS_IN = "a force that sets in"
 MOMENTS = 12  # in a recording at which a force is tried to set in
 
 
-def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: float) -> Test:
-    """Largest gain by a push, friction, drag or spring that sets in at a moment of one recording, or grows all along it."""
+def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: float) -> tuple[Test, Test]:
+    """Largest gains by a push, friction, drag or spring that sets in or grows all along: in one recording, in all alike."""
     k = own.names.index(joint)
+    longest = max(float(run.time[-1] - run.time[0]) for run in own.predictor.runs)
+    moments = np.linspace(0.0, longest, MOMENTS + 2)[1:-1]
     best, count, where = 0.0, 0, ""
     each: list[float] = []
-    for window, found in own.motions.items():
+    columns = []
+    for place, window in enumerate(own.fitted.windows):
+        found = own.motions[window]
+        run = own.predictor.runs[window.run]
+        time = found.time + float(run.time[window.first] - run.time[0])
         speed = np.clip(found.qd[:, k] / fast, -1.5, 1.5)
-        away = np.sin(found.q[:, k])
-        away = away / max(float(np.abs(away).max()), 1e-12)
-        shapes = np.array([np.ones_like(speed), np.tanh(20.0 * speed), speed, away])
-        moments = np.linspace(0.0, found.time[-1], MOMENTS + 2)[1:-1]
-        later = (found.time[None, :] >= moments[:, None]).astype(np.float64)
-        growing = (found.time / found.time[-1])[None, :]
-        histories = np.vstack([(shapes[:, None, :] * later[None]).reshape(-1, len(speed)), shapes * growing])
-        gains = _single_gains(
-            space.measure([own.pulses(joint, window, histories)], only=own.fitted.windows.index(window))
-        )
+        shapes = np.array([np.ones_like(speed), np.tanh(20.0 * speed), speed, np.sin(found.q[:, k])])
+        later = (time[None, :] >= moments[:, None]).astype(np.float64)
+        histories = np.vstack([(shapes[:, None, :] * later[None]).reshape(-1, len(speed)), shapes * time / longest])
+        columns.append(own.pulses(joint, window, histories))
+        gains = _single_gains(space.measure([columns[-1]], only=place))
         count += len(gains)
         top = int(np.argmax(gains))
         each.append(float(gains[top]))
         if gains[top] > best:
             best = float(gains[top])
-            run = own.predictor.runs[window.run]
-            moment = moments[top % MOMENTS] if top < len(shapes) * MOMENTS else 0.0
-            where = f"{run.name} from {moment + run.time[window.first]:.2f} s on"
+            where = f"{run.name} {_since(moments, shapes, top)}"
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
-    return Test(f"{SETS_IN} at {joint}", best, 1, chance, (joint, where), 2, (sum(each), len(each)))
+    once = Test(f"{SETS_IN} at {joint}", best, 1, chance, (joint, where), 2, (sum(each), len(each)))
+    gains = _single_gains(space.measure(columns))
+    top = int(np.argmax(gains))
+    chance = min(1.0, len(gains) * float(chi2.sf(gains[top] / noise, 1)))
+    where = f"{_since(moments, shapes, top)} in every recording"
+    return once, Test(f"{SETS_IN} every time at {joint}", float(gains[top]), 1, chance, (joint, where), 2)
+
+
+def _since(moments: Array, shapes: Array, column: int) -> str:
+    """When the force of a column of ``_setting_in`` acts."""
+    return (
+        f"from {moments[column % len(moments)]:.2f} s on"
+        if column < len(shapes) * len(moments)
+        else "growing all along"
+    )
 
 
 MOTION = (0.3, 4.0)  # times the swing's frequency: where a misfit of the motion shows first

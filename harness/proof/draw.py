@@ -174,9 +174,10 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
     ]
     strange = str(effects[0]) if kind == "outside" and effects else str(rng.choice(list(OUTSIDE)))
     own = int(rng.integers(2**31))
+    motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
 
     def build(on: Rig, strengths: Sequence[float], outside: float) -> Scene:
-        scene = Scene(on, runs, sensor)
+        scene = Scene(on, runs, sensor, motions=motions)
         # Changes of inertia first: they alter the rig; then what adds degrees of freedom, the base before the joints on it;
         # then laws, which act on degrees of freedom that must all be there.
         order = sorted(range(len(chosen)), key=lambda i: _rank(chosen[i]))
