@@ -108,6 +108,7 @@ class Request:
     x: Array
     lanes: Sequence[tuple[int, Window, Array]]
     extra: Array | None = None
+    tolerance: float = 0.0  # error of one step, if it may be larger than the predictor's own
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +250,7 @@ class Predictor:
         """The same for several requests at once: lanes of one mechanism run together, whatever is asked of them."""
         asked = [self._prepare(request) for request in requests]
         out: list[list[Array]] = [[np.empty(0)] * len(request.lanes) for request in requests]
-        groups: dict[tuple[int, int, float, bool, float, bool], list[tuple[int, int]]] = {}
+        groups: dict[tuple[int, int, float, bool, float, bool, float], list[tuple[int, int]]] = {}
         for k, (request, ready) in enumerate(zip(requests, asked, strict=True)):
             for lane, (_, window, _) in enumerate(request.lanes):
                 grid = self.grid(window, ready.margin)
@@ -257,9 +258,17 @@ class Predictor:
                 # A law that knows the time needs the time of the recording, not of the window.
                 start = float(run.time[window.first] - run.time[0]) if ready.dated else 0.0
                 free = run.effort is None
-                key = (id(ready.mechanism), len(grid.time), grid.step, free, start, request.extra is None)
+                key = (
+                    id(ready.mechanism),
+                    len(grid.time),
+                    grid.step,
+                    free,
+                    start,
+                    request.extra is None,
+                    request.tolerance,
+                )
                 groups.setdefault(key, []).append((k, lane))
-        for (_, _, _, free, start, _), members in groups.items():
+        for (_, _, _, free, start, _, _), members in groups.items():
             self._run(requests, asked, members, free, start, out)
         return out
 
@@ -314,7 +323,7 @@ class Predictor:
             np.ascontiguousarray(every_state[:, n:]),
             grid_time + start,
             tau=every_tau,
-            tolerance=self.tolerance,
+            tolerance=max(self.tolerance, requests[members[0][0]].tolerance),
             threads=self.threads,
         )
         place = 0

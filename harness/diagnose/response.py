@@ -7,8 +7,10 @@ that each take a single step; after that, hundreds of force histories cost a few
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from harness.diagnose.fit import Fit
@@ -40,23 +42,34 @@ class Response:
     force: Array
     base: Array
 
-    def propagate(self, push: Array) -> Array:
-        """State deviations (G, 2n, K) caused by increments ``push`` (G − 1, 2n, K), from rest."""
-        out = np.zeros((len(self.time), push.shape[1], push.shape[2]))
-        for k in range(len(self.time) - 1):
-            np.matmul(self.transition[k], out[k], out=out[k + 1])
-            out[k + 1] += push[k]
-        return out
-
     def by_force(self, joint: int, histories: Array) -> Array:
         """State deviations (G, 2n, K) caused by force histories (K, G) at a coordinate."""
-        mean = 0.5 * (histories[:, :-1] + histories[:, 1:])
-        return self.propagate(self.force[:, :, joint, None] * mean.T[:, None, :])
+        return self._propagated(self.force[:, :, joint], histories)
 
     def by_shaking(self, histories: Array) -> Array:
         """State deviations (G, 2n, K) caused by histories of base acceleration (K, G)."""
-        mean = 0.5 * (histories[:, :-1] + histories[:, 1:])
-        return self.propagate(self.base[:, :, None] * mean.T[:, None, :])
+        return self._propagated(self.base, histories)
+
+    def _propagated(self, gain: Array, histories: Array) -> Array:
+        mean = np.ascontiguousarray((0.5 * (histories[:, :-1] + histories[:, 1:])).T)
+        return np.asarray(_propagate(self.transition.copy(), gain.copy(), mean))
+
+
+@njit(cache=True, error_model="numpy")
+def _propagate(transition: Any, gain: Any, mean: Any) -> Any:
+    """State deviations (G, S, K) from rest under the mean inputs (G − 1, K) of every step; gain: (G − 1, S)."""
+    steps, size = gain.shape
+    count = mean.shape[1]
+    out = np.zeros((steps + 1, size, count))
+    for k in range(steps):
+        for i in range(size):
+            for c in range(count):
+                out[k + 1, i, c] = gain[k, i] * mean[k, c]
+            for j in range(size):
+                share = transition[k, i, j]
+                for c in range(count):
+                    out[k + 1, i, c] += share * out[k, j, c]
+    return out
 
 
 def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) -> Response:

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 MOST_SAMPLES = 1_500_000  # of all lanes run at once and of changes kept at once, to bound memory
 MOST_TOGETHER = 256  # columns whose inner products are all kept
 UNRESOLVED = 1e-13  # share of a column's square below which what is left of it is rounding
+COARSEST = 1e-8  # error of one step [rad, rad/s] at most
+RESOLVED = 1e-5  # the same in standard deviations of noise
 WEAK = 1e-4  # norm of a projected direction [noise standard deviations] below which nothing can be seen of it
 
 
@@ -180,7 +182,7 @@ def change(
         for first in range(0, len(own), most):
             part = x[first : first + most]
             lanes = [(row, fitted.windows[w], state) for w, state in states for row in range(len(part))]
-            requests.append(Request(wider, part, lanes))
+            requests.append(Request(wider, part, lanes, tolerance=_tolerance(likelihood, candidate)))
             sources.append(number)
     pieces: list[list[list[Array]]] = [[[] for _ in fitted.windows] for _ in candidates]
     for first, last in _stretches(requests):
@@ -191,6 +193,13 @@ def change(
                 white = likelihood.whiten(window, lanes_out[w * count : (w + 1) * count])
                 pieces[number][w].append(white - fitted.linear.residuals[w])
     return [[np.vstack(parts) for parts in own] for own in pieces]
+
+
+def _tolerance(likelihood: Likelihood, candidate: Candidate) -> float:
+    """Error of one step where a change is looked at as a whole, not divided by a small step: far below the noise."""
+    if not _at_infinity(candidate):
+        return 0.0
+    return min(COARSEST, RESOLVED * min(colour.std for colour in likelihood.colours))
 
 
 def _stretches(requests: Sequence[Request]) -> Iterator[tuple[int, int]]:
