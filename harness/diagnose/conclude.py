@@ -212,14 +212,19 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
     return Test("a worse fit of the data held out", added - judged * level, 1, float(norm.sf(z)), (where,), -1)
 
 
+UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
 ROUNDS = 3  # of leaving out what is doubted and weighing the rest again
 
 
 def conclude(outcome: Outcome) -> Conclusion:
     """Weigh what the search found and judge it on the data held out; what is doubted is left out, and the rest weighed again."""
     study = outcome.study
-    best = settle(outcome, preferred(outcome, outcome.best))
+    wanted = preferred(outcome, outcome.best)
+    best = settle(outcome, wanted)
     doubted: list[str] = []
+    if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
+        # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
+        doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
     for _ in range(ROUNDS):
         remains, incomplete = _remains(outcome, best)
         fresh = [m.key for k, m in enumerate(best.hypothesis.members) if _doubtful(outcome, best, k, remains)]

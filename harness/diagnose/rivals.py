@@ -5,7 +5,7 @@ from __future__ import annotations
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome
-from harness.diagnose.search import pruned
+from harness.diagnose.search import generalized, pruned
 
 MOST = 9  # rivals fitted for each member
 WORTH_FITTING = (
@@ -29,7 +29,7 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
             continue
         if not related or scored.gain > LEAST_SHARE * own:
             found.append(study.extend(without, scored))
-    return found
+    return found + [f for f in generalized(study, best) if member.key not in f.hypothesis.keys]
 
 
 def _related(member: Candidate, other: Candidate) -> bool:

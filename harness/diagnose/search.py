@@ -110,8 +110,13 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
             if wider.site != member.site or member.effect.name not in wider.effect.simpler:
                 continue
             rest = base.hypothesis.without(k)
-            if rest.with_(wider).identity in study.fits or not compatible(rest, wider):
+            key = (base.hypothesis.identity, wider.key)
+            if not compatible(rest, wider):
                 continue
+            if key in study.widened:
+                found.append(study.fits[rest.with_(wider).identity])
+                continue
+            study.widened.add(key)
             span = base.hypothesis.span(k)
             offset = len(study.predictor.nominal)
             others = np.delete(base.x, np.arange(offset + span.start, offset + span.stop))

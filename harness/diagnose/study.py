@@ -25,7 +25,10 @@ WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie bef
 
 @dataclass(eq=False)
 class Study:
-    """Fits of hypotheses on one set of training windows under one likelihood."""
+    """Fits of hypotheses on one set of training windows under one likelihood.
+
+    widened: sets whose member was tried as the general law of this key.
+    """
 
     problem: Problem
     predictor: Predictor
@@ -35,6 +38,7 @@ class Study:
     fits: dict[frozenset[str], Fit] = field(default_factory=dict)
     scores: dict[frozenset[str], list[Score]] = field(default_factory=dict)
     first_states: Mapping[Window, Array] = field(default_factory=dict)
+    widened: set[tuple[frozenset[str], str]] = field(default_factory=set)
 
     @property
     def samples(self) -> float:

@@ -284,9 +284,9 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
                 together,
                 others,
                 np.column_stack([*columns, sensitivities]),
-                np.concatenate([np.full(len(columns), np.inf), may.sigma]),
+                np.concatenate([np.ones(len(columns)), may.sigma]),
                 start=np.concatenate([np.zeros(len(columns)), nearest[i]]),
-                steps=6,
+                steps=3,
             )
     planted = [
         Planted(c.effect, _site(rig, c, k), c.parameters(f, d, rig.segments[k], top))

@@ -115,28 +115,39 @@ def profiled(
     differentiate: sensitivities at nuisances z; without it they are corrected after each step by what it did (Broyden,
     Math. Comp. 19 (1965) 577). start: nuisances to begin from, zero if not given.
     """
-    jacobian = sensitivities.copy()
+    jacobian = np.nan_to_num(sensitivities)
     z = np.zeros(len(sigma)) if start is None else start.copy()
     here = simulate(z)
     inverse = np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
 
     def size(left: Array, at: Array) -> float:
-        return float(np.sqrt(left @ left + np.sum((at * inverse) ** 2)))
+        # What cannot be simulated is infinitely far.
+        return float(np.sqrt(left @ left + np.sum((at * inverse) ** 2))) if np.all(np.isfinite(left)) else float("inf")
 
     best = size(target - here, z)
+    if start is not None and not np.isfinite(best):
+        z = np.zeros(len(sigma))
+        here = simulate(z)
+        best = size(target - here, z)
+    if not np.isfinite(best):
+        return best, z
     reach = 1.0
     for number in range(steps):
         if differentiate is not None and (number or start is not None) and reach == 1.0:
-            jacobian = differentiate(z)
+            jacobian = np.nan_to_num(differentiate(z))
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
         a = np.vstack([jacobian / scale, np.diag(inverse / scale)])
         b = np.concatenate([target - here, -z * inverse])
+        if not np.all(np.isfinite(a)):
+            break
         step = reach * np.linalg.lstsq(a, b, rcond=1e-12)[0] / scale
         # As a whole, so that numbers which act alike keep their proportion.
         step *= min(1.0, FARTHEST / max(float(np.abs(step * inverse).max()), 1e-300))
+        if not np.any(step):
+            break
         there = simulate(z + step)
         found = size(target - there, z + step)
-        if differentiate is None:
+        if differentiate is None and np.isfinite(found):
             along = step * scale**2
             jacobian += np.outer(there - here - jacobian @ step, along) / float((step * scale) @ (step * scale))
         if found >= best:
