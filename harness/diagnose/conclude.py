@@ -20,7 +20,7 @@ from harness.effects.scale import references
 Array = NDArray[np.float64]
 
 PRACTICAL = 0.05  # an effect must change the prediction by this share of the noise at least
-HELD_OUT = 1.0  # standard deviations by which it must improve data held out
+HELD_OUT = 1.5  # standard deviations by which it must improve data held out
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
 )
@@ -40,7 +40,7 @@ AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model cou
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """One member of the best set, weighed. gain: of the training cost; heldout_z: see ``heldout_gain``.
+    """One member of the best set, weighed. gain: of the training cost; heldout_z: see ``investigate.heldout_z``.
 
     delta_bic: how much worse the set is without it; rivals: candidates that could stand in its place; probability: its share
     of the posterior over all sets fitted.
@@ -134,10 +134,13 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
         m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
     )
     named = [t for t in left.tests if t.places >= 0 and not (lasting and t.name.startswith(SETS_IN))]
-    # A linear gain may promise more than there is; nothing explains better than down to the noise.
-    most = smaller.score - min(best.score, study.samples)
-    prices = [min(t.gain, most) - (t.size + t.places) * log_n for t in named]
-    prices += [min(t.together[0], most) - t.together[1] * (1 + t.places) * log_n for t in named]
+
+    def worth(gain: float) -> float:
+        # A linear gain that promises more than there is says only that it might do as well.
+        return gain if gain < smaller.score - study.samples else smaller.score - best.score
+
+    prices = [worth(t.gain) - (t.size + t.places) * log_n for t in named]
+    prices += [worth(t.together[0]) - t.together[1] * (1 + t.places) * log_n for t in named]
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
 
 

@@ -174,6 +174,7 @@ def linearise(
     )
 
 
+SOFTEST = 1e-9  # least damping
 BLOCK = 1024  # rows factorised at once, so that they stay in the cache
 
 
@@ -252,7 +253,10 @@ def fit(
                 predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held, known=found
             )
             tried = {}
-            damping = max(damping * (0.1 if gain > 0.5 * predicted else 0.5), 1e-9)
+            # Quickly where the linear view holds: along a valley whose sides are steep, little damping is much.
+            damping = max(
+                damping * (0.01 if gain > 0.9 * predicted else 0.1 if gain > 0.5 * predicted else 0.5), SOFTEST
+            )
             if converged:
                 break
         else:
@@ -275,7 +279,8 @@ class Trial:
 
 def _harder(damping: float) -> float:
     """The damping after a step that failed."""
-    return max(damping * 8.0, 1e-4)
+    # Along a valley with steep sides little damping is much, so that none of its orders of magnitude is left out.
+    return damping * (30.0 if damping < 1e-5 else 8.0)
 
 
 def _trial(

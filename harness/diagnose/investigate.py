@@ -16,7 +16,6 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.ordinary import ordinary
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
-from harness.diagnose.remainder import heldout_gain
 from harness.diagnose.screen import carry_state
 from harness.diagnose.search import HOPELESS, Effort, grow, polish, transfer
 from harness.diagnose.study import Study, measured_state
@@ -254,6 +253,15 @@ def judge(outcome: Outcome, fitted: Fit) -> Fit:
 
 
 def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
-    """How much better the larger hypothesis predicts data held out, in standard deviations of noise."""
-    a, b = judge(outcome, smaller), judge(outcome, larger)
-    return heldout_gain(np.concatenate(a.linear.residuals), np.concatenate(b.linear.residuals))
+    """How much less the data held out cost under the larger hypothesis, in standard deviations; negative if they cost more.
+
+    The cost that they add to a fit of the training data when all is fitted again (a predictive likelihood): so what the training
+    leaves uncertain is not held against either hypothesis, and what only soaks up the training's error gains nothing.
+    """
+    gain = _added(outcome, smaller) - _added(outcome, larger)
+    return float(np.sign(gain) * np.sqrt(abs(gain)))
+
+
+def _added(outcome: Outcome, fitted: Fit) -> float:
+    """Cost that the data held out add."""
+    return fitted.score - trained(outcome, fitted).score

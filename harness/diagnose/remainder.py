@@ -374,10 +374,25 @@ def _single_gains(seen: Projected) -> Array:
     return np.where(ok, seen.along**2 / np.where(ok, seen.squares, 1.0), 0.0)
 
 
+def _jointly(space: Nuisance, chosen: Sequence[Array]) -> float:
+    """Gain in cost by one column of every window, (M_w,) each, with an amplitude of its own in each."""
+    columns = []
+    for k, column in enumerate(chosen):
+        rows = np.zeros((len(chosen), len(column)))
+        rows[k] = column
+        columns.append(rows)
+    seen = space.measure(columns)
+    if seen.gram is None:
+        return 0.0
+    size = np.sqrt(np.maximum(np.diag(seen.gram), 1e-300))
+    amplitudes = np.linalg.lstsq(seen.gram / np.outer(size, size), seen.along / size, rcond=1e-9)[0]
+    return float(amplitudes @ (seen.along / size))
+
+
 def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float) -> Test:
     """Largest gain by one pulse of force anywhere, all places counted in its chance."""
     best, count, where = 0.0, 0, ""
-    each: list[float] = []
+    chosen = [np.zeros(len(q)) for q in space.states]
     width = PULSE * period
     for window, found in own.motions.items():
         centres = np.arange(0.5 * width, found.time[-1], 0.5 * width)
@@ -385,16 +400,18 @@ def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float
             continue
         histories = np.exp(-(((found.time[None, :] - centres[:, None]) / (0.4 * width)) ** 2))
         place = own.fitted.windows.index(window)
-        gains = _single_gains(space.measure([own.pulses(joint, window, histories)], only=place))
+        pulses = own.pulses(joint, window, histories)
+        gains = _single_gains(space.measure([pulses], only=place))
         count += len(centres)
         top = int(np.argmax(gains))
-        each.append(float(gains[top]))
+        chosen[place] = pulses[top]
         if gains[top] > best:
             best = float(gains[top])
             run = own.predictor.runs[window.run]
             where = f"{run.name} at {centres[top] + run.time[window.first]:.2f} s"
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
-    return Test(f"a force that acts once at {joint}", best, 1, chance, (joint, where), 1, (sum(each), len(each)))
+    every = (_jointly(space, chosen), len(chosen))
+    return Test(f"a force that acts once at {joint}", best, 1, chance, (joint, where), 1, every)
 
 
 SETS_IN = "a force that sets in"
@@ -407,8 +424,7 @@ def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: flo
     longest = max(float(run.time[-1] - run.time[0]) for run in own.predictor.runs)
     moments = np.linspace(0.0, longest, MOMENTS + 2)[1:-1]
     best, count, where = 0.0, 0, ""
-    each: list[float] = []
-    columns = []
+    chosen, columns = [], []
     for place, window in enumerate(own.fitted.windows):
         found = own.motions[window]
         run = own.predictor.runs[window.run]
@@ -421,12 +437,12 @@ def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: flo
         gains = _single_gains(space.measure([columns[-1]], only=place))
         count += len(gains)
         top = int(np.argmax(gains))
-        each.append(float(gains[top]))
+        chosen.append(columns[-1][top])
         if gains[top] > best:
             best = float(gains[top])
             where = f"{run.name} {_since(moments, shapes, top)}"
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
-    once = Test(f"{SETS_IN} at {joint}", best, 1, chance, (joint, where), 2, (sum(each), len(each)))
+    once = Test(f"{SETS_IN} at {joint}", best, 1, chance, (joint, where), 2, (_jointly(space, chosen), len(chosen)))
     gains = _single_gains(space.measure(columns))
     top = int(np.argmax(gains))
     chance = min(1.0, len(gains) * float(chi2.sf(gains[top] / noise, 1)))

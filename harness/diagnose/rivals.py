@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome
+from harness.diagnose.predict import to_internal
 from harness.diagnose.search import generalized, pruned
 
 MOST = 9  # rivals fitted for each member
@@ -27,9 +33,19 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         related = _related(member, scored.candidate)
         if not related and (len(found) >= MOST or scored.gain < WORTH_FITTING * own):
             continue
-        if not related or scored.gain > LEAST_SHARE * own:
-            found.append(study.extend(without, scored))
+        if related and scored.candidate.size == member.size and same_units(member, scored.candidate):
+            # What is measured in the same units is likely to be as large.
+            alike = study.predictor.effect_values(best.hypothesis, k, best.x)
+            scored = replace(scored, start=np.clip(alike, scored.candidate.effect.lower, scored.candidate.effect.upper))
+        elif related and scored.gain <= LEAST_SHARE * own:
+            continue
+        found.append(study.extend(without, scored))
     return found + [f for f in generalized(study, best) if member.key not in f.hypothesis.keys]
+
+
+def same_units(member: Candidate, other: Candidate) -> bool:
+    """Whether the numbers of two candidates may be compared one by one."""
+    return [p.unit for p in member.effect.parameters] == [p.unit for p in other.effect.parameters]
 
 
 def _related(member: Candidate, other: Candidate) -> bool:
@@ -53,13 +69,38 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
     best = pruned(study, best)
     for _ in range(len(best.hypothesis.members) + 1):
         # To the end: what the search only had to rank may have stopped short.
-        best = study.fit(best.hypothesis, [best.x], best, most_steps=40)
+        best = study.fit(best.hypothesis, [best.x, *_shaken(outcome, best)], best, most_steps=40)
         better = min((f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)),
                      key=study.criterion, default=best)  # fmt: skip
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break
         best = better
     return best
+
+
+SHAKEN = 4.0  # times, either way, that the numbers which shape a law are started anew
+
+
+def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
+    """Other starts for laws whose shape is a number of its own: a fit may have ended in a wrong valley of it."""
+    study = outcome.study
+    starts = []
+    offset = len(study.predictor.nominal)
+    for k, member in enumerate(best.hypothesis.members):
+        values = study.predictor.effect_values(best.hypothesis, k, best.x)
+        for j, parameter in enumerate(member.effect.parameters):
+            if j == 0 or parameter.lower < 0.0 or parameter.name in ("phase", "periods", "frequency"):
+                continue
+            for factor in (SHAKEN, 1.0 / SHAKEN):
+                other = values.copy()
+                other[j] = np.clip(other[j] * factor, parameter.lower, parameter.upper)
+                x = best.x.copy()
+                span = best.hypothesis.span(k)
+                x[offset + span.start : offset + span.stop] = to_internal(member, other)
+                # The nominal quantities may have been bent to the wrong valley.
+                x[:offset] = 0.0
+                starts.append(x)
+    return starts
 
 
 def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:

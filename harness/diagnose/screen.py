@@ -265,6 +265,7 @@ def carry_state(predictor: Predictor, before: Hypothesis, after: Hypothesis, sta
 SMALL = 0.02  # of the channels' extents: deviations up to here count as linear
 LEAST = 1e-4  # by which a starting point is brought nearer to absence at most
 FIRST_TRY = 0.1
+SOFTEST = 0.3  # times the spring that a torque at rest asks for with its rest at a typical angle
 GREATEST = 30.0  # times the starting point, beyond which the linear view cannot vouch for a start
 
 
@@ -273,7 +274,11 @@ def _brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
     parameters = candidate.effect.parameters
     first = parameters[0]
     out = point.copy()
-    if first.search == "range" or _at_infinity(candidate):
+    if _at_infinity(candidate):
+        return out
+    if first.search == "range":
+        # Where it acts is to be scanned; how strongly, if that is another number, is what acts linearly.
+        out[1:] *= factor
         return out
     if first.neutral == 0.0:
         for k, parameter in enumerate(parameters):
@@ -424,7 +429,10 @@ def combined(candidate: Candidate, first: Array, second: Array, a: float, b: flo
         start[quarter] = float(np.arctan2(b, a))
     elif "rest_angle" in names:
         # Torques −k q and −k (q − r): the first is the spring alone, the second the spring with its rest moved.
+        # A spring that would have to push stands for a torque: a soft one with its rest far away.
         stiffness = (a + b) * first[0]
+        if stiffness <= candidate.effect.lower[0]:
+            stiffness = SOFTEST * abs(b) * second[0]
         if stiffness <= candidate.effect.lower[0]:
             return None
         start = np.array([stiffness, b * second[0] * second[1] / stiffness])

@@ -19,7 +19,7 @@ Ray = tuple[Array, ...]
 FOLLOWS = 12.0  # times a joint's own frequency; beyond, a shaken base moves it by less than a hundredth as much
 UNSEEN = 1e-3  # of a motion's extent
 MOST_PERIODS = 60  # of a cogging torque in one turn
-REACH = (0.55, 0.75, 0.9, 0.97)  # shares of the motion's extent at which a stop may stand
+REACH = (0.3, 0.45, 0.6, 0.75, 0.9, 0.97)  # shares of the motion's extent at which a stop may stand
 CUT = (0.8, 0.95, 0.999)  # shares of a channel's extent at which it may saturate
 
 
@@ -43,6 +43,9 @@ def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
             values = _limits(candidate, problem)
         elif k > 0 and quarter is not None:
             values = values[:1]
+        elif k > 0 and parameters[0].search == "range":
+            # How strongly it acts is read off the linear view; only the proportion of these is to be tried.
+            values = values[-1:] if k == 1 else values[-2:]
         choices.append(values)
     points = [np.array(point) for point in product(*choices)]
     if "torque" in names and "stiffness" in names:

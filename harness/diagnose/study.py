@@ -8,6 +8,7 @@ from math import lgamma
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
@@ -20,6 +21,7 @@ from harness.diagnose.windows import Window, local_state
 Array = NDArray[np.float64]
 
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
+STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
 WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
 
 
@@ -186,11 +188,16 @@ class Study:
         known = self.fits.get(hypothesis.identity)
         if known is not None:
             return known
-        start = np.concatenate([base.x, to_internal(found.candidate, found.start)])
+        own = to_internal(found.candidate, found.start)
+        starts = [np.concatenate([base.x, own])]
+        k = len(self.predictor.nominal)
+        if chi2.sf(base.prior, max(k, 1)) < STRETCHED:
+            # What was bent far to do without the effect may stand in a valley that no step leads out of.
+            starts.append(np.concatenate([np.zeros(k), base.x[k:], own]))
         # Worth going on with only as long as it may beat the best set known.
         best = min((f.score for f in self.fits.values()), default=np.inf)
         return self.fit(
-            hypothesis, [start], base, most_steps=most_steps, target=max(best, 0.0) + self.price(found.candidate)
+            hypothesis, starts, base, most_steps=most_steps, target=max(best, 0.0) + self.price(found.candidate)
         )
 
     def below(self, base: Fit, k: int) -> Fit:

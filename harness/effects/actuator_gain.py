@@ -13,7 +13,9 @@ EFFECT = Effect(
         Parameter(
             "gain",
             "1",
-            "effort that arrives over effort recorded; negative is a wrong sign",
+            "effort that arrives over effort recorded",
+            lower=0.01,
+            upper=100.0,
             neutral=1.0,
             scale=Scale(0.05),
             starts=(1.0, -1.0, 6.0, -6.0),
