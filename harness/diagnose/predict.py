@@ -516,7 +516,8 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
             candidate.effect.upper / candidate.scales,
         )
     if candidate.effect.sensor is not None and candidate.effect.sensor.clock:
-        lower = np.maximum(lower, 1.0 / (1.0 + CLOCK_MARGIN) / candidate.scales)
+        slowest = 1.0 / (1.0 + CLOCK_MARGIN) / candidate.scales
+        lower = np.maximum(lower, np.where(log, np.log(slowest), slowest))
     reshape = candidate.effect.reshape
     if reshape is not None and reshape.topology:
         # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
@@ -530,6 +531,8 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
 
 def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:
     """How far a logarithm may go from the starting values: beyond, the effect is as good as absent or as good as rigid."""
+    if np.isfinite(parameter.neutral) and parameter.neutral != 0.0:
+        return -np.inf, np.inf  # starting values are counted from there, and physics sets the bounds
     positive = [s for s in parameter.starts if s > 0.0] or [1.0]
     # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff.
     highest = max(positive) / 3.0 if nested and parameter.name == "stiffness" else max(positive) * REACH

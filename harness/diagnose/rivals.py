@@ -40,7 +40,9 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         elif related and scored.gain <= LEAST_SHARE * own:
             continue
         found.append(study.extend(without, scored))
-    return found + [f for f in generalized(study, best) if member.key not in f.hypothesis.keys]
+    kept = {m.key for m in best.hypothesis.members if m is not member}
+    wider = [f for base in (best, *found) for f in generalized(study, base)]
+    return found + [f for f in wider if kept <= set(f.hypothesis.keys) and member.key not in f.hypothesis.keys]
 
 
 def same_units(member: Candidate, other: Candidate) -> bool:

@@ -182,7 +182,7 @@ class Study:
             self.scores[key] = score(base, self.predictor, self.likelihood, open_ones, self.problem, space)
         return self.scores[key]
 
-    def extend(self, base: Fit, found: Score, *, most_steps: int = 15) -> Fit:
+    def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""
         hypothesis = base.hypothesis.with_(found.candidate)
         known = self.fits.get(hypothesis.identity)

@@ -24,7 +24,7 @@ EFFECT = Effect(
             "of the contact before it slides: dz/dt = q̇ − (stiffness/torque) z |q̇|, torque on the joint −stiffness · z",
             lower=0.0,
             scale=Scale(1.0, torque=1),
-            starts=(0.02, 0.2, 2.0, 20.0),
+            starts=(0.002, 0.02, 0.2, 2.0, 20.0),
             linear_unit="N/m",
         ),
     ),

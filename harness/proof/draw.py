@@ -206,9 +206,8 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
         return profiled(
             target - without + plainly,
             lambda z: plain.simulate(z[None])[0],
-            sensitivities,
+            plain.sensitivities,
             may.sigma,
-            differentiate=plain.sensitivities,
             start=start,
         )
 
@@ -277,17 +276,17 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
                 scaled[i] = 0.0
                 return may.simulate(lambda on: build(on, scaled, 0.0), true, z[len(rest) :])
 
-            count = len(chosen) - 1 + len(may.sigma)
-            unmoved = others(np.zeros(count))
-            columns = [(others(1e-3 * np.eye(count)[j]) - unmoved) / 1e-3 for j in range(len(chosen) - 1)]
-            seen[i], _ = profiled(
-                together,
-                others,
-                np.column_stack([*columns, sensitivities]),
-                np.concatenate([np.ones(len(columns)), may.sigma]),
-                start=np.concatenate([np.zeros(len(columns)), nearest[i]]),
-                steps=3,
-            )
+            first = np.concatenate([np.zeros(len(chosen) - 1), nearest[i]])
+            unmoved = others(first)
+            step = 1e-3 * np.eye(len(first))
+            columns = np.column_stack([(others(first + step[j]) - unmoved) / 1e-3 for j in range(len(chosen) - 1)])
+
+            def slope(z: Array, columns: Array = columns) -> Array:
+                """Of the nuisances as if nothing were concealed: near enough to find the way."""
+                return np.hstack([columns, plain.sensitivities(z[columns.shape[1] :])])
+
+            sigma = np.concatenate([np.ones(len(chosen) - 1), may.sigma])
+            seen[i], _ = profiled(together, others, slope, sigma, start=first, evaluations=4)
     planted = [
         Planted(c.effect, _site(rig, c, k), c.parameters(f, d, rig.segments[k], top))
         for c, k, f, d in zip(chosen, sites, strengths, draws, strict=True)

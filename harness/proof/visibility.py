@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 from harness.proof.rigs import Rig
 from harness.proof.scene import Run, Scene, Sensor
@@ -94,72 +95,35 @@ def moves(rig: Rig, runs: int) -> Moves:
     return Moves(tuple(segments), tuple(releases), sigma)
 
 
-PROFILE_STEPS = 25
-FARTHEST = 3.0  # standard deviations that a nuisance moves in one step
-SETTLED = 0.02  # relative fall of the distance in a step that ends a profile
+EVALUATIONS = 60
+FAR = 1e6  # standard deviations, in place of what cannot be simulated
 
 
 def profiled(
     target: Array,
     simulate: Callable[[Array], Array],
-    sensitivities: Array,
+    differentiate: Callable[[Array], Array],
     sigma: Array,
     *,
-    differentiate: Callable[[Array], Array] | None = None,
     start: Array | None = None,
-    steps: int = PROFILE_STEPS,
+    evaluations: int = EVALUATIONS,
 ) -> tuple[float, Array]:
     """Distance of a recording from the nearest one that nuisances alone can make, however far they move, and where they end.
 
-    target: whitened samples; simulate: whitened samples at nuisances z; sensitivities, sigma: at zero, priors' 1σ.
-    differentiate: sensitivities at nuisances z; without it they are corrected after each step by what it did (Broyden,
-    Math. Comp. 19 (1965) 577). start: nuisances to begin from, zero if not given.
+    target: whitened samples; simulate: whitened samples at nuisances z; differentiate: their sensitivities there, which may be
+    approximate; sigma: priors' 1σ. start: nuisances to begin from, zero if not given.
     """
-    jacobian = np.nan_to_num(sensitivities)
-    z = np.zeros(len(sigma)) if start is None else start.copy()
-    here = simulate(z)
     inverse = np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
 
-    def size(left: Array, at: Array) -> float:
-        # What cannot be simulated is infinitely far.
-        return float(np.sqrt(left @ left + np.sum((at * inverse) ** 2))) if np.all(np.isfinite(left)) else float("inf")
+    def misfit(z: Array) -> Array:
+        return np.concatenate([np.nan_to_num(simulate(z) - target, nan=FAR, posinf=FAR, neginf=-FAR), z * inverse])
 
-    best = size(target - here, z)
-    if start is not None and not np.isfinite(best):
-        z = np.zeros(len(sigma))
-        here = simulate(z)
-        best = size(target - here, z)
-    if not np.isfinite(best):
-        return best, z
-    reach = 1.0
-    for number in range(steps):
-        if differentiate is not None and (number or start is not None) and reach == 1.0:
-            jacobian = np.nan_to_num(differentiate(z))
-        scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
-        a = np.vstack([jacobian / scale, np.diag(inverse / scale)])
-        b = np.concatenate([target - here, -z * inverse])
-        if not np.all(np.isfinite(a)):
-            break
-        step = reach * np.linalg.lstsq(a, b, rcond=1e-12)[0] / scale
-        # As a whole, so that numbers which act alike keep their proportion.
-        step *= min(1.0, FARTHEST / max(float(np.abs(step * inverse).max()), 1e-300))
-        if not np.any(step):
-            break
-        there = simulate(z + step)
-        found = size(target - there, z + step)
-        if differentiate is None and np.isfinite(found):
-            along = step * scale**2
-            jacobian += np.outer(there - here - jacobian @ step, along) / float((step * scale) @ (step * scale))
-        if found >= best:
-            reach *= 0.3
-            if reach < 0.005:
-                break
-            continue
-        done = found > (1.0 - SETTLED) * best and reach == 1.0
-        z, here, best, reach = z + step, there, found, min(1.0, 4.0 * reach)
-        if done:
-            break
-    return best, z
+    def slope(z: Array) -> Array:
+        return np.vstack([np.nan_to_num(differentiate(z)), np.diag(inverse)])
+
+    first = np.zeros(len(sigma)) if start is None else start
+    found = least_squares(misfit, first, jac=slope, x_scale="jac", ftol=1e-5, xtol=1e-9, max_nfev=evaluations)
+    return float(np.sqrt(2.0 * found.cost)), np.asarray(found.x)
 
 
 def distance(difference: Array, sensitivities: Array, sigma: Array) -> float:
