@@ -14,6 +14,7 @@ from harness.diagnose.investigate import Outcome, heldout_z, judge, trained
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
+from harness.diagnose.uncertainty import estimates
 from harness.effects.effect import Family
 from harness.effects.scale import references
 
@@ -27,9 +28,11 @@ FAKED = (
 CARRIES = (
     1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
 )
+AMPLY = 1.8  # times that it grows without an effect that is claimed whatever the data held out give by themselves
 BETTER = 12.0  # in the criterion, by which an unnamed force must do better than an effect that explains all
 STEADY, STEADY_FREQUENCY = 0.4, 0.03  # relative differences between separate recordings
 STEADY_PHASE = 0.6  # rad
+UNSURE = 3.0  # standard deviations that separate estimates may always be apart
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations under their tolerance, below which they are a finding
 WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
 LEVEL = (
@@ -157,6 +160,7 @@ def _steady(outcome: Outcome, own: Fit, k: int) -> bool:
         )
     other = outcome.alone[own.hypothesis.identity]
     a, b = (outcome.predictor.effect_values(f.hypothesis, k, f.x) for f in (own, other))
+    spreads = [estimates(outcome.predictor, f, k) for f in (own, other)]
     for j, parameter in enumerate(own.hypothesis.members[k].effect.parameters):
         origin = parameter.neutral if np.isfinite(parameter.neutral) else 0.0
         one, two = a[j] - origin, b[j] - origin
@@ -164,8 +168,9 @@ def _steady(outcome: Outcome, own: Fit, k: int) -> bool:
             if abs(np.angle(np.exp(1j * (one - two)))) > STEADY_PHASE:
                 return False
         elif parameter.name == "frequency" or j == 0:
-            reach = STEADY_FREQUENCY if parameter.name == "frequency" else STEADY
-            if abs(one - two) > reach * max(abs(one), abs(two)):
+            reach = (STEADY_FREQUENCY if parameter.name == "frequency" else STEADY) * max(abs(one), abs(two))
+            unsure = float(np.linalg.norm([s[parameter.name].std or 0.0 for s in spreads]))
+            if abs(one - two) > max(reach, UNSURE * unsure):
                 return False
     return True
 
@@ -182,7 +187,7 @@ def _stretched(outcome: Outcome, best: Fit) -> Test | None:
     return Test("nominal quantities outside their tolerance", best.prior, len(z), chance, where=(where,), places=-1)
 
 
-def _carries(outcome: Outcome, held: Fit, smaller: Fit) -> bool:
+def _carries(outcome: Outcome, held: Fit, smaller: Fit, times: float) -> bool:
     """Whether predictions of data held out, the remainder's error included, become clearly worse without the effect.
 
     Real recordings always keep a remainder far above the noise of their sensors. What removes most of the error of a free run
@@ -190,7 +195,7 @@ def _carries(outcome: Outcome, held: Fit, smaller: Fit) -> bool:
     """
     without = judge(outcome, smaller)
     channels = range(len(outcome.problem.channels))
-    return any(rmse(outcome, without, c) > CARRIES * rmse(outcome, held, c) for c in channels)
+    return any(rmse(outcome, without, c) > times * rmse(outcome, held, c) for c in channels)
 
 
 def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
@@ -216,7 +221,6 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
 
 
 UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
-ROUNDS = 3  # of leaving out what is doubted and weighing the rest again
 
 
 def conclude(outcome: Outcome) -> Conclusion:
@@ -228,15 +232,21 @@ def conclude(outcome: Outcome) -> Conclusion:
     if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
         # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
-    for _ in range(ROUNDS):
-        remains, incomplete = _remains(outcome, best)
-        fresh = [m.key for k, m in enumerate(best.hypothesis.members) if _doubtful(outcome, best, k, remains)]
-        if not fresh:
-            break
+    remains, _ = _remains(outcome, best)
+    members = range(len(best.hypothesis.members))
+    fresh = [best.hypothesis.keys[k] for k in members if _doubtful(outcome, best, k, remains)]
+    firm = [best.hypothesis.keys[k] for k in members if _firm(outcome, best, k)] if fresh else []
+    while fresh:
         # What has leant on the doubtful must stand without it.
         doubted += fresh
         while any(key in doubted for key in best.hypothesis.keys):
             best = study.reduce(best, [key in doubted for key in best.hypothesis.keys].index(True))
+        held = judge(outcome, best)
+        fresh = [
+            key
+            for k, key in enumerate(best.hypothesis.keys)
+            if key not in firm and not _carries(outcome, held, study.below(best, k), CARRIES)
+        ]
     remains, incomplete = _remains(outcome, best)
     incomplete = incomplete or bool(doubted)
     claims = _claims(outcome, best)
@@ -268,7 +278,15 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     excess = max(remains.excess, (everywhere**2 - AT_FLOOR**2) * study.samples)
     if smaller.score - best.score >= FAKED * excess and not _imitated(outcome, best, smaller):
         return False
-    return not (_carries(outcome, judge(outcome, best), smaller) and _steady(outcome, trained(outcome, best), k))
+    return not _firm(outcome, best, k)
+
+
+def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
+    """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves."""
+    held, smaller = judge(outcome, best), outcome.study.below(best, k)
+    if _carries(outcome, held, smaller, AMPLY):
+        return True
+    return _carries(outcome, held, smaller, CARRIES) and _steady(outcome, trained(outcome, best), k)
 
 
 def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:

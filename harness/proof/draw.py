@@ -211,8 +211,8 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
             start=start,
         )
 
-    def seek(make: Callable[[float], Scene], aim: float) -> tuple[float, float, Array]:
-        """The strength whose visibility is nearest to the aim, that visibility, and the nuisances nearest to it.
+    def seek(make: Callable[[float], Scene], aim: float) -> tuple[float, float]:
+        """The strength whose visibility is nearest to the aim, and that visibility.
 
         The linear view, which takes for visible what large changes of the nuisances could make, says where to begin; from there
         nuisances follow the strength, since from far away there is no way to them.
@@ -242,51 +242,25 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
             strength = float(np.clip(strength, *STRENGTH_RANGE))
             if strength in known:
                 break
-        return nearest, *known[nearest]
+        return nearest, known[nearest][0]
 
+    # Of several effects, each by itself: how far they mask one another is for the diagnosis to find out.
     strengths: list[float] = []
     seen: list[float] = []
-    nearest: list[Array] = []
     for i in range(len(chosen)):
         aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
 
         def make(f: float, i: int = i) -> Scene:
             return build(true, [f if j == i else 0.0 for j in range(len(chosen))], 0.0)
 
-        f, d, z = seek(make, aim)
+        f, d = seek(make, aim)
         strengths.append(f)
         seen.append(d)
-        nearest.append(z)
     outside = 0.0
     if kind == "outside":
         aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
-        outside, d, _ = seek(lambda f: build(true, off, f), aim)
+        outside, d = seek(lambda f: build(true, off, f), aim)
         seen.append(d)
-    if len(chosen) > 1:
-        together = np.concatenate(observe(build(true, strengths, 0.0)))
-        # What one effect does that neither the nuisances nor more or less of the other effects could have done.
-        for i in range(len(chosen)):
-
-            def others(z: Array, i: int = i) -> Array:
-                """Without effect ``i``; the first of ``z`` scale the strengths of the others."""
-                scaled = list(strengths)
-                rest = [j for j in range(len(chosen)) if j != i]
-                for j, value in zip(rest, z, strict=False):
-                    scaled[j] *= float(np.exp(value))
-                scaled[i] = 0.0
-                return may.simulate(lambda on: build(on, scaled, 0.0), true, z[len(rest) :])
-
-            first = np.concatenate([np.zeros(len(chosen) - 1), nearest[i]])
-            unmoved = others(first)
-            step = 1e-3 * np.eye(len(first))
-            columns = np.column_stack([(others(first + step[j]) - unmoved) / 1e-3 for j in range(len(chosen) - 1)])
-
-            def slope(z: Array, columns: Array = columns) -> Array:
-                """Of the nuisances as if nothing were concealed: near enough to find the way."""
-                return np.hstack([columns, plain.sensitivities(z[columns.shape[1] :])])
-
-            sigma = np.concatenate([np.ones(len(chosen) - 1), may.sigma])
-            seen[i], _ = profiled(together, others, slope, sigma, start=first, evaluations=4)
     planted = [
         Planted(c.effect, _site(rig, c, k), c.parameters(f, d, rig.segments[k], top))
         for c, k, f, d in zip(chosen, sites, strengths, draws, strict=True)

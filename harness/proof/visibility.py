@@ -79,11 +79,6 @@ class Moves:
         v = [speed + offset.get(f"v:{joint}", 0.0) for speed, joint in zip(run.v0, joints, strict=True)]
         return np.array([*q, *v])
 
-    def simulate(self, make: Callable[[Rig], Scene], rig: Rig, z: Array) -> Array:
-        """Whitened samples of all runs of a scene with the nuisances at ``z``."""
-        scene = make(self.moved(rig, z))
-        return np.concatenate([observe(scene, self.offset(i, z), only=i)[i] for i in range(len(scene.runs))])
-
 
 def moves(rig: Rig, runs: int) -> Moves:
     """The nuisances of a rig and so many runs."""
