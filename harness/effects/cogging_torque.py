@@ -49,6 +49,13 @@ EFFECT = Effect(
     "angle.",
     expressed_by={"denoc": "joint law", "exudyn": "user function of the connector"},
     needs=("motion",),
-    confusable_with=("joint_stiffness", "encoder_interpolation"),
+    confusable_with=(
+        "joint_stiffness",
+        "encoder_interpolation",
+        "com_offset",
+        "payload_mass",
+        "added_inertia",
+        "clock_skew",
+    ),
     law=JointLaw(("cogging_amplitude", "cogging_periods", "cogging_phase")),
 )

@@ -17,6 +17,7 @@ EFFECT = Effect(
             CHANNEL_UNIT,
             "largest error: amplitude · sin(periods · signal + phase)",
             lower=0.0,
+            upper=0.2,  # a disc more eccentric than that reads backwards somewhere
             scale=Scale(0.002, signal=1),
             starts=(1.0,),
         ),
