@@ -127,7 +127,9 @@ class Study:
             if best is None or found.score < best.score:
                 best = found
         assert best is not None
-        if whole.any() and best.score < WORTH_COUNTING * self.samples:
+        # Where a degree of freedom is added, every step is dear; whole numbers are then left as the scan found them.
+        stiff = any(m.effect.reshape is not None and m.effect.reshape.topology for m in hypothesis.members)
+        if whole.any() and not stiff and best.score < WORTH_COUNTING * self.samples:
             best = self._counted(best, whole, most_steps)
         self.fits[hypothesis.identity] = best
         return best
