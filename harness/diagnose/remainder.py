@@ -487,8 +487,9 @@ def _spectrum(own_period: float, predictor: Predictor, fitted: Fit) -> Test:
 def _jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisance, noise: float) -> Test:
     """Largest gain by one lasting jump of a channel's reading, all channels and times counted in its chance."""
     best, count, where = 0.0, 0, ("", "")
-    each: list[float] = []
+    chosen = []
     for window in fitted.windows:
+        loudest = -1.0
         run = predictor.runs[window.run]
         places = np.unique(np.linspace(5, window.size - 5, min(160, window.size // 8)).astype(int))
         for c, channel in enumerate(predictor.problem.channels):
@@ -498,14 +499,14 @@ def _jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuis
             gains = _single_gains(space.measure([own], only=fitted.windows.index(window)))
             count += len(places)
             top = int(np.argmax(gains))
-            each.append(float(gains[top]))
+            if gains[top] > loudest:
+                loudest, column = float(gains[top]), own[top]
             if gains[top] > best:
                 best = float(gains[top])
                 where = (channel.name, f"{run.name} at {run.time[window.first + places[top]]:.2f} s")
-    return Test(
-        "a jump of the reading", best, 1, min(1.0, count * float(chi2.sf(best / noise, 1))), where, 1,
-        (sum(each), len(each)),
-    )  # fmt: skip
+        chosen.append(column)
+    chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
+    return Test("a jump of the reading", best, 1, chance, where, 1, (_jointly(space, chosen), len(chosen)))
 
 
 def _trend(fitted: Fit) -> Test:
