@@ -29,6 +29,7 @@ CARRIES = (
     1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
 )
 AMPLY = 1.8  # times that it grows without an effect that is claimed whatever the data held out give by themselves
+UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
 BETTER = 12.0  # in the criterion, by which an unnamed force must do better than an effect that explains all
 STEADY, STEADY_FREQUENCY = 0.4, 0.03  # relative differences between separate recordings
 STEADY_PHASE = 0.6  # rad
@@ -220,9 +221,6 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
     return Test("a worse fit of the data held out", added - judged * level, 1, float(norm.sf(z)), (where,), -1)
 
 
-UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
-
-
 def conclude(outcome: Outcome) -> Conclusion:
     """Weigh what the search found and judge it on the data held out; what is doubted is left out, and the rest weighed again."""
     study = outcome.study
@@ -232,10 +230,11 @@ def conclude(outcome: Outcome) -> Conclusion:
     if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
         # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
-    remains, _ = _remains(outcome, best)
+    remains, incomplete = _remains(outcome, best)
     members = range(len(best.hypothesis.members))
     fresh = [best.hypothesis.keys[k] for k in members if _doubtful(outcome, best, k, remains)]
     firm = [best.hypothesis.keys[k] for k in members if _firm(outcome, best, k)] if fresh else []
+    left_out = bool(fresh)
     while fresh:
         # What has leant on the doubtful must stand without it.
         doubted += fresh
@@ -247,7 +246,8 @@ def conclude(outcome: Outcome) -> Conclusion:
             for k, key in enumerate(best.hypothesis.keys)
             if key not in firm and not _carries(outcome, held, study.below(best, k), CARRIES)
         ]
-    remains, incomplete = _remains(outcome, best)
+    if left_out:
+        remains, incomplete = _remains(outcome, best)
     incomplete = incomplete or bool(doubted)
     claims = _claims(outcome, best)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")

@@ -33,7 +33,7 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         related = _related(member, scored.candidate)
         if not related and (len(found) >= MOST or scored.gain < WORTH_FITTING * own):
             continue
-        if related and scored.candidate.size == member.size and same_units(member, scored.candidate):
+        if related and _same_units(member, scored.candidate):
             # What is measured in the same units is likely to be as large.
             alike = study.predictor.effect_values(best.hypothesis, k, best.x)
             scored = replace(scored, start=np.clip(alike, scored.candidate.effect.lower, scored.candidate.effect.upper))
@@ -45,7 +45,7 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     return found + [f for f in wider if kept <= set(f.hypothesis.keys) and member.key not in f.hypothesis.keys]
 
 
-def same_units(member: Candidate, other: Candidate) -> bool:
+def _same_units(member: Candidate, other: Candidate) -> bool:
     """Whether the numbers of two candidates may be compared one by one."""
     return [p.unit for p in member.effect.parameters] == [p.unit for p in other.effect.parameters]
 

@@ -117,9 +117,7 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
                 found.append(study.fits[rest.with_(wider).identity])
                 continue
             study.widened.add(key)
-            span = base.hypothesis.span(k)
-            offset = len(study.predictor.nominal)
-            others = np.delete(base.x, np.arange(offset + span.start, offset + span.stop))
+            others = study.others(base, k)
             starts = [np.concatenate([others, to_internal(wider, p)]) for p in _like(wider, float(values[0]))]
             found.append(study.fit(rest.with_(wider), starts, base, target=base.score))
     return found

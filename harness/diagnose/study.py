@@ -217,11 +217,13 @@ class Study:
         known = self.fits.get(hypothesis.identity)
         if known is not None:
             return known
+        return self.fit(hypothesis, [self.others(base, k)], base)
+
+    def others(self, base: Fit, k: int) -> Array:
+        """The parameter vector without those of member ``k``."""
         offset = len(self.predictor.nominal)
         span = base.hypothesis.span(k)
-        keep = np.ones(len(base.x), dtype=bool)
-        keep[offset + span.start : offset + span.stop] = False
-        return self.fit(hypothesis, [base.x[keep]], base)
+        return np.delete(base.x, np.arange(offset + span.start, offset + span.stop))
 
 
 def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:

@@ -154,13 +154,12 @@ class Scene:
                 return force
 
         key = (truth.xml, index, len(fine), q0.tobytes(), v0.tobytes())
-        shared = truth.hidden == Hidden() and not self.command
-        if shared and key in self.motions:
-            q, v = self.motions[key]
-        else:
+        if truth.hidden != Hidden() or self.command:
             q, v = truth.release(q0, v0, fine, effort=effort)
-        if shared:
-            self.motions[key] = (q, v)
+        else:
+            if key not in self.motions:
+                self.motions[key] = truth.release(q0, v0, fine, effort=effort)
+            q, v = self.motions[key]
         out = {"time": instants}
         for joint in self.rig.joints:
             j = truth.dof[joint]

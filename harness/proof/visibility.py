@@ -101,12 +101,11 @@ def profiled(
     sigma: Array,
     *,
     start: Array | None = None,
-    evaluations: int = EVALUATIONS,
 ) -> tuple[float, Array]:
     """Distance of a recording from the nearest one that nuisances alone can make, however far they move, and where they end.
 
-    target: whitened samples; simulate: whitened samples at nuisances z; differentiate: their sensitivities there, which may be
-    approximate; sigma: priors' 1σ. start: nuisances to begin from, zero if not given.
+    target: whitened samples; simulate: whitened samples at nuisances z; differentiate: their sensitivities there;
+    sigma: priors' 1σ. start: nuisances to begin from, zero if not given.
     """
     inverse = np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
 
@@ -117,7 +116,7 @@ def profiled(
         return np.vstack([np.nan_to_num(differentiate(z)), np.diag(inverse)])
 
     first = np.zeros(len(sigma)) if start is None else start
-    found = least_squares(misfit, first, jac=slope, x_scale="jac", ftol=1e-5, xtol=1e-9, max_nfev=evaluations)
+    found = least_squares(misfit, first, jac=slope, x_scale="jac", ftol=1e-5, xtol=1e-9, max_nfev=EVALUATIONS)
     return float(np.sqrt(2.0 * found.cost)), np.asarray(found.x)
 
 
