@@ -45,16 +45,17 @@ def read_flexible_link(table: TableReader, name: str, tolerance: float) -> Link:
     bending2 = table.flag("bending2", False)
     section = _Section(table, bending2, torsion_modes > 0)
     mass = _mass(table, section, length, tolerance)
-    modal_damping = table.numbers("modal_damping") if table.has("modal_damping") else ()
-    if len(modal_damping) > modes:
+    modal_damping = _a_mode(table, "modal_damping", modes)
+    if any(not 0.0 <= ratio < 1.0 for ratio in modal_damping):
         table.refuse(
-            f"modal_damping has {len(modal_damping)} ratios for {modes} mode(s)",
-            "give at most one ratio a mode",
+            "modal_damping has a ratio outside 0 to 1",
+            "1 would be critical; give 0.005 for half a per cent",
             "modal_damping",
         )
-    if any(ratio < 0.0 for ratio in modal_damping):
+    mode_stiffness = _a_mode(table, "mode_stiffness", modes)
+    if any(factor <= 0.0 for factor in mode_stiffness):
         table.refuse(
-            "modal_damping has a negative ratio", "ratios are positive, 0.005 for half a per cent", "modal_damping"
+            "mode_stiffness has a factor that is not positive", "1 is what EI gives the mode", "mode_stiffness"
         )
     shapes = table.text("shapes", "auto")
     if shapes not in SHAPES:
@@ -78,6 +79,7 @@ def read_flexible_link(table: TableReader, name: str, tolerance: float) -> Link:
         modes=modes,
         torsion_modes=torsion_modes,
         modal_damping=modal_damping,
+        mode_stiffness=mode_stiffness,
         geometric_stiffening=table.flag("geometric_stiffening", True),
         payload=payload,
         payload_inertia=payload_inertia,
@@ -91,6 +93,14 @@ def read_flexible_link(table: TableReader, name: str, tolerance: float) -> Link:
     if beam.coordinates == 0:
         table.refuse("a flexible link needs at least one mode", "set modes = 1, or give mass, com and inertia instead")
     return flexible_link(name, beam)
+
+
+def _a_mode(table: TableReader, key: str, modes: int) -> tuple[float, ...]:
+    """Numbers of the first modes; none if the key is not there."""
+    values = tuple(table.numbers(key)) if table.has(key) else ()
+    if len(values) > modes:
+        table.refuse(f"{key} has {len(values)} numbers for {modes} mode(s)", "give at most one a mode", key)
+    return values
 
 
 def _bending(table: TableReader, direction: Array) -> Array:

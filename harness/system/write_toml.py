@@ -130,6 +130,8 @@ def _beam(beam: Beam) -> dict[str, Any]:
         table["bending2"] = True
     if beam.modal_damping:
         table["modal_damping"] = list(beam.modal_damping)
+    if beam.mode_stiffness:
+        table["mode_stiffness"] = list(beam.mode_stiffness)
     table["geometric_stiffening"] = beam.geometric_stiffening
     if beam.payload:
         table["payload"] = beam.payload

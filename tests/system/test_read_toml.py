@@ -172,6 +172,15 @@ REFUSED = {
     "negative damping": (PIVOT + "damping = -1.0\n" + RIGID, r":7: joint 'pivot': 'damping' must not be negative"),
     "crossed limits": (PIVOT + "limits = { lower = 1, upper = -1 }\n" + RIGID, r"lower 1 is above upper -1"),
     "mixed link": (PIVOT + BEAM + "inertia = [1, 1, 1]\n", r":15: link 'rod': 'inertia' follows from length"),
+    "critical damping": (
+        PIVOT + BEAM + "modal_damping = [1.0]\n",
+        r":15: link 'rod': modal_damping has a ratio outside",
+    ),
+    "too many ratios": (
+        PIVOT + BEAM + "modal_damping = [0.1, 0.1, 0.1]\n",
+        r":15: link 'rod': modal_damping has 3 numbers",
+    ),
+    "no stiffness": (PIVOT + BEAM + "mode_stiffness = [0.0]\n", r":15: link 'rod': mode_stiffness has a factor"),
     "half a beam": (PIVOT + RIGID + "modes = 2\n", r":12: link 'rod': 'modes' belongs to a flexible link"),
     "bending along": (
         PIVOT + BEAM.replace("[1, 0, 0]", "[0, 0, 2]"),
@@ -192,7 +201,6 @@ REFUSED = {
     "no modes": (PIVOT + BEAM.replace("modes = 2", "modes = 0"), r"needs at least one mode"),
     "density against mass": (PIVOT + BEAM + "mass = 0.60\n", r":15: .*density contradicts mass: .*\(density 80000\)"),
     "no material": (PIVOT + BEAM.replace("material", "#"), r":7: link 'rod': 'material' is missing"),
-    "too much damping": (PIVOT + BEAM + "modal_damping = [0.1, 0.1, 0.1]\n", r":15: .*3 ratios for 2 mode"),
     "unknown shapes": (PIVOT + BEAM + 'shapes = "cubic"\n', r":15: .*unknown shapes 'cubic'"),
 }
 

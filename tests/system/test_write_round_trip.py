@@ -98,6 +98,12 @@ def rich_flexible() -> System:
         tolerance=0.03,
         base="frame",
         joints=tuple(replace(j, parent="frame") if j.parent == "base" else j for j in (joint, *system.joints[1:])),
+        links=tuple(
+            replace(link, beam=replace(link.beam, modal_damping=(0.02,), mode_stiffness=(1.1, 0.9)))
+            if link.beam
+            else link
+            for link in system.links
+        ),
         attachments=(Attachment("coulomb_friction", "joint1", {"torque": 0.01}, {"torque": 0.001}),),
     )
 
