@@ -13,6 +13,7 @@ from harness.diagnose.candidates import candidates
 from harness.diagnose.conclude import Claim, Conclusion, conclude
 from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.differing_levels import Differing, differing_levels
 from harness.diagnose.effort import diagnose_effort
 from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, summary
@@ -89,8 +90,10 @@ def diagnose(
     frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)
     outcome = investigate(problem, known, frequency, effort=effort, progress=tell)
     conclusion = conclude(outcome)
+    train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
+    levels = differing_levels(outcome, conclusion, train, judged)
     tell("telling")
-    return _tell(outcome, conclusion, every)
+    return _tell(outcome, conclusion, every, levels)
 
 
 def _read(
@@ -147,7 +150,9 @@ def _short(key: str, site: str) -> str:
     return name if at == site else key
 
 
-def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording]) -> Diagnosis:
+def _tell(
+    outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None
+) -> Diagnosis:
     problem, study = outcome.problem, outcome.study
     noise = [
         {"channel": c.name, "std": colour.std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
@@ -226,7 +231,9 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
     ]
     return Diagnosis(
         verdict=conclusion.verdict,
-        summary=summary(conclusion, severity, titles, rivals, conclusion.doubted),
+        summary=" ".join(
+            [summary(conclusion, severity, titles, rivals, conclusion.doubted), *([levels.sentence] if levels else [])]
+        ),
         noise=noise,
         mismatch=[
             {
@@ -244,6 +251,8 @@ def _tell(outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recordi
         quality=quality,
         augmented=augmented(outcome, conclusion, values),
         curves=curves(outcome, conclusion.own, conclusion.held),
+        levels=levels.document if levels else None,
+        levelled=levels.system if levels else None,
     )  # fmt: skip
 
 

@@ -19,7 +19,8 @@ class Diagnosis:
     """What a diagnosis found; fields as in ``denoc.diagnosis/1``.
 
     verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
-    curves: what the plots are drawn from.
+    curves: what the plots are drawn from. levels, levelled: dry friction that differs from recording to recording, and the model
+    with its laws fitted beside such levels, where recordings ask for them.
     """
 
     verdict: str
@@ -34,6 +35,8 @@ class Diagnosis:
     quality: Sequence[Mapping[str, Any]] = ()
     augmented: System | None = None
     curves: Curves | None = None
+    levels: Mapping[str, Any] | None = None
+    levelled: System | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The document ``denoc.diagnosis/1`` as plain data; numbers that are not finite become null."""
@@ -50,6 +53,8 @@ class Diagnosis:
             "next_experiment": dict(self.next_experiment),
             "quality": list(self.quality),
         }
+        if self.levels is not None:
+            document["levels"] = dict(self.levels)
         plain = _plain(document)
         assert isinstance(plain, dict)
         return plain

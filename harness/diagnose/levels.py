@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,7 @@ START = 0.1  # of a starting value, by which it is expected to be wrong
 SHORTEST_WAY = 1e-3  # rad or m in which Dahl's friction may build up; shorter ones are Coulomb's friction
 WHOLE = ("periods",)  # parameters that are whole numbers, and stay
 FIRST = 0.06  # s from which a first state is read off
+FEWEST = 20  # samples of a stretch that is still a free run
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,13 +67,18 @@ class LevelFit:
 
 
 def fit_levels(
-    starts: System | Sequence[System], recordings: Sequence[Recording], *, spread: float = SPREAD
+    starts: System | Sequence[System],
+    recordings: Sequence[Recording],
+    *,
+    spread: float = SPREAD,
+    anew: Sequence[Sequence[float]] = (),
 ) -> LevelFit:
     """Fit attached laws, nominal quantities, initial states and one level of dry friction a recording.
 
     starts: the system with the effects to fit attached, their parameters being where the search starts; of several, the one whose
     fit ends best. recordings: of free motion, every joint's position measured, in the order in which they were made.
-    spread: expected relative spread of the levels.
+    spread: expected relative spread of the levels. anew: for every recording, the times [s] from its first sample at which the free
+    run begins anew, where motion cannot be predicted for longer.
     Raises InputError for recordings that are driven or lack a position, UnsupportedError for flexible systems.
     """
     systems = [starts] if isinstance(starts, System) else list(starts)
@@ -79,10 +86,10 @@ def fit_levels(
         raise UnsupportedError("levels of friction are fitted for rigid links only", mend="leave the flexible link out")
     if not recordings or not systems:
         raise InputError("no recording or no system given", mend="name at least one of each")
-    best = min((_Levels(system, recordings, spread).fit() for system in systems), key=lambda found: found.cost)
+    best = min((_Levels(system, recordings, spread, anew).fit() for system in systems), key=lambda found: found.cost)
     # Valleys of friction laws are long and flat: from where the best one ended, with steps measured there, until it stands still.
     for _ in range(AGAIN):
-        further = _Levels(best.system, recordings, spread).fit()
+        further = _Levels(best.system, recordings, spread, anew).fit()
         gained = best.cost - further.cost
         best = further if gained > 0.0 else best
         if gained < ENOUGH:
@@ -90,8 +97,26 @@ def fit_levels(
     return best
 
 
+def free_run_error(system: System, recording: Recording, *, anew: Sequence[float] = ()) -> float:
+    """Error of a system's free run over a recording in which nothing but the initial state is fitted [unit of its positions].
+
+    anew: as in ``fit_levels``.
+    Raises InputError for a recording that is driven or lacks a position.
+    """
+    return _Levels(system, [recording], SPREAD, [anew]).error()
+
+
+def labels(recordings: Sequence[Recording]) -> list[str]:
+    """Names of recordings, numbered where they are the same."""
+    names = [r.name for r in recordings]
+    return [f"{name} ({k + 1})" if names.count(name) > 1 else name for k, name in enumerate(names)]
+
+
 @dataclass(frozen=True, eq=False)
 class _Run:
+    """A free run: a recording or a stretch of one; of: the recording's number."""
+
+    of: int
     name: str
     time: Array
     position: Array
@@ -99,12 +124,17 @@ class _Run:
 
 
 class _Levels:
-    def __init__(self, system: System, recordings: Sequence[Recording], spread: float) -> None:
+    def __init__(
+        self, system: System, recordings: Sequence[Recording], spread: float, anew: Sequence[Sequence[float]]
+    ) -> None:
         self.bare = replace(system, attachments=())
         self.attachments = system.attachments
         self.spread = spread
         self.names = system.joint_names
-        self.runs = [self._run(r) for r in recordings]
+        breaks = anew or [()] * len(recordings)
+        self.count = len(recordings)
+        self.labels = labels(recordings)
+        self.runs = [run for k, r in enumerate(recordings) for run in self._runs(k, r, breaks[k])]
         self.nominal = nominal_quantities(self.bare)
         self.members = []
         for attachment in self.attachments:
@@ -127,7 +157,7 @@ class _Levels:
         self.start = start
         self.model: LaneModel = lane_model(self._shaped(np.zeros(len(self.nominal)), values))
 
-    def _run(self, recording: Recording) -> _Run:
+    def _runs(self, of: int, recording: Recording, anew: Sequence[float]) -> list[_Run]:
         if any(np.any(e.values != 0.0) for e in recording.efforts):
             raise InputError("the recording is driven", mend="give recordings of free motion", source=recording.source)
         columns = []
@@ -139,13 +169,18 @@ class _Levels:
                 )
             good = np.isfinite(channel.values)
             columns.append(np.interp(recording.time, recording.time[good], channel.values[good]))
-        position = np.stack(columns, axis=1)
+        position, time = np.stack(columns, axis=1), recording.time - recording.time[0]
+        edges = np.searchsorted(time, [-np.inf, *anew, np.inf])
+        pieces = [slice(int(a), int(b)) for a, b in pairwise(edges) if b - a >= FEWEST]
+        return [self._run(of, recording, time[piece], position[piece]) for piece in pieces]
+
+    def _run(self, of: int, recording: Recording, time: Array, position: Array) -> _Run:
+        time = time - time[0]
         every = max(1, int(1.0 / (RATE * recording.interval) + 1e-9))
-        count = max(10, int(np.searchsorted(recording.time - recording.time[0], FIRST)))
-        early = recording.time[:count] - recording.time[0]
-        fits = [np.polynomial.polynomial.polyfit(early, p[:count], 4) for p in position.T]
+        count = max(10, int(np.searchsorted(time, FIRST)))
+        fits = [np.polynomial.polynomial.polyfit(time[:count], p[:count], 4) for p in position.T]
         state = np.array([f[0] for f in fits] + [f[1] for f in fits])
-        return _Run(recording.name, recording.time[::every] - recording.time[0], position[::every], state)
+        return _Run(of, recording.name, time[::every], position[::every], state)
 
     # -- what a parameter vector says -----------------------------------------------------------------------------------
 
@@ -230,7 +265,7 @@ class _Levels:
     def _split(self, x: Array) -> tuple[Array, Array, Array, Array]:
         a = len(self.nominal)
         b = a + len(self.start)
-        c = b + len(self.runs) - 1
+        c = b + self.count - 1
         # Differences may step a hair over a bound.
         return x[:a], self._outer(x[a:b] * self.scale), np.append(x[b:c], 0.0), x[c:].reshape(len(self.runs), -1)
 
@@ -241,7 +276,7 @@ class _Levels:
         rows, states, values = [], [], []
         for x in xs:
             z, v, levels, state = self._split(x)
-            rows.append(self._level(self._row(z, v), float(np.exp(levels[k]))))
+            rows.append(self._level(self._row(z, v), float(np.exp(levels[run.of]))))
             states.append(state[k] + run.state)
             values.append(v)
         start = np.array(states)
@@ -253,7 +288,7 @@ class _Levels:
 
     def fit(self) -> LevelFit:
         a, b = len(self.nominal), len(self.nominal) + len(self.start)
-        c = b + len(self.runs) - 1
+        c = b + self.count - 1
         n = len(self.names)
         total = c + 2 * n * len(self.runs)
         x = np.zeros(total)
@@ -288,6 +323,35 @@ class _Levels:
         spread = self._spread(rest, jacobian, c, (x <= low + 1e-6) | (x >= high - 1e-6))
         return self._told(x, spread, raw, a, b, c)
 
+    def _pooled(self, raw: Sequence[Array], of: int) -> float:
+        """Root mean square of the residuals of one recording's runs."""
+        own = np.concatenate([r for r, run in zip(raw, self.runs, strict=True) if run.of == of])
+        return float(np.sqrt(np.mean(own**2)))
+
+    def error(self) -> float:
+        """Root mean square over the first recording with nothing but initial states fitted."""
+        raw = []
+        for k in range(len(self.runs)):
+            found = least_squares(
+                lambda state, k=k: self._from(state[None], k)[0],
+                np.zeros(2 * len(self.names)),
+                jac=lambda state, k=k: self._slope(state, k),
+                x_scale="jac",
+            )
+            raw.append(found.fun)
+        return self._pooled(raw, 0)
+
+    def _from(self, states: Array, k: int) -> Array:
+        """Residuals of run k (B, T·n) from initial states (B, 2n) relative to those read off, all else where it starts."""
+        fixed = np.concatenate([np.zeros(len(self.nominal)), self.start / self.scale, np.zeros(self.count - 1)])
+        every = np.zeros((len(states), len(self.runs), states.shape[1]))
+        every[:, k] = states
+        return self._residuals(np.hstack([np.tile(fixed, (len(states), 1)), every.reshape(len(states), -1)]), k)
+
+    def _slope(self, state: Array, k: int) -> Array:
+        both = self._from(np.vstack([state, state + STEP * np.eye(len(state))]), k)
+        return (both[1:] - both[0]).T / STEP
+
     def _bounds(self) -> tuple[Array, Array]:
         low, high = self.low / self.scale, self.high / self.scale
         for at in self._places("dahl_friction"):
@@ -301,7 +365,8 @@ class _Levels:
         n = 2 * len(self.names)
         parts, matrices = [], []
         for k in range(len(self.runs)):
-            shared = [*range(b), *([b + k] if k < len(self.runs) - 1 else []), *range(c + n * k, c + n * (k + 1))]
+            of = self.runs[k].of
+            shared = [*range(b), *([b + of] if of < self.count - 1 else []), *range(c + n * k, c + n * (k + 1))]
             lanes = np.tile(x, (1 + len(shared), 1))
             for row, p in enumerate(shared):
                 lanes[1 + row, p] += STEP * unit[p] * (100.0 if a <= p < b else 1.0)
@@ -325,7 +390,7 @@ class _Levels:
         free, matrix, size = free[size > 0.0], matrix[:, size > 0.0], size[size > 0.0]
         inverse = np.linalg.pinv((matrix / size).T @ (matrix / size), rcond=1e-12) / np.outer(size, size)
         rows = sum(r.position.size for r in self.runs)
-        gradients = np.array([matrix[i].T @ rest[i] for i in np.array_split(np.arange(rows), BLOCKS * len(self.runs))])
+        gradients = np.array([matrix[i].T @ rest[i] for i in np.array_split(np.arange(rows), BLOCKS * self.count)])
         robust = inverse @ (gradients.T @ gradients) @ inverse
         out = np.full(jacobian.shape[1], np.nan)
         out[free] = np.sqrt(np.maximum(np.diag(robust), np.diag(inverse)))
@@ -356,7 +421,7 @@ class _Levels:
                 at += 1
             attachments.append(replace(attachment, std=deviations))
         system = scaled(self.bare, self.nominal, list(np.exp(self.bare.tolerance * z)))
-        names = [run.name for run in self.runs]
+        names = self.labels
         pooled = np.concatenate(raw)
         cost = len(pooled) * float(np.log(np.mean(pooled**2))) + float(z @ z + levels @ levels / self.spread**2)
         factors = np.exp(levels)
@@ -365,6 +430,6 @@ class _Levels:
             replace(system, attachments=tuple(attachments)),
             dict(zip(names, map(float, factors), strict=True)),
             dict(zip(names, map(float, widths), strict=True)),
-            {name: float(np.sqrt(np.mean(r**2))) for name, r in zip(names, raw, strict=True)},
+            {name: self._pooled(raw, k) for k, name in enumerate(names)},
             cost,
         )

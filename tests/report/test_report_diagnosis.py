@@ -81,6 +81,32 @@ def test_the_page_of_a_consistent_model():
     assert "Where the model leaves" not in text
 
 
+def test_levels_of_friction_are_shown_where_there_are_any():
+    rows = [
+        {"recording": NASTY, "held_out": False, "factor": 1.153, "std": 0.0123, "shared_rmse": 0.0456, "levelled_rmse": 0.00789},
+        {"recording": "last", "held_out": True, "factor": None, "std": None, "shared_rmse": 0.0111, "levelled_rmse": 0.00222},
+    ]  # fmt: skip
+    levels = {"joints": ["pivot"], "chance": 1e-9, "recordings": rows, "laws": [], "how": "Fitted to the training."}
+    document = {**DOCUMENT, "levels": levels}
+    page = diagnosis_html(document)
+    screen = Console(file=io.StringIO(), width=200)
+    print_diagnosis(document, screen)
+    for text in (lxml_html.fromstring(page).text_content(), screen.file.getvalue()):
+        for word in (
+            NASTY,
+            "last (held out)",
+            "1.15",
+            "0.0123",
+            "0.0456",
+            "0.00789",
+            "0.00222",
+            "Fitted to the training.",
+        ):
+            assert word in text
+    assert NASTY not in page
+    assert "recording by recording" not in diagnosis_html(DOCUMENT)
+
+
 def test_the_terminal_says_the_same():
     screen = Console(file=io.StringIO(), width=200)
     print_diagnosis(DOCUMENT, screen)

@@ -51,6 +51,17 @@ class BeforeAndAfter:
 
 
 @dataclass(frozen=True)
+class Levels:
+    anchor: str = "levels"
+    title: str = "Dry friction, recording by recording"
+    template: str = "diagnosis_levels.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        levels = document.get("levels")
+        return {"levels": levels, "figure": figure} if levels else None
+
+
+@dataclass(frozen=True)
 class Where:
     anchor: str = "where"
     title: str = "Where the model leaves the recordings"

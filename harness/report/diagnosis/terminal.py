@@ -21,6 +21,9 @@ def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
         console.print(_findings(document["findings"]))
     if document["fit"]:
         console.print(_fit(document["fit"]))
+    if document.get("levels"):
+        console.print(_levels(document["levels"]))
+        console.print(Text(document["levels"]["how"]))
     ranking = document.get("ranking") or []
     if len(ranking) > 1:
         console.print(_ranking(ranking[:6]))
@@ -57,6 +60,16 @@ def _fit(fit: list[Mapping[str, Any]]) -> Table:
                 for error in ("train_rmse", "heldout_rmse")
             ),
             _figure(channel["noise_floor"]),
+        )
+    return table
+
+
+def _levels(levels: Mapping[str, Any]) -> Table:
+    table = _table("recording", "level of dry friction", "std", "error, one level for all", "error, one level each")
+    for row in levels["recordings"]:
+        table.add_row(
+            row["recording"] + (" (held out)" if row["held_out"] else ""),
+            *(_figure(row[key]) for key in ("factor", "std", "shared_rmse", "levelled_rmse")),
         )
     return table
 

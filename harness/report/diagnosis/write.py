@@ -14,19 +14,24 @@ if TYPE_CHECKING:
 
 
 def write_diagnosis(found: Diagnosis, folder: str | Path) -> list[Path]:
-    """Write ``diagnosis.json``, ``report.html`` and the augmented model (``augmented.toml``); returns their paths."""
+    """Write ``diagnosis.json``, ``report.html`` and the augmented model (``augmented.toml``); returns their paths.
+
+    Where dry friction differs from recording to recording, the model at the last training recording's level is ``levelled.toml``.
+    """
     from harness.report.diagnosis.page import diagnosis_html
     from harness.system.write import write
 
     document = found.to_json()
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     written = write_folder(folder, {"diagnosis.json": text, "report.html": diagnosis_html(document, found.curves)})
-    if found.augmented is not None:
-        target = Path(folder) / "augmented.toml"
+    for model, name in ((found.augmented, "augmented"), (found.levelled, "levelled")):
+        if model is None:
+            continue
+        target = Path(folder) / f"{name}.toml"
         try:
             with staged(target) as temporary:
-                write(found.augmented, temporary)
+                write(model, temporary)
         except InputError as error:
-            raise InputError(f"the augmented model: {error.what}", source=target, mend=error.mend) from error
+            raise InputError(f"the {name} model: {error.what}", source=target, mend=error.mend) from error
         written.append(target)
     return written
