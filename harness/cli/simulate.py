@@ -19,6 +19,7 @@ from harness.cli.options import console, write_json
 @click.option("--effort", metavar="FILE", help="Applied efforts: a recording with time and <joint>.effort columns.")
 @click.option("--engine", default="denoc", show_default=True, help="Which engine runs it (denoc doctor lists them).")
 @click.option("--step", type=float, metavar="S", help="Fixed step [s]; default: the engine's own choice.")
+@click.option("--allow-unphysical", is_flag=True, help="Run a model whose inertia no body can have all the same.")
 @click.option("--plot", metavar="FILE", help="Draw the run to a .png, .svg or .pdf.")
 @click.option("--out", metavar="FILE", help="The recording: .csv, .csv.gz or .parquet (a folder: run.csv in it).")
 @click.option(
@@ -33,6 +34,7 @@ def simulate(
     effort: str | None,
     engine: str,
     step: float | None,
+    allow_unphysical: bool,
     plot: str | None,
     out: str | None,
     json_file: str | None,
@@ -54,7 +56,7 @@ def simulate(
     from harness.report.run_files import csv_text, write_plot, write_recording
     from harness.system import load
 
-    mechanism = load(system)
+    mechanism = load(system, physical=not allow_unphysical)
     time = sample_times(duration, rate)
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)

@@ -51,6 +51,8 @@ def audit(
             )
         if not all(math.isnan(f) or (math.isfinite(f) and f > 0.0) for f in frequencies):
             raise InputError(f"measured frequencies of {name!r} must be positive", mend="give them in Hz")
+        if not any(math.isfinite(f) for f in frequencies):
+            raise InputError(f"no frequency of {name!r} was measured", mend="give at least one in Hz, or leave it out")
     corrections: list[Correction] = []
     for name, table in tables.items():
         heard = tuple(float(f) for f in measured.get(name, ()))

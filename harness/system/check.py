@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from harness.errors import InputError
-from harness.system.description import Array, Joint, Link, System
-from harness.system.inertia import about_origin, impossible
+from harness.system.description import Array, Joint, Link, System, constant
+from harness.system.inertia import about_origin, impossible, rounded_away
 from harness.system.rotation import about_axis, skew
 
 # Below this share of the body's inertia, what is left about an axis is rounding.
@@ -24,13 +25,21 @@ def check_bodies(
     physical: bool = True,
     source: Path | None = None,
     lines: Mapping[tuple[str, str], int] | None = None,
-) -> tuple[str, ...]:
-    """Refuse links that no body can be; with ``physical=False`` tell so in notes instead.
+) -> tuple[tuple[Link, ...], tuple[str, ...]]:
+    """Links, and notes on them; refuses those that no body can be, with ``physical=False`` tells so in a note instead.
 
+    Inertia that is only rounding becomes that of a point, with a note.
     Raises InputError naming the link. A negative mass is refused always.
     """
-    notes = []
+    notes, kept = [], []
     for link in links:
+        if rounded_away(link):
+            moment = float(np.linalg.eigvalsh(np.asarray(link.inertia))[0])
+            notes.append(
+                f"link {link.name!r}: principal moment of inertia {moment:.3g} kg·m² is rounding; taken as a point mass"
+            )
+            link = replace(link, inertia=constant(np.zeros((3, 3))))
+        kept.append(link)
         why = impossible(link.mass, np.asarray(link.inertia))
         if why is None:
             continue
@@ -38,14 +47,14 @@ def check_bodies(
             raise InputError(
                 f"link {link.name!r}: {why}",
                 mend="inertia is meant about the centre of mass; an unphysical model is taken as it stands by "
-                "`denoc validate --allow-unphysical` and by harness.load(path, physical=False)"
+                "--allow-unphysical and by harness.load(path, physical=False)"
                 if link.mass >= 0.0
                 else "give a positive mass",
                 source=source,
                 line=(lines or {}).get(("link", link.name)),
             )
         notes.append(f"link {link.name!r}: {why}; taken as it stands")
-    return tuple(notes)
+    return tuple(kept), tuple(notes)
 
 
 def check_joints(

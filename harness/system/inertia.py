@@ -8,6 +8,8 @@ from harness.system.description import Array, Link
 
 # Model files print inertias with about six digits; a body thinner than that is not a contradiction.
 PRINTED_DIGITS = 1e-6
+# Tensors that were moved between points keep rounding of the term that was subtracted.
+MOVED = 1e-9
 
 
 def point_inertia(mass: float, offset: Array) -> Array:
@@ -42,6 +44,14 @@ def impossible(mass: float, inertia: Array) -> str | None:
             "triangle inequality"
         )
     return None
+
+
+def rounded_away(link: Link) -> bool:
+    """Whether a link's inertia is no body's, and nothing but what rounding leaves of a tensor about the link's origin."""
+    inertia = np.asarray(link.inertia)
+    if link.mass <= 0.0 or not np.all(np.isfinite(inertia)) or impossible(link.mass, inertia) is None:
+        return False
+    return float(np.abs(np.linalg.eigvalsh(inertia)).max()) <= MOVED * link.mass * float(link.com @ link.com)
 
 
 def combine(*bodies: tuple[float, Array, Array]) -> tuple[float, Array, Array]:

@@ -49,7 +49,8 @@ def read_mjcf(
     lines = _lines(spec) if root.find(".//include") is None else {}
     ordered_joints, ordered_links = arrange(joints, links, BASE, source=source, lines=lines)
     notes += check_joints(ordered_joints, physical=physical, source=source, lines=lines)
-    notes += check_bodies(ordered_links, physical=physical, source=source, lines=lines)
+    ordered_links, told = check_bodies(ordered_links, physical=physical, source=source, lines=lines)
+    notes += told
     system = System(
         name=root.get("model") or (source.stem if source is not None else "model"),
         joints=ordered_joints,

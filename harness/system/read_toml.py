@@ -93,7 +93,8 @@ def read_toml(
                 line=lines.get(("joint", joint.name)),
             )
     ordered_joints, ordered_links = arrange(joints, links, base, source=source, lines=lines)
-    notes += check_bodies(ordered_links, physical=physical, source=source, lines=lines)
+    ordered_links, told = check_bodies(ordered_links, physical=physical, source=source, lines=lines)
+    notes += told
     system = System(
         name=name,
         joints=ordered_joints,

@@ -42,7 +42,8 @@ def read_urdf(
     rest = list(links)
     rest.remove(next(link for link in links if link.name == base))
     ordered_joints, ordered_links = arrange(joints, rest, base, source=source, lines=reader.lines)
-    notes = [*reader.notes, *check_bodies(ordered_links, physical=physical, source=source, lines=reader.lines)]
+    ordered_links, told = check_bodies(ordered_links, physical=physical, source=source, lines=reader.lines)
+    notes = [*reader.notes, *told]
     system = System(
         name=root.get("name") or (source.stem if source is not None else "robot"),
         joints=ordered_joints,

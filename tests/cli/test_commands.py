@@ -198,6 +198,21 @@ def test_simulate_says_which_shapes_a_beam_got_and_why(run, tmp_path):
     assert "rod: picked pinned modes with the hub's inertia" in out and "because the joint is free to turn" in out
 
 
+def test_simulate_runs_an_unphysical_model_if_told_to(run, tmp_path):
+    model = tmp_path / "leg.urdf"
+    # About the joint 0.05 kg·m², so that it moves; about the centre of mass a negative moment, which no body has.
+    model.write_text(
+        """<robot name="leg"><link name="base"/><link name="leg"><inertial><origin xyz="0 0 -0.2"/><mass value="1.5"/>
+        <inertia ixx="-0.01" iyy="-0.01" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="hip" type="continuous"><parent link="base"/><child link="leg"/><axis xyz="0 1 0"/></joint></robot>"""
+    )
+    simulate = ("simulate", str(model), "--duration", "0.1", "--rate", "100", "--position", "hip=0.5")
+    refused(run(*simulate), "--allow-unphysical")
+    status, out, err = run(*simulate, "--allow-unphysical")
+    assert status == 0, err
+    assert len(out.splitlines()) == 12
+
+
 def test_simulate_refuses_what_makes_no_run(run, tmp_path):
     simulate = ("simulate", PENDULUM, "--engine", "mujoco")
     refused(run(*simulate, "--position", "pivt=1"), "did you mean 'pivot'")
@@ -234,6 +249,8 @@ def test_audit_finds_the_printed_table_impossible(run):
     assert status == 1
     assert "40000 kg/m³" in out
     refused(run("audit", PENDULUM, "--measured", "rod"), "--measured")
+    flexible = str(ROOT / "models" / "toml" / "flexible_pendulum.toml")
+    refused(run("audit", flexible, "--measured", "rod=nan"), "no frequency of 'rod'")
 
 
 def test_doctor_tries_every_engine(run):

@@ -163,6 +163,8 @@ def test_what_cannot_be_audited_is_refused(tmp_path: Path) -> None:
         audit(PRINTED, measured={"rdo": [37.0]})
     with pytest.raises(InputError, match="measured frequencies of 'rod' must be positive"):
         audit(PRINTED, measured={"rod": [-1.0]})
+    with pytest.raises(InputError, match="no frequency of 'rod' was measured"):
+        audit(PRINTED, measured={"rod": [float("nan")]})
     with pytest.raises(InputError, match="no such file"):
         audit(tmp_path / "nowhere.toml")
     with pytest.raises(InputError, match="not valid TOML"):

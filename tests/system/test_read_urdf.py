@@ -218,6 +218,21 @@ def test_xacro_is_sent_to_xacro(tmp_path: Path) -> None:
         load_text(tmp_path, text)
 
 
+def test_inertia_that_is_only_rounding_is_a_point_mass(tmp_path: Path) -> None:
+    def robot(moment: str) -> str:
+        return f"""<robot name="r"><link name="base"/><link name="arm"><inertial><origin xyz="0.1 0 0"/><mass value="2"/>
+        <inertia ixx="0" ixy="0" ixz="{moment}" iyy="0" iyz="0" izz="0"/></inertial></link>
+        <joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint></robot>"""
+
+    # About the link's origin 0.02 kg·m²: 1e-20 of that is what a subtraction leaves, 1e-3 of it is a mistake.
+    system = load_text(tmp_path, robot("1.35525e-20"))
+    np.testing.assert_array_equal(system.links[0].inertia, np.zeros((3, 3)))
+    (note,) = system.notes
+    assert "'arm'" in note and "rounding" in note
+    with pytest.raises(InputError, match="negative"):
+        load_text(tmp_path, robot("2e-5"))
+
+
 def test_unphysical_inertia_may_be_taken_as_it_stands_if_the_joint_has_inertia(tmp_path: Path) -> None:
     """About the joint 1·0.1² - 0.005 = 0.005 kg·m² is left: an estimate about the axis that was split badly."""
     text = ROBOT.format(body('ixx="-0.005" iyy="-0.005" izz="1e-9"') + joint())
