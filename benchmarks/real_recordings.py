@@ -15,7 +15,6 @@ import os
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,6 @@ import numpy as np
 import harness
 from harness.diagnose.effort_motion import cutoff_for, effort_run
 from harness.diagnose.free_motion import free_part
-from harness.diagnose.levels import fit_levels
 from harness.diagnose.problem import pose
 from harness.diagnose.pushes import find_pushes
 from harness.effects import apply
@@ -35,6 +33,7 @@ from harness.system import Attachment, System
 
 from real_recordings_free_run import Simulate, first_state, free_run, measured, native  # isort: skip
 from real_recordings_friction import residual_torque  # isort: skip
+from real_recordings_laws import at_both_joints, with_levels  # isort: skip
 from sysid_peer import fit_sysid  # isort: skip
 
 
@@ -47,9 +46,8 @@ class Split:
 
     train, heldout: names of recordings; ``name[first:last]`` is the stretch between two times [s] of one that its authors joined.
     window: length [s] of the free runs judged; None: whole recordings. single: one recording, its end held out.
-    fit_effort: whether the recorded effort is what is fitted. friction: whether residual torques are told recording by recording.
-    levels: whether dry friction is also given a level of its own
-    in every recording.
+    fit_effort: whether the recorded effort is what is fitted. friction: whether it is also told which of two joints rubs, and how.
+    levels: whether dry friction is also given a level of its own in every recording.
     """
 
     train: tuple[str, ...]
@@ -207,6 +205,7 @@ def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[st
         row["about_joint"] = {"published": about_joint(system), "denoc": about_joint(augmented)}
     if SPLITS[rig].friction:
         row["residual_torque"] = residual_torque(folder, rig, system)
+        row["laws"] = at_both_joints(system, train, heldout, window or np.inf)
     if SPLITS[rig].levels:
         row["levels"] = with_levels(system, answer, train, heldout)
     if peer:
@@ -220,7 +219,6 @@ def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[st
     return row
 
 
-DRY = ("coulomb_friction", "stribeck_friction", "dahl_friction")
 # What authors fitted to the same recordings, where that is not the model they published of the rig: inertia and first moment
 # about the joint, viscous and dry friction, a constant torque; SI.
 AUTHORS_FIT = {"dfki-simple": (0.0626, 0.102, 0.047, 0.184, -0.076)}
@@ -250,66 +248,6 @@ def about_joint(system: System) -> dict[str, float]:
     return {
         "inertia_kgm2": float(model.mass_matrix(np.zeros(1))[0, 0]),
         "first_moment_kgm": float(abs(model.gravity(np.array([np.pi / 2.0]))[0]) / np.linalg.norm(system.gravity)),
-    }
-
-
-def with_levels(
-    system: System, answer: dict[str, Any], train: list[Recording], heldout: list[Recording]
-) -> dict[str, Any]:
-    """Dry friction that yields before it slides and is larger in slow motion, at a level of its own in every recording.
-
-    Beside drag, a tilt and an eccentric encoder disc, from four starts that divide the dry friction which the diagnosis found; the
-    one that fits the training recordings best counts. The held-out ones are predicted with the last training recording's level.
-    """
-    joint = system.joint(system.joint_names[0])
-    found = {f["effect"]: {k: v["value"] for k, v in f["parameters"].items()} for f in answer["findings"]}
-    dry = max(sum(v for k, v in found.get(name, {}).items() if k.endswith("torque")) for name in DRY)
-    drag = found.get("quadratic_drag", {}).get("coefficient", 0.0)
-    bare = system.replace_joint(replace(joint, damping=0.0, friction=0.0))
-    starts = []
-    for share, speed in product((0.4, 0.8), (1.5, 3.0)):
-        slow, gives, way = (1.0 - share) * dry, share * dry, 0.04
-        starts.append(
-            replace(
-                bare,
-                attachments=(
-                    Attachment(
-                        "stribeck_friction",
-                        joint.name,
-                        {"coulomb_torque": slow, "static_torque": slow + 0.4 * dry, "stribeck_velocity": speed},
-                    ),
-                    Attachment("dahl_friction", joint.name, {"torque": gives, "stiffness": gives / way}),
-                    Attachment("quadratic_drag", joint.name, {"coefficient": drag}),
-                    Attachment("base_tilt", "base", {"angle": -1e-3}),
-                    Attachment(
-                        "encoder_interpolation",
-                        f"{joint.name}.position",
-                        {"amplitude": 2e-3, "periods": 1.0, "phase": 0.0},
-                    ),
-                ),
-            )
-        )
-    fits = sorted((fit_levels(start, train) for start in starts), key=lambda fit: fit.cost)
-    best = fits[0]
-    told = judge(native(best.system), best.system, train, heldout, None, {})
-    return {
-        "parameters": {
-            a.effect: {k: {"value": v, "std": a.std.get(k)} for k, v in a.parameters.items()}
-            for a in best.system.attachments
-        },
-        "levels": best.levels,
-        "level_std": best.level_std,
-        "train_rmse": best.rmse,
-        "heldout": told["heldout"],
-        "heldout_each": {r.name: free_run(native(best.system), best.system, r, None) for r in heldout},
-        # How far the other starts ended, worse in cost, and what they would have predicted.
-        "other_starts": [
-            {
-                "cost": fit.cost - best.cost,
-                "heldout": judge(native(fit.system), fit.system, train, heldout, None, {})["heldout"],
-            }
-            for fit in fits[1:]
-        ],
     }
 
 

@@ -57,10 +57,13 @@ def table(rows: list[dict[str, Any]]) -> str:
             f"| {row['rig']} | {pair(row, 'published')} | {pair(row, 'mujoco_sysid')} | {pair(row, 'denoc')} | {noise} "
             f"| {claims(row)} | {left(row)} |"
         )
-        if "levels" in row:
-            lines.append(
-                f"| {row['rig']}, level of friction by recording | | | {pair(row, 'levels')} | | see below | |"
-            )
+        for key, what in (
+            ("levels", "level of friction by recording"),
+            ("laws", "dry friction at both joints, zeros off"),
+        ):
+            if key in row:
+                best = row[key][-1] if isinstance(row[key], list) else row[key]
+                lines.append(f"| {row['rig']}, {what} | | | {pair({key: best}, key)} | | see below | |")
     return "\n".join(lines)
 
 
