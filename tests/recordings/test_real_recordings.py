@@ -225,3 +225,25 @@ def test_one_law_at_levels_of_its_own_predicts_the_single_arm() -> None:
     first, fitted = np.sqrt(np.mean(np.square(errors), axis=0))
     assert first < 0.005
     assert fitted < 0.003
+
+
+@pytest.mark.slow
+def test_both_joints_of_the_double_arm_rub_dry() -> None:
+    # Its authors state viscous damping only, 2.4e-4 and 1e-5 N·m·s/rad, and leave 0.0036 and 0.0022 rad over windows of 3 s held
+    # out. Inverse dynamics of all eight recordings asks for 0.41 to 0.68 mN·m at the shoulder and 0.25 to 0.45 at the elbow at
+    # every speed from 1 to 23 rad/s, while viscous damping would have to change by 6.6 and 12 times.
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+    from real_recordings_laws import at_both_joints
+
+    train = [recording("multiarm-double", name) for name in ("run6", "run7")]
+    fits = at_both_joints(rig("multiarm-double"), train, [recording("multiarm-double", "heldout1")], 3.0)
+    viscous, dry, both, best = fits
+    for name in ("run6", "run7"):
+        assert best["train_rmse"][name] < 0.7 * dry["train_rmse"][name] < 0.7 * viscous["train_rmse"][name]
+    for joint in ("shoulder", "elbow"):
+        # Nothing viscous is left beside dry friction.
+        assert both["parameters"][f"viscous_damping@{joint}"]["coefficient"]["value"] < 1e-6
+    assert 0.41e-3 < best["parameters"]["coulomb_friction@shoulder"]["torque"]["value"] < 0.68e-3
+    assert 0.2e-3 < best["parameters"]["coulomb_friction@elbow"]["torque"]["value"] < 0.45e-3
+    assert best["heldout"]["first_sample"] < 0.5 * 0.0036
+    assert best["heldout"]["state_fitted"] < 0.5 * 0.0022
