@@ -219,9 +219,12 @@ def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[st
     return row
 
 
-# What authors fitted to the same recordings, where that is not the model they published of the rig: inertia and first moment
-# about the joint, viscous and dry friction, a constant torque; SI.
-AUTHORS_FIT = {"dfki-simple": (0.0626, 0.102, 0.047, 0.184, -0.076)}
+# What authors fitted to the same recordings (held-out ones included), where that is not the model they published of the rig:
+# inertia and first moment about the joint, viscous and dry friction, a constant torque; SI.
+AUTHORS_FIT = {
+    "dfki-simple": (0.0626, 0.102, 0.047, 0.184, -0.076),
+    "sydney-compass-leg": (0.04321897, 3.07194777 / 9.81, 0.01403128, 0.05452402, 0.0),
+}
 
 
 def authors_fit(rig: str, system: System) -> System:

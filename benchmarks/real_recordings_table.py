@@ -53,8 +53,11 @@ def table(rows: list[dict[str, Any]]) -> str:
     ]
     for row in rows:
         noise = ", ".join(f"{n['std']:.2g} {n['unit'].replace('*', '·')}" for n in row["noise"])
+        published = pair(row, "published")
+        if "authors_fit" in row:
+            published += f", fitted by its authors {pair(row, 'authors_fit')}"
         lines.append(
-            f"| {row['rig']} | {pair(row, 'published')} | {pair(row, 'mujoco_sysid')} | {pair(row, 'denoc')} | {noise} "
+            f"| {row['rig']} | {published} | {pair(row, 'mujoco_sysid')} | {pair(row, 'denoc')} | {noise} "
             f"| {claims(row)} | {left(row)} |"
         )
         for key, what in (
