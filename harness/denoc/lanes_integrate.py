@@ -227,8 +227,9 @@ def _first_event(dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int,
             low = 0.0
             began = _watched(dense, laws, n, width, i, lane, kind, sense, 0.0) > 0.0
             for look in range(1, looks + 1):
-                x = look / looks
-                if x > best:
+                # Up to the earliest change known, and not only up to the last look before it.
+                x = min(look / looks, best)
+                if x <= low:
                     break
                 if _watched(dense, laws, n, width, i, lane, kind, sense, x) < 0.0:
                     where = 0.0

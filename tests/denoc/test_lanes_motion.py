@@ -364,6 +364,25 @@ def test_an_elbow_that_sticks_and_slips_while_the_shoulder_swings():
     assert np.abs(ours - reference[:, :2]).max() < 1e-6
 
 
+def test_joints_that_turn_round_one_just_before_the_other_lose_what_friction_takes():
+    # Friction takes torque times way and nothing else; a turn that is overlooked would stop the joint and lose its energy.
+    friction, starts = 0.02, np.random.default_rng(5).uniform(-1.2, 1.2, (48, 2))
+    model = LaneModel(double_pendulum())
+    rows = rows_with(model, len(starts), shoulder__coulomb_torque=friction, elbow__coulomb_torque=friction)
+    time = np.linspace(0.0, 4.0, 4001)
+    q, v, _ = model.simulate(rows, starts, np.zeros((len(starts), 2)), time)
+
+    def energy(q, v):
+        height = -(0.15 + 0.5 * 0.3) * np.cos(q[0]) - 0.5 * 0.2 * np.cos(q[0] + q[1])
+        return 0.5 * v @ double_pendulum_terms(q)[0] @ v + G * height
+
+    for lane in range(len(starts)):
+        lost = energy(q[lane, 0], v[lane, 0]) - energy(q[lane, -1], v[lane, -1])
+        # Between samples the way is a parabola; where it turns round within one, at most a quarter of a (dt)² is missed.
+        way = np.abs(np.diff(q[lane], axis=0)).sum()
+        assert lost == pytest.approx(friction * way, abs=2e-5), starts[lane]
+
+
 def test_viscous_and_quadratic_damping_against_mujoco():
     # MuJoCo: damping="a b c" is −(a v + b v|v| + c v³), exact under RK4.
     xml = """<mujoco><option integrator="RK4" timestep="0.0002" gravity="0 0 -9.81"><flag contact="disable"/></option>
