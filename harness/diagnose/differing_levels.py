@@ -1,7 +1,8 @@
 """What a diagnosis says of dry friction that differs from recording to recording, where recordings ask for it.
 
-The laws that the diagnosis claims are fitted once more with a level of dry friction for every training recording
-(``harness.diagnose.levels``), if friction was not equal at a chance that leaves no doubt (``harness.diagnose.unequal_friction``).
+The laws that the diagnosis claims, or finds likeliest where it doubts dry friction, are fitted once more with a level of
+dry friction for every training recording (``harness.diagnose.levels``), if friction was not equal at a chance that leaves no doubt
+(``harness.diagnose.unequal_friction``).
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from harness.system import Attachment, System
 
 LEAST = 0.03  # by which levels must differ to be worth telling
 TIED = 1e-6  # spread of levels that are all but one
+DRY = ("coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction")
 RANKED = 4  # likeliest hypotheses in which dry friction is looked for where none is claimed
 HOW = (
     "Laws and levels are fitted to the training recordings alone, with one level for all (shared) or one each (levelled). What is "
@@ -93,7 +95,12 @@ def differing_levels(
 
 
 def _shortlist(outcome: Outcome, conclusion: Conclusion) -> list[Fit]:
-    return [conclusion.best, outcome.best, *ranking(outcome, conclusion.best, RANKED)]
+    """Sets whose dry friction may differ, the claimed one first, unless dry friction of the likeliest one is doubted."""
+    first = [conclusion.best, outcome.best]
+    if any(key.partition("@")[0] in DRY for key in conclusion.doubted):
+        # Friction that differs leaves a remainder, and the remainder is why friction is doubted.
+        first.reverse()
+    return [*first, *ranking(outcome, conclusion.best, RANKED)]
 
 
 def _can_be_levelled(fitted: Fit) -> bool:

@@ -10,7 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from simulated_recordings import COM, GRAVITY, INERTIA, MASS, Rig, nominal, recording, releases
+from simulated_recordings import COM, GRAVITY, INERTIA, MASS, Rig, double_pendulum, nominal, recording, releases
 
 import harness
 from harness.recording import Recording
@@ -97,3 +97,43 @@ def test_a_law_that_is_wrong_alike_everywhere_is_not_taken_for_levels(law: Calla
     document = harness.diagnose(runs, model=nominal(), only=ORDINARY).to_json()
     assert document["verdict"] != "consistent"
     assert "levels" not in document
+
+
+def mujoco_double_swing(name: str, level: float, start: tuple[float, float], seed: int) -> Recording:
+    """A free swing of a double pendulum of 10 s at 100 Hz, dry friction of both joints times ``level``."""
+    # As hard as MuJoCo's friction can be: a soft one creeps where it should hold.
+    hard = 'solreffriction="0.001 1" solimpfriction="0.9999 0.9999 0.001 0.5 2"'
+    link = '<inertial pos="0 0 -0.15" mass="0.3" diaginertia="0.002 0.002 1e-4"/>'
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><option integrator="RK4" timestep="0.0005" gravity="0 0 -{GRAVITY}"><flag contact="disable"/></option>
+        <worldbody><body><joint axis="0 1 0" frictionloss="{4e-3 * level}" {hard}/>{link}
+        <body pos="0 0 -0.3"><joint axis="0 1 0" frictionloss="{2e-3 * level}" {hard}/>{link}
+        </body></body></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    data.qpos[:] = start
+    rows = []
+    for k in range(20_000):
+        if k % 20 == 0:
+            rows.append(data.qpos.copy())
+        mujoco.mj_step(model, data)
+    q = np.array(rows) + 3e-4 * np.random.default_rng(seed).standard_normal((len(rows), 2))
+    return recording(name, 0.01 * np.arange(len(q)), {"shoulder.position": q[:, 0], "elbow.position": q[:, 1]})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("levels", [(1.2, 0.85, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0)], ids=["differ", "equal"])
+def test_levels_of_two_joints_together(levels: tuple[float, ...]) -> None:
+    system, _ = double_pendulum(0.0, 1e-4, 0)
+    starts = ((1.0, -0.5), (0.8, -0.9), (0.9, -0.2), (0.7, -0.6))
+    runs = [
+        mujoco_double_swing(f"run{k}", level, start, k)
+        for k, (level, start) in enumerate(zip(levels, starts, strict=True))
+    ]
+    found = harness.diagnose(runs, model=system, only=("coulomb_friction", "viscous_damping")).to_json().get("levels")
+    if levels[0] == 1.0:
+        assert found is None
+        return
+    assert found["joints"] == ["shoulder", "elbow"]
+    for row, level in zip(found["recordings"][:3], levels, strict=False):
+        assert row["factor"] == pytest.approx(level, abs=0.02)
