@@ -25,6 +25,7 @@ DIFFERENCE = 3e-5  # relative step of difference quotients, in the fit's own coo
 HOPE = 6.0  # a step's predicted gain times this is the most that the rest of a search is expected to bring
 LOST = 1e15  # cost of a run that left the numbers
 HARDEST = 1e8  # damping beyond which no step helps
+UNCHANGED = 3e-3  # a last step no longer than this (relative, at least to one) leaves the sensitivities as they are
 LANES = 8  # that run together at the price of one
 
 
@@ -96,9 +97,9 @@ def residuals_at(
     predictions = predictor.predict(hypothesis, np.array([x for x, _ in points]), lanes)
     costs = [0.0] * len(points)
     residuals: list[list[Array]] = [[] for _ in points]
-    for w, window in enumerate(windows):
+    for w, white in enumerate(likelihood.whiten_windows(windows, predictions)):
         chunk = predictions[w * len(points) : (w + 1) * len(points)]
-        for k, r in enumerate(likelihood.whiten(window, chunk)):
+        for k, r in enumerate(white):
             costs[k] += float(r @ r) if np.all(np.isfinite(chunk[k])) else LOST
             residuals[k].append(r)
     return [(cost, tuple(own)) for cost, own in zip(costs, residuals, strict=True)]
@@ -139,36 +140,45 @@ def linearise(
             lanes.append((0, window, moved))
     predictions = predictor.predict(hypothesis, vectors, lanes)
     cost = 0.0 if known is None else known[0]
-    residuals, triangles, bases, shared, rows, right = [], [], [], [], [], []
-    place = 0
-    for number, window in enumerate(windows):
+    residuals, bases, shared = [], [], []
+    count = len(predictions) // len(windows)
+    for number, (window, white) in enumerate(
+        zip(windows, likelihood.whiten_windows(windows, predictions), strict=True)
+    ):
         s = states[window]
         n = len(s)
-        count = len(vectors) - first + n
-        chunk = predictions[place : place + count]
-        place += count
-        white = likelihood.whiten(window, chunk)
         if known is None:
             r, white = white[0], white[1:]
-            cost += float(r @ r) if np.all(np.isfinite(chunk[0])) else LOST
+            cost += float(r @ r) if np.all(np.isfinite(predictions[number * count])) else LOST
         else:
             r = known[1][number]
+        # State and shared parameters side by side.
+        both = np.zeros((len(r), n + size), order="F")
+        for row, k in enumerate(moves):
+            np.divide(white[row] - r, steps[row], out=both[:, n + k])
+        for j in range(n):
+            np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=both[:, j])
+        residuals.append(r)
+        bases.append(both[:, :n])
+        shared.append(both[:, n:])
+    return _eliminated(cost, residuals, bases, shared, state_damping)
+
+
+def _eliminated(
+    cost: float, residuals: Sequence[Array], bases: Sequence[Array], shared: Sequence[Array], state_damping: float = 0.0
+) -> Linearisation:
+    """The linear view with the initial states eliminated window by window."""
+    triangles, rows, right = [], [], []
+    for r, js, jp in zip(residuals, bases, shared, strict=True):
+        n, size = js.shape[1], jp.shape[1]
         # State, shared parameters, residual side by side, and rows that keep the state from running away below them.
         stacked = np.zeros((len(r) + n, n + size + 1), order="F")
-        for row, k in enumerate(moves):
-            np.divide(white[row] - r, steps[row], out=stacked[: len(r), n + k])
-        for j in range(n):
-            np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=stacked[: len(r), j])
-        stacked[: len(r), -1] = r
-        js, jp = stacked[: len(r), :n], stacked[: len(r), n : n + size]
+        stacked[: len(r), :n], stacked[: len(r), n:-1], stacked[: len(r), -1] = js, jp, r
         stacked[len(r) :, :n] = np.diag(np.sqrt(state_damping) * np.linalg.norm(js, axis=0) + 1e-9)
         triangle = _triangle(stacked)[: n + size + 1]
         triangles.append((triangle[:n, :n], triangle[:n, n : n + size], triangle[:n, -1]))
         rows.append(triangle[n:, n : n + size])
         right.append(triangle[n:, -1])
-        residuals.append(r)
-        bases.append(js)
-        shared.append(jp)
     return Linearisation(
         cost, tuple(residuals), tuple(triangles), np.vstack(rows), np.concatenate(right), tuple(bases), tuple(shared)
     )
@@ -248,7 +258,11 @@ def fit(
         trial_prior = float(np.sum(prior_weight * trial.x**2))
         gain = here.cost + prior - found[0] - trial_prior
         if gain > 0.0:
+            reach = max(_reach(x, trial.x), *(_reach(current[w], trial.states[w]) for w in windows))
             x, current, prior = trial.x, trial.states, trial_prior
+            if converged and reach < UNCHANGED:
+                here = _eliminated(found[0], found[1], here.bases, here.shared)
+                break
             here = linearise(
                 predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held, known=found
             )
@@ -296,7 +310,7 @@ def _trial(
 ) -> Trial:
     """The step that the linear model proposes under a damping."""
     step, free = _step(here, x, prior_weight, lower, upper, held, damping)
-    moved = {w: states[w] + _state_step(t, step, damping) for w, t in zip(windows, here.triangles, strict=True)}
+    moved = {w: states[w] + s for w, s in zip(windows, _state_steps(here.triangles, step, damping), strict=True)}
     predicted = _predicted_gain(here, prior_weight, x, step)
     return Trial(damping, np.clip(x + step, lower, upper), moved, predicted, free)
 
@@ -337,13 +351,24 @@ def _step(
     return step, free
 
 
-def _state_step(triangle: tuple[Array, Array, Array], step: Array, damping: float) -> Array:
-    """How the initial state follows a step of the shared parameters."""
-    rss, rsp, rs = triangle
-    scale = np.linalg.norm(rss, axis=0) + 1e-9
-    a = np.vstack([rss, np.sqrt(min(damping, 1.0) * 1e-3) * np.diag(scale) + 1e-9 * np.eye(len(scale))])
-    b = -np.concatenate([rs + rsp @ step, np.zeros(len(scale))])
-    return np.asarray(np.linalg.lstsq(a, b, rcond=None)[0])
+def _reach(before: Array, after: Array) -> float:
+    """Longest change of a coordinate, relative where it is larger than one."""
+    return float(np.max(np.abs(after - before) / np.maximum(1.0, np.abs(before)), initial=0.0))
+
+
+def _state_steps(triangles: Sequence[tuple[Array, Array, Array]], step: Array, damping: float) -> Array:
+    """How the initial states of all windows follow a step of the shared parameters, shape (W, S)."""
+    rss = np.array([t[0] for t in triangles])
+    size = rss.shape[2]
+    scale = np.linalg.norm(rss, axis=1) + 1e-9
+    held = (np.sqrt(min(damping, 1.0) * 1e-3) * scale + 1e-9)[:, :, None] * np.eye(size)
+    right = -np.array([t[2] for t in triangles]) - np.array([t[1] for t in triangles]) @ step
+    # Least squares by singular values, of all windows at once.
+    u, s, vt = np.linalg.svd(np.concatenate([rss, held], axis=1), full_matrices=False)
+    along = np.einsum("wij,wi->wj", u[:, : rss.shape[1]], right)
+    least = np.finfo(np.float64).eps * 2 * size * s[:, :1]
+    along = np.where(s > least, along / np.where(s > least, s, 1.0), 0.0)
+    return np.asarray(np.einsum("wji,wj->wi", vt, along))
 
 
 def _predicted_gain(here: Linearisation, prior_weight: Array, x: Array, step: Array) -> float:

@@ -6,6 +6,7 @@ very start of a window, whose past a sensor with memory would need, do not count
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -55,6 +56,26 @@ class Likelihood:
         if not np.isfinite(raw).all():
             raw[~np.isfinite(raw)] = 0.0
         return self.whiten_signal(window, raw)
+
+    def whiten_windows(self, windows: Sequence[Window], predictions: Sequence[Array]) -> list[Array]:
+        """The same for equally many lanes of several windows, window after window: (L, C·T) of every window."""
+        lanes = len(predictions) // len(windows)
+        out: list[Array] = [np.empty(0)] * len(windows)
+        sizes: dict[int, list[int]] = {}
+        for k, window in enumerate(windows):
+            sizes.setdefault(window.size, []).append(k)
+        for size, which in sizes.items():
+            runs = [self.problem.runs[windows[k].run].values[:, windows[k].first : windows[k].last] for k in which]
+            raw = np.array([p for k in which for p in predictions[k * lanes : (k + 1) * lanes]])
+            raw = raw.reshape(len(which), lanes, -1, size) - np.array(runs)[:, None]
+            if not np.isfinite(raw).all():
+                raw[~np.isfinite(raw)] = 0.0
+            for c, colour in enumerate(self.colours):
+                raw[:, :, c] = colour.whiten(raw[:, :, c])
+            raw *= np.array([self.weights(windows[k]) for k in which])[:, None]
+            for k, own in zip(which, raw.reshape(len(which), lanes, -1), strict=True):
+                out[k] = own
+        return out
 
     def whiten_signal(self, window: Window, signal: Array) -> Array:
         """The same for a signal (L, C, T) given outright."""

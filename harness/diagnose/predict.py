@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 FINEST_STEP = 0.004  # s between the states that a free run hands over, unless the recording itself is coarser or finer
 TOLERANCE = 1e-10  # error of a free run in one step [rad, rad/s]; thousands of steps stay far below any sensor's noise
+EVENLY = 8  # points of a grid are a multiple of this
 CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
 
 
@@ -40,13 +41,14 @@ class Grid:
     """Even times at which lanes hand over states, and how a window's samples lie among them.
 
     time: [s] from the window's first sample, shape (G,); index, weight: sample = grid[index] + weight · step, shape (T,).
-    exact: every sample is a grid point.
+    exact: every sample is a grid point; stride: and they are this many points apart, from the first point on (0 if not).
     """
 
     time: Array
     index: NDArray[np.intp]
     weight: Array
     exact: bool
+    stride: int = 0
 
     @property
     def step(self) -> float:
@@ -67,24 +69,27 @@ def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> G
     even = bool(np.all(np.abs(spacing - run.interval) < 1e-6 * run.interval + 2e-7))
     step = run.interval / max(1, int(np.ceil(run.interval / finest - 1e-9))) if even else min(finest, run.interval)
     count = int(np.ceil(stamps[-1] / step - 1e-9)) + 1
-    time = step * np.arange(count + 1)
+    # Windows that differ by a sample or two run on the same times, and so together.
+    time = step * np.arange(-(-(count + 1) // EVENLY) * EVENLY)
     place = stamps / step
     index = np.minimum(np.floor(place + 1e-6).astype(np.intp), count - 1)
     weight = np.clip(place - index, 0.0, 1.0)
     exact = bool(np.all(np.abs(place - np.round(place)) < 1e-3)) and even
+    stride = 0
     if exact:
         index, weight = np.round(place).astype(np.intp), np.zeros(len(stamps))
-    return Grid(np.asarray(time, dtype=np.float64), index, weight, exact)
+        stride = int(index[1] - index[0]) if len(index) > 1 else 1
+        if stride <= 0 or not np.array_equal(index, stride * np.arange(len(index))):
+            stride = 0
+    return Grid(np.asarray(time, dtype=np.float64), index, weight, exact, stride)
 
 
 def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
     """Positions, velocities, accelerations (B, G, n) at the window's samples, by quintic Hermite interpolation."""
+    if grid.stride > 0:
+        part = slice(0, grid.stride * (len(grid.index) - 1) + 1, grid.stride)
+        return position[:, part], velocity[:, part], acceleration[:, part]
     if grid.exact:
-        first, step = int(grid.index[0]), int(grid.index[1] - grid.index[0]) if len(grid.index) > 1 else 1
-        last = first + step * (len(grid.index) - 1)
-        if step > 0 and last == grid.index[-1] and np.array_equal(grid.index, np.arange(first, last + 1, step)):
-            part = slice(first, last + 1, step)
-            return position[:, part], velocity[:, part], acceleration[:, part]
         return position[:, grid.index], velocity[:, grid.index], acceleration[:, grid.index]
     i, s, h = grid.index, grid.weight[None, :, None], grid.step
     p0, v0, a0 = position[:, i], velocity[:, i] * h, acceleration[:, i] * (h * h)
@@ -251,8 +256,14 @@ class Predictor:
         asked = [self._prepare(request) for request in requests]
         out: list[list[Array]] = [[np.empty(0)] * len(request.lanes) for request in requests]
         groups: dict[tuple[int, int, float, bool, float, bool, float], list[tuple[int, int]]] = {}
+        key = (0, 0, 0.0, False, 0.0, False, 0.0)
         for k, (request, ready) in enumerate(zip(requests, asked, strict=True)):
+            before: Window | None = None
             for lane, (_, window, _) in enumerate(request.lanes):
+                if window is before:
+                    groups[key].append((k, lane))
+                    continue
+                before = window
                 grid = self.grid(window, ready.margin)
                 run = self.runs[window.run]
                 # A law that knows the time needs the time of the recording, not of the window.
@@ -329,10 +340,17 @@ class Predictor:
         place = 0
         for k, own in by_request.items():
             request, ready = requests[k], asked[k]
-            by_window: dict[Window, list[int]] = {}
+            alike: dict[object, list[int]] = {}
+            same: list[int] = []
+            before: Window | None = None
             for j, i in enumerate(own):
-                by_window.setdefault(request.lanes[i][1], []).append(j)
-            for window, places in by_window.items():
+                window = request.lanes[i][1]
+                if window is not before:
+                    before = window
+                    same = alike.setdefault(self._sampling(request.hypothesis, window, ready.margin), [])
+                same.append(j)
+            for places in alike.values():
+                window = request.lanes[own[places[0]]][1]
                 where = [place + j for j in places] if alone else [again[place + j] for j in places]
                 sampled = hermite(self.grid(window, ready.margin), *(taken(array, where) for array in (q, qd, qdd)))
                 which = [request.lanes[own[j]][0] for j in places]
@@ -349,6 +367,14 @@ class Predictor:
                 for j, channel in zip(places, channels, strict=True):
                     out[k][own[j]] = channel
             place += len(own)
+
+    def _sampling(self, hypothesis: Hypothesis, window: Window, margin: float) -> object:
+        """What lanes must have in common to be read by the sensors together: the window itself where sensors know the time."""
+        grid, run = self.grid(window, margin), self.runs[window.run]
+        sensing = any(m.effect.sensor is not None for m in hypothesis.members) or self.system.attachments
+        if sensing or grid.stride == 0:
+            return window
+        return window.size, grid.stride, run.interval, run.averaged
 
     def _shift_shaking(self, model: LaneModel, rows: Array, windows: Sequence[Window]) -> None:
         """Let the shaking of the base begin at the windows' places in their recordings, in place."""
