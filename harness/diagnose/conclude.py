@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from harness.diagnose.investigate import Outcome, heldout_z, judge, trained
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
+from harness.diagnose.study import STRETCHED
 from harness.diagnose.uncertainty import estimates
 from harness.effects.effect import Family
 from harness.effects.scale import references
@@ -34,7 +36,6 @@ BETTER = 12.0  # in the criterion, by which an unnamed force must do better than
 STEADY, STEADY_FREQUENCY = 0.4, 0.03  # relative differences between separate recordings
 STEADY_PHASE = 0.6  # rad
 UNSURE = 3.0  # standard deviations that separate estimates may always be apart
-STRETCHED = 1e-5  # chance of the nominal quantities' deviations under their tolerance, below which they are a finding
 WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
 LEVEL = (
     1e-5  # chance at which a test of the remainder counts; all recordings are tested at once, a dozen questions each
@@ -89,7 +90,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         stretched = (
             float(chi2.sf(max(smaller.prior - fitted.prior, 0.0), member.size)) * len(study.candidates) < STRETCHED
         )
-        needed = -HELD_OUT if stretched else HELD_OUT
+        needed = -WORSE if stretched else HELD_OUT
         if not (z > needed) and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
@@ -148,6 +149,28 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
 
 
+def _imitated_together(outcome: Outcome, best: Fit) -> list[str]:
+    """Members that a single force or jump that nobody has named explains, better than they do together.
+
+    A force of a shape that the catalogue does not have may be pieced together from several that it has.
+    """
+    found: list[str] = []
+    members = range(len(best.hypothesis.members))
+    for size in range(2, len(members) + 1):
+        for some in combinations(members, size):
+            keys = [best.hypothesis.keys[k] for k in some]
+            smaller = best
+            for key in keys:
+                smaller = (
+                    outcome.study.below(smaller, smaller.hypothesis.keys.index(key))
+                    if key in smaller.hypothesis.keys
+                    else smaller
+                )
+            if _imitated(outcome, best, smaller, BETTER):
+                found += [key for key in keys if key not in found]
+    return found
+
+
 def _steady(outcome: Outcome, own: Fit, k: int) -> bool:
     """Whether the data held out, fitted by themselves, give member ``k`` about the same size as the training did.
 
@@ -179,9 +202,9 @@ def _steady(outcome: Outcome, own: Fit, k: int) -> bool:
 def _stretched(outcome: Outcome, best: Fit) -> Test | None:
     """A test that counts if the nominal quantities had to leave their stated tolerance to fit, which is a remainder too."""
     z = best.x[: len(outcome.predictor.nominal)]
-    chance = float(chi2.sf(best.prior, max(len(z), 1)))
-    if chance > STRETCHED:
+    if not outcome.study.stretched(best):
         return None
+    chance = float(chi2.sf(best.prior, max(len(z), 1)))
     worst = int(np.argmax(np.abs(z)))
     quantity = outcome.predictor.nominal[worst]
     where = f"{quantity.kind} of {quantity.name} by {z[worst]:+.1f} of its σ"
@@ -233,6 +256,8 @@ def conclude(outcome: Outcome) -> Conclusion:
     remains, incomplete = _remains(outcome, best)
     members = range(len(best.hypothesis.members))
     fresh = [best.hypothesis.keys[k] for k in members if _doubtful(outcome, best, k, remains)]
+    if not remains.significant:
+        fresh += [key for key in _imitated_together(outcome, best) if key not in fresh]
     firm = [best.hypothesis.keys[k] for k in members if _firm(outcome, best, k)] if fresh else []
     left_out = bool(fresh)
     while fresh:

@@ -180,8 +180,9 @@ def investigate(
     empty = long_study.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
     progress("free runs of the nominal model")
     seeds = [empty]
-    if empty.score > NONLINEAR * long_study.samples and groups != short:
-        # Far from the truth, free runs have many wrong valleys; short windows have few. They find where to begin.
+    if groups != short and (empty.score > NONLINEAR * long_study.samples or study.stretched(first)):
+        # Far from the truth, free runs have many wrong valleys; short windows have few. They find where to begin. What was
+        # bent beyond its tolerance is far from the truth too, however well it fits.
         ordered = grow(study, [first], effort, progress)
         seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
     if empty.score > NONLINEAR * long_study.samples:

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 BUMPS = 10  # places over the range of a joint at which a force of its own is allowed
 PULSE = 0.5  # of a swing's period: how long a force that acts once is taken to last
 WIDTHS = (0.25, 0.1, 0.04)  # of the range of motion: how far a force at one place may reach
-SIDES = 5  # angles at which a force may begin that acts on one side only
+SIDES = 9  # angles at which a force may begin that acts on one side only, beside zero
 PUSH = 1e-4  # size of the probing forces, in units of the gravity torque: small enough to stay linear
 
 
@@ -352,7 +352,7 @@ def _local_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> 
             x = (q - centre) / width
             bump = np.exp(-(x**2))
             values += [bump, x * bump, bump * w, bump * sense]
-    for centre in np.linspace(low, high, SIDES + 2)[1:-1]:
+    for centre in [*np.linspace(low, high, SIDES + 2)[1:-1], *([0.0] if low < 0.0 < high else [])]:
         beyond = (q > centre).astype(np.float64)
         values += [beyond * (q - centre), (1.0 - beyond) * (q - centre), beyond * w, beyond * sense]
     return np.array(values)

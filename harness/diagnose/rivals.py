@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.fit import Fit
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.predict import to_internal
-from harness.diagnose.search import generalized, pruned
+from harness.diagnose.search import generalized, like, pruned
+from harness.diagnose.study import compatible, whole_numbers
 
 MOST = 9  # rivals fitted for each member
 WORTH_FITTING = (
@@ -22,7 +23,7 @@ APART = 6.0  # difference in the criterion (odds of twenty to one) below which h
 
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
-    """Fits with member ``k`` replaced by each candidate whose score test promises a similar gain, and by its relatives."""
+    """Fits with member ``k`` replaced: by candidates whose score test promises a similar gain, by its relatives, and all known."""
     study = outcome.study
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
@@ -40,9 +41,10 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         elif related and scored.gain <= LEAST_SHARE * own:
             continue
         found.append(study.extend(without, scored))
-    kept = {m.key for m in best.hypothesis.members if m is not member}
-    wider = [f for base in (best, *found) for f in generalized(study, base)]
-    return found + [f for f in wider if kept <= set(f.hypothesis.keys) and member.key not in f.hypothesis.keys]
+    for base in (best, *found):
+        generalized(study, base)
+    kept = best.hypothesis.identity - {member.key}
+    return [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
 
 
 def _same_units(member: Candidate, other: Candidate) -> bool:
@@ -62,7 +64,41 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Rivals of member ``k`` that the recordings do not part from the best set, likeliest first."""
     study = outcome.study
     limit = study.evidence(best) + APART
-    return sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
+    found = sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
+    known = {f.hypothesis.identity for f in found}
+    return found + [f for f in unseen(outcome, best, k) if f.hypothesis.identity not in known]
+
+
+def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
+    """Fits with a law of which member ``k`` is a special case, that do as well although they differ from it by design.
+
+    The numbers that make the difference are held at typical values: the law pays for nothing, and is not told from its special
+    case unless the recordings contradict it there.
+    """
+    study, base = outcome.study, best.hypothesis
+    offset = len(study.predictor.nominal)
+    amplitude = float(study.predictor.effect_values(base, k, best.x)[0])
+    found = []
+    for wider in study.candidates:
+        rest = base.without(k)
+        if wider.site != base.members[k].site or base.members[k].effect.name not in wider.effect.simpler:
+            continue
+        if not compatible(rest, wider):
+            continue
+        points = like(wider, amplitude)
+        start = np.concatenate([study.others(best, k), to_internal(wider, points[len(points) // 2])])
+        held = np.zeros(len(start), dtype=bool)
+        held[len(start) - wider.size + 1 :] = True
+        held[offset : len(start) - wider.size] = np.concatenate(
+            [np.zeros(0, bool), *(whole_numbers(m) for m in rest.members)]
+        )
+        fitted = fit(
+            study.predictor, study.likelihood, rest.with_(wider), study.windows, start,
+            study.states_for(rest.with_(wider), best), fixed=held, enough=0.2,
+        )  # fmt: skip
+        if fitted.score < best.score + APART:
+            found.append(fitted)
+    return found
 
 
 def preferred(outcome: Outcome, best: Fit) -> Fit:

@@ -30,6 +30,9 @@ MOST_TOGETHER = 256  # columns whose inner products are all kept
 UNRESOLVED = 1e-13  # share of a column's square below which what is left of it is rounding
 COARSEST = 1e-8  # error of one step [rad, rad/s] at most
 RESOLVED = 1e-5  # the same in standard deviations of noise
+TRUSTED = (
+    100.0  # standard deviations by which data may move and the linear view still be good to a few hundredths of one
+)
 WEAK = 1e-4  # norm of a projected direction [noise standard deviations] below which nothing can be seen of it
 
 
@@ -60,12 +63,16 @@ class Projected:
 
 @dataclass(frozen=True, eq=False)
 class Nuisance:
-    """Orthonormal bases of what a fit may adjust: per window the initial state, over all windows the shared parameters."""
+    """Orthonormal bases of what a fit may adjust: per window the initial state, over all windows the shared parameters.
+
+    softness: factor on the noise of the data, the nominal quantities' priors staying as they are.
+    """
 
     states: tuple[Array, ...]
     shared: Array
     residual: Array
     prior: Array
+    softness: float = 1.0
 
     def measure(self, columns: Sequence[Array], *, only: int | None = None) -> Projected:
         """Whitened changes per window, each (K, M_w), without their adjustable part, held against the residual.
@@ -74,6 +81,8 @@ class Nuisance:
         The columns themselves are never projected: what is adjustable of them is told by a few inner products.
         """
         windows = range(len(self.states)) if only is None else [only]
+        if self.softness != 1.0:
+            columns = [c / self.softness for c in columns]
         edges = np.cumsum([0, *(len(q) for q in self.states)])
         count = columns[0].shape[0]
         along, raw = np.zeros(count), np.zeros(count)
@@ -102,8 +111,13 @@ class Nuisance:
         return Projected(along, np.where(squares > UNRESOLVED * raw, squares, 0.0), beside, gram)
 
 
-def nuisance(fitted: Fit, predictor: Predictor) -> Nuisance:
-    """Bases of what a fit may adjust, at the fit."""
+def nuisance(fitted: Fit, predictor: Predictor, *, softened: bool = False) -> Nuisance:
+    """Bases of what a fit may adjust, at the fit.
+
+    softened: whether the data's noise is taken so large that no parameter moves them by more than ``TRUSTED`` of its deviations.
+    What gives the same motion as a nominal quantity bent out of its tolerance can only be seen so: of two directions that differ
+    by less than the linear view is good to, neither could otherwise take the other's place.
+    """
     states = []
     for basis in fitted.linear.bases:
         q, r = qr(basis, mode="economic", check_finite=False)
@@ -113,12 +127,18 @@ def nuisance(fitted: Fit, predictor: Predictor) -> Nuisance:
     residuals = [r - q @ (q.T @ r) for r, q in zip(fitted.linear.residuals, states, strict=True)]
     k = len(predictor.nominal)
     size = len(fitted.x)
+    softness = 1.0
+    if softened and parts:
+        largest = float(np.sqrt(max(sum(float(np.sum(part[:, :k] ** 2)) for part in parts), 0.0)))
+        softness = max(1.0, largest / TRUSTED)
+        parts = [part / softness for part in parts]
+        residuals = [r / softness for r in residuals]
     prior_rows = np.eye(size)[:k] if k else np.zeros((0, size))
     stacked = np.vstack([*parts, prior_rows])[:, fitted.free]
     u, s, _ = np.linalg.svd(stacked, full_matrices=False) if stacked.shape[1] else (stacked, np.zeros(0), None)
     basis = u[:, s > 1e-9 * max(float(s.max(initial=0.0)), 1e-300)] if len(s) else np.zeros((stacked.shape[0], 0))
     right = np.concatenate([*residuals, fitted.x[:k]])
-    return Nuisance(tuple(states), basis, right - basis @ (basis.T @ right), fitted.x[:k])
+    return Nuisance(tuple(states), basis, right - basis @ (basis.T @ right), fitted.x[:k], softness)
 
 
 def score(
@@ -127,9 +147,12 @@ def score(
     likelihood: Likelihood,
     candidates: Sequence[Candidate],
     problem: Problem,
-    space: Nuisance,
+    spaces: Sequence[Nuisance],
 ) -> list[Score]:
-    """Every candidate against a fit, best first; candidates that change nothing visible are left out."""
+    """Every candidate against a fit, best first; candidates that change nothing visible are left out.
+
+    spaces: of what the fit may adjust, of which the one counts that promises most.
+    """
     found = []
     motions: dict[Window, Response] = {}
     asked = [(candidate, rays(candidate, problem)) for candidate in candidates]
@@ -137,9 +160,8 @@ def score(
         points = [[point for line in lines for point in line] for _, lines in batch]
         near = _near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
         for (candidate, lines), (starts, changes, factors) in zip(batch, near, strict=True):
-            best = _best_ray(candidate, lines, space, starts, changes, factors)
-            if best is not None:
-                found.append(best)
+            own = [_best_ray(candidate, lines, space, starts, changes, factors) for space in spaces]
+            found += sorted((s for s in own if s is not None), key=lambda s: -s.gain)[:1]
     return sorted(found, key=lambda s: -s.gain)
 
 

@@ -118,7 +118,7 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
                 continue
             study.widened.add(key)
             others = study.others(base, k)
-            starts = [np.concatenate([others, to_internal(wider, p)]) for p in _like(wider, float(values[0]))]
+            starts = [np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]))]
             found.append(study.fit(rest.with_(wider), starts, base, target=base.score))
     return found
 
@@ -126,7 +126,7 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
 LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
 
 
-def _like(wider: Candidate, amplitude: float) -> list[NDArray[np.float64]]:
+def like(wider: Candidate, amplitude: float) -> list[NDArray[np.float64]]:
     """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``."""
     first, *others = wider.effect.parameters
     choices = [(LARGER * amplitude,) if p.unit == first.unit else p.start_values(wider.references) for p in others]

@@ -166,6 +166,10 @@ class Study:
             most_steps=most_steps, enough=0.2, fixed=held, target=best.score,
         )  # fmt: skip
 
+    def stretched(self, fitted: Fit) -> bool:
+        """Whether the nominal quantities had to leave their stated tolerance to fit."""
+        return bool(chi2.sf(fitted.prior, max(len(self.predictor.nominal), 1)) < STRETCHED)
+
     def empty(self) -> Fit:
         """The fit of the hypothesis that nothing is missing."""
         key: frozenset[str] = frozenset()
@@ -180,8 +184,10 @@ class Study:
         if key not in self.scores:
             taken = base.hypothesis
             open_ones = [c for c in self.candidates if compatible(taken, c)]
-            space = nuisance(base, self.predictor)
-            self.scores[key] = score(base, self.predictor, self.likelihood, open_ones, self.problem, space)
+            spaces = [nuisance(base, self.predictor)]
+            if self.stretched(base):
+                spaces.append(nuisance(base, self.predictor, softened=True))
+            self.scores[key] = score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
         return self.scores[key]
 
     def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
@@ -191,16 +197,22 @@ class Study:
         if known is not None:
             return known
         own = to_internal(found.candidate, found.start)
-        starts = [np.concatenate([base.x, own])]
-        k = len(self.predictor.nominal)
-        if chi2.sf(base.prior, max(k, 1)) < STRETCHED:
-            # What was bent far to do without the effect may stand in a valley that no step leads out of.
-            starts.append(np.concatenate([np.zeros(k), base.x[k:], own]))
         # Worth going on with only as long as it may beat the best set known.
         best = min((f.score for f in self.fits.values()), default=np.inf)
-        return self.fit(
-            hypothesis, starts, base, most_steps=most_steps, target=max(best, 0.0) + self.price(found.candidate)
-        )
+        target = max(best, 0.0) + self.price(found.candidate)
+        fitted = self.fit(hypothesis, [np.concatenate([base.x, own])], base, most_steps=most_steps, target=target)
+        if not self.stretched(base):
+            return fitted
+        # What was bent far to do without the effect stands at the end of a valley so narrow and curved that steps along it are
+        # short. Bent back at once, the effect alone finds its size; only then is the rest freed.
+        k = len(self.predictor.nominal)
+        x = np.concatenate([np.zeros(k), base.x[k:], own])
+        held = np.concatenate([np.ones(k, bool), *(whole_numbers(m) for m in hypothesis.members)])
+        straight = fit(
+            self.predictor, self.likelihood, hypothesis, self.windows, x, self.states_for(hypothesis, base),
+            most_steps=most_steps, enough=0.2, fixed=held,
+        )  # fmt: skip
+        return self.fit(hypothesis, [straight.x], straight, most_steps=most_steps, target=target)
 
     def below(self, base: Fit, k: int) -> Fit:
         """The best fit known without member ``k`` and without anything that ``base`` does not have.
@@ -217,7 +229,16 @@ class Study:
         known = self.fits.get(hypothesis.identity)
         if known is not None:
             return known
-        return self.fit(hypothesis, [self.others(base, k)], base)
+        others = self.others(base, k)
+        found = self.fit(hypothesis, [others], base)
+        nested = min(
+            (f for key, f in self.fits.items() if key < hypothesis.identity), key=lambda f: f.score, default=found
+        )
+        if nested.score < found.score:
+            # A special case cannot fit better, so this is a wrong valley; the nominal quantities there know the way.
+            count = len(self.predictor.nominal)
+            found = self.fit(hypothesis, [np.concatenate([nested.x[:count], others[count:]])], nested)
+        return found
 
     def others(self, base: Fit, k: int) -> Array:
         """The parameter vector without those of member ``k``."""
