@@ -16,6 +16,7 @@ from harness.effects.attach import input_chain, sensor_chain
 from harness.effects.directions import sideways
 from harness.effects.effect import Parameter
 from harness.effects.lanes import lane_model, lane_row, write_attachment
+from harness.effects.room import STATED
 from harness.parallel import threads_allowed
 from harness.recording.sensors import observe
 from harness.system import Attachment, System
@@ -584,3 +585,6 @@ def write_law(rows: Array, model: LaneModel, candidate: Candidate, values: Array
     before = rows[:, added]
     law.write(rows, model, candidate.site, values)
     rows[:, added] += before
+    if candidate.effect.name in STATED:
+        # What is stated is uncertain too: less than stated may be all of it, but never more, or friction would drive.
+        rows[:, added] = np.maximum(rows[:, added], np.minimum(before, 0.0))

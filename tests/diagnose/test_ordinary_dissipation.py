@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from harness.diagnose.candidates import candidates
 from harness.diagnose.diagnose import diagnose
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.predict import Predictor, to_internal
+from harness.diagnose.problem import pose
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System
@@ -52,6 +56,24 @@ def model() -> System:
     joint = Joint("pivot", JointType.CONTINUOUS, "base", "arm", axis=constant([0.0, 1.0, 0.0]), damping=STATED)
     link = Link("arm", MASS, constant([0.0, 0.0, -LENGTH]), constant(np.diag([1e-8, 1e-8, 1e-9])))
     return System("pendulum", (joint,), (link,), tolerance=0.005)
+
+
+@pytest.mark.parametrize("deviations", [-30.0, 0.0, 30.0])
+def test_no_more_damping_is_taken_away_than_there_is(deviations: float) -> None:
+    system = model()
+    swings = [recording(1.5, 1), recording(0.9, 2)]
+    (viscous,) = candidates(system, swings, only=("viscous_damping",))
+    predictor = Predictor(pose(system, swings))
+    hypothesis = Hypothesis((viscous,))
+    x = np.zeros(predictor.size(hypothesis))
+    # The stated number off by so many of its tolerances, and all that is stated taken away.
+    x[[quantity.kind for quantity in predictor.nominal].index("damping")] = deviations
+    x[-1] = to_internal(viscous, np.array([-STATED]))[0]
+    row = predictor.row(hypothesis, x)
+    left = STATED * (np.exp(0.005 * deviations) - 1.0)
+    assert row[predictor.mechanism(hypothesis).model.slot("pivot", "damping")] == pytest.approx(
+        max(left, 0.0), abs=1e-18
+    )
 
 
 @pytest.mark.slow
