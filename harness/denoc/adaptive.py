@@ -20,7 +20,7 @@ from scipy.integrate import DOP853
 
 from harness.denoc.compiled import compiled, internal
 from harness.denoc.dynamics_call import call
-from harness.denoc.fixed_step import DIVERGED, force_at
+from harness.denoc.fixed_step import DIVERGED, copy_from, force_at
 from harness.denoc.rows import ARMATURE
 
 Vector = Any
@@ -191,7 +191,7 @@ def dormand_prince8(
     last_sample = len(time) - 1
     now = time[0]
     if friction:
-        acceleration[0] = scratch[n:]
+        copy_from(scratch, n, acceleration[0])
     h = 0.0
     known = False
     while sample <= last_sample and status == 0:
@@ -296,13 +296,13 @@ def dormand_prince8(
             if time[sample] < after:
                 interpolate(dense, y, (time[sample] - now) / step, probe)
             else:
-                probe[:] = new
+                copy_from(new, 0, probe)
             for i in range(n):
                 position[sample, i], velocity[sample, i] = probe[i], probe[n + i]
             if friction:
                 force_at(tau, linear, interval, (time[sample] - time[interval]) / width, applied)
                 status = rates(function, model, rows, row_of, mode, limit, probe, applied, force, scratch)
-                acceleration[sample] = scratch[n:]
+                copy_from(scratch, n, acceleration[sample])
             sample += 1
         if happened >= 0:
             counts[2] += 1
@@ -314,7 +314,7 @@ def dormand_prince8(
             for i in range(n):
                 if mode[i] == RESTING or i == happened:
                     new[n + i] = 0.0
-            y[:] = new
+            copy_from(new, 0, y)
             now = after
             share = (now - time[interval]) / width
             force_at(tau, linear, interval, min(share, 1.0), applied)
@@ -324,10 +324,10 @@ def dormand_prince8(
             while sample <= last_sample and time[sample] <= now:
                 for i in range(n):
                     position[sample, i], velocity[sample, i] = y[i], y[n + i]
-                acceleration[sample] = scratch[n:]
+                copy_from(scratch, n, acceleration[sample])
                 sample += 1
             continue
-        y[:] = new
+        copy_from(new, 0, y)
         now = after
         h = step * grow if not lands else max(h, step * grow)
         if driven and lands:
@@ -336,9 +336,9 @@ def dormand_prince8(
             if friction and sample <= last_sample:
                 force_at(tau, linear, sample - 1, 0.0, applied)
                 status = sort_resting(function, model, rows, row_of, armature, mode, limit, y, applied, force, scratch)
-                acceleration[sample - 1] = scratch[n:]
+                copy_from(scratch, n, acceleration[sample - 1])
         else:
-            stages[0] = stages[STAGES]
+            copy_from(stages[STAGES], 0, stages[0])
         finite = 0.0
         for i in range(n2):
             finite += 0.0 * y[i]

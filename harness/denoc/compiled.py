@@ -9,6 +9,8 @@ from typing import Any, TypeVar, cast
 
 from numba import njit
 
+from harness.denoc.known_types import remember
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 # Fused multiply-add and free signs of zero, nothing that changes what NaN and infinity mean: bad input must stay visible.
@@ -67,3 +69,4 @@ def _drop_stale_cache() -> None:
 
 
 _drop_stale_cache()
+remember()

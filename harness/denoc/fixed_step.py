@@ -29,6 +29,13 @@ def force_at(tau: Matrix, linear: bool, k: int, share: float, out: Vector) -> No
         out[i] = tau[k, i] + share * (tau[k + 1, i] - tau[k, i]) if linear else tau[k, i]
 
 
+@internal
+def copy_from(source: Vector, first: int, out: Vector) -> None:
+    """Numbers of ``source`` from ``first`` on, to ``out``: an assignment of slices brings a second of compiling with it."""
+    for i in range(len(out)):
+        out[i] = source[first + i]
+
+
 @compiled
 def runge_kutta4(
     function: int,
@@ -46,7 +53,8 @@ def runge_kutta4(
     q, v, force = work[0], work[1], work[2]
     q1, v1, a = work[3], work[4], work[5]
     dq, dv = work[6], work[7]
-    q[:], v[:] = position[0], velocity[0]
+    copy_from(position[0], 0, q)
+    copy_from(velocity[0], 0, v)
     for k in range(len(time) - 1):
         steps = max(1, int(np.ceil((time[k + 1] - time[k]) / step * (1.0 - 1e-12))))
         h = (time[k + 1] - time[k]) / steps
@@ -88,6 +96,7 @@ GAUSS_A = np.array(
         [5.0 / 36.0 + _ROOT / 30.0, 2.0 / 9.0 + _ROOT / 15.0, 5.0 / 36.0],
     ]
 )
+GAUSS_SQUARED = GAUSS_A @ GAUSS_A
 GAUSS_B = np.array([5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0])
 _STAGES = 3
 _SWEEPS = 40
@@ -122,12 +131,12 @@ def gauss_legendre6(
     q, v, force, rest = work[0], work[1], work[2], work[3]
     qs, vs = np.zeros((_STAGES, n)), np.zeros((_STAGES, n))
     a, found = np.zeros((_STAGES, n)), np.zeros((_STAGES, n))
-    squared = GAUSS_A @ GAUSS_A
     jacobian = np.zeros((size, size))
     pivots = np.zeros(size, dtype=np.int64)
     change = np.zeros(size)
     guess = np.zeros((_STAGES, _STAGES))
-    q[:], v[:] = position[0], velocity[0]
+    copy_from(position[0], 0, q)
+    copy_from(velocity[0], 0, v)
     factored = 0.0
     previous = 0.0
     fresh = True
@@ -148,11 +157,11 @@ def gauss_legendre6(
                 if status != 0:
                     return status
                 for r in range(_STAGES):
-                    a[r] = rest
+                    copy_from(rest, 0, a[r])
             attempts = 0
             while True:
                 if fresh or factored != h:
-                    status = _factor(function, model, h, q, probe, stiffness, damping, squared, jacobian, pivots)
+                    status = _factor(function, model, h, q, probe, stiffness, damping, jacobian, pivots)
                     if status != 0:
                         return status
                     factored = h
@@ -165,7 +174,7 @@ def gauss_legendre6(
                         for i in range(n):
                             x, y = 0.0, 0.0
                             for c in range(_STAGES):
-                                x += squared[r, c] * a[c, i]
+                                x += GAUSS_SQUARED[r, c] * a[c, i]
                                 y += GAUSS_A[r, c] * a[c, i]
                             qs[r, i] = q[i] + h * GAUSS_C[r] * v[i] + h * h * x
                             vs[r, i] = v[i] + h * y
@@ -209,7 +218,7 @@ def gauss_legendre6(
                 force_at(tau, linear, k, s / steps, force)
                 status = call(function, model, q.ctypes.data, v.ctypes.data, force.ctypes.data, rest.ctypes.data)
                 for r in range(_STAGES):
-                    a[r] = rest
+                    copy_from(rest, 0, a[r])
             for i in range(n):
                 x, y = 0.0, 0.0
                 for c in range(_STAGES):
@@ -248,7 +257,6 @@ def _factor(
     probe: Matrix,
     stiffness: Matrix,
     damping: Matrix,
-    squared: Matrix,
     jacobian: Matrix,
     pivots: Vector,
 ) -> int:
@@ -273,7 +281,7 @@ def _factor(
         for c in range(_STAGES):
             for i in range(n):
                 for j in range(n):
-                    value = h * h * squared[r, c] * soft[i, j] + h * GAUSS_A[r, c] * lossy[i, j]
+                    value = h * h * GAUSS_SQUARED[r, c] * soft[i, j] + h * GAUSS_A[r, c] * lossy[i, j]
                     if r == c and i == j:
                         value += 1.0
                     jacobian[r * n + i, c * n + j] = value

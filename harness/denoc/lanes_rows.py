@@ -73,7 +73,11 @@ ABOVE, NODE, SECTION_NODE, BEAM_NODE, TIP_NODE, BEAM_ROW, SECTION_ROW, LAW_ROW =
 LINK_COLUMNS = 8
 
 
-@njit(cache=True, error_model="numpy")
+# Only ``prepare_lane`` calls them, never Python.
+_part: Any = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+@_part
 def _multiply(a: Any, b: Any, out: Any) -> None:
     """out = a b for 3 × 3 matrices."""
     for i in range(3):
@@ -81,7 +85,7 @@ def _multiply(a: Any, b: Any, out: Any) -> None:
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@njit(cache=True, error_model="numpy")
+@_part
 def _rotation(x: float, y: float, z: float, out: Any) -> None:
     """Rotation matrix of a rotation vector [rad] (Rodrigues)."""
     square = x * x + y * y + z * z
@@ -104,7 +108,7 @@ def _rotation(x: float, y: float, z: float, out: Any) -> None:
     out[2, 1] = b * y * z + a * x
 
 
-@njit(cache=True, error_model="numpy")
+@_part
 def _add_inertia(row: Any, at: int, turn: Any, shift: Any, total: Any) -> None:
     """Add a link's ten inertial parameters to a body's, the link lying at (turn, shift) in the body's link frame."""
     m = row[at]
@@ -136,7 +140,7 @@ def _add_inertia(row: Any, at: int, turn: Any, shift: Any, total: Any) -> None:
         total[4 + c] += value
 
 
-@njit(cache=True, error_model="numpy")
+@_part
 def _prepare_plane(
     tree: Any, plane: Any, mount: Any, offset: Any, frames: Any, total: Any, lane: int, constants: Any, shake: Any
 ) -> None:
@@ -210,6 +214,7 @@ def prepare_lane(
     zc = np.zeros(3)
     r = np.empty(3)
     turned = np.zeros(10)
+    first: Any = np.int64(0)  # not the literal 0, which would be compiled for separately
     for i in range(3):
         identity[i, i] = 1.0
     for j in range(joints):
@@ -367,7 +372,7 @@ def prepare_lane(
         constants[k + (R + 2) * 8] = r[2]
         for a in range(10):
             turned[a] = 0.0
-        _add_inertia(total[i], 0, frames[i], zero, turned)
+        _add_inertia(total[i], first, frames[i], zero, turned)
         constants[k + MASS * 8] = turned[0]
         for a in range(3):
             constants[k + (FIRST + a) * 8] = turned[1 + a]
@@ -375,7 +380,7 @@ def prepare_lane(
             constants[k + (SECOND + a) * 8] = turned[4 + a]
 
 
-@njit(cache=True, error_model="numpy")
+@_part
 def _write_beam(row: Any, start: int, m: int, points: int, lane: int, beams: Any, table: int) -> None:
     """A beam's stiffness, damping and mass points, its factors applied, into one lane of the beams' tables."""
     ratios = start + BEAM_HEAD

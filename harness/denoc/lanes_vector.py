@@ -22,6 +22,10 @@ from numba.core.extending import intrinsic, overload, register_model
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 
+from harness.denoc.known_types import remember
+
+remember()
+
 LANES = 8
 """Copies advanced together, L."""
 
