@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Any
 
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc import lanes_tree as nodes
 from harness.denoc.lanes import LaneModel
+from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 from harness.system import System
 
@@ -113,11 +113,9 @@ class BatchModel:
         if threads <= 1:
             part(0, groups * _EIGHT, out.reshape(-1), *flat)
         else:
-            edges = (np.linspace(0, groups, threads + 1).astype(int) * _EIGHT).tolist()
-            with ThreadPoolExecutor(threads) as pool:
-                tasks = [pool.submit(part, a, b, out.reshape(-1), *flat) for a, b in pairwise(edges)]
-                for task in tasks:
-                    task.result()
+            # Several pieces a thread, since other work may hold one of them up.
+            edges = (np.linspace(0, groups, min(groups, 4 * threads) + 1).astype(int) * _EIGHT).tolist()
+            share(lambda a, b: part(a, b, out.reshape(-1), *flat), list(pairwise(edges)), threads)
         if rest:
             part(count - _EIGHT, count, out.reshape(-1), *flat)
         return out

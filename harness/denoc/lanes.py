@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -54,6 +54,7 @@ from harness.denoc.lanes_tree import (
     section_table_size,
     section_work_size,
 )
+from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 from harness.system import Link, System
 from harness.system.inertia import about_origin
@@ -388,9 +389,8 @@ class LaneModel:
                 part(0, groups)
             else:
                 # Many small parts, since groups differ in how long they take.
-                edges = np.linspace(0, groups, min(groups, 4 * workers) + 1).astype(int)
-                with ThreadPoolExecutor(workers) as pool:
-                    list(pool.map(part, edges[:-1].tolist(), edges[1:].tolist()))
+                edges = np.linspace(0, groups, min(groups, 4 * workers) + 1).astype(int).tolist()
+                share(part, list(pairwise(edges)), workers)
             if not whole:
                 position[which], velocity[which], acceleration[which] = out
 

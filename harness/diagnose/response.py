@@ -114,7 +114,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
         acting[1 + 2 * n + j :: copies, :, j] += push
     eq, eqd, _ = model.simulate(
         rows, np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:]), np.array([0.0, grid.step]), tau=acting,
-        tolerance=predictor.tolerance,
+        tolerance=predictor.tolerance, threads=predictor.threads,
     )  # fmt: skip
     end = np.concatenate([eq[:, 1], eqd[:, 1]], axis=1).reshape(points, copies, 2 * n)
     change = end[:, 1:] - end[:, :1]
