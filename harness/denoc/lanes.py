@@ -153,8 +153,9 @@ def _kept_kernels() -> tuple[Path, ...]:
         return ()
 
 
+@lru_cache(maxsize=64)
 def _user_address(function: Callable[..., float] | None) -> tuple[int, Any]:
-    """Address of a user's law ``(q, qd, t, p) -> force`` as plain compiled code, and what keeps it alive."""
+    """Address of a user's law ``(q, qd, t, p) -> force`` as plain compiled code, and what keeps it alive; compiled once."""
     if function is None:
         return 0, None
     from numba import carray, cfunc, njit, types
