@@ -288,6 +288,7 @@ SMALL = 0.02  # of the channels' extents: deviations up to here count as linear
 LEAST = 1e-4  # by which a starting point is brought nearer to absence at most
 FIRST_TRY = 0.1
 SOFTEST = 0.3  # times the spring that a torque at rest asks for with its rest at a typical angle
+RESIZED = 10.0  # times, either way, by which a start with coordinates of its own is moved
 GREATEST = 30.0  # times the starting point, beyond which the linear view cannot vouch for a start
 
 
@@ -317,6 +318,22 @@ def _at_infinity(candidate: Candidate) -> bool:
     """Whether the effect acts through coordinates of its own that stiffen as it vanishes, so that it is not to be made small."""
     reshape = candidate.effect.reshape
     return reshape is not None and reshape.topology
+
+
+def _resized(candidate: Candidate, point: Array, factor: float) -> Array:
+    """A starting point of an effect with coordinates of its own, that acts ``factor`` times as much as this one.
+
+    What gives is the inverse of a stiffness and of a frequency's square; damping keeps its ratio to the critical one.
+    """
+    out = point.copy()
+    for k, parameter in enumerate(candidate.effect.parameters):
+        if parameter.name == "gap":
+            out[k] *= factor
+        elif parameter.name == "stiffness":
+            out[k] /= factor
+        elif parameter.name in ("frequency", "damping"):
+            out[k] /= np.sqrt(factor)
+    return out
 
 
 Near = tuple[list[Array], list[Array], list[float]]
@@ -430,7 +447,9 @@ def _best_ray(
             gain = a0 * a0 * size
             reach = GREATEST / factors[first]
             start = near[first]
-            if np.isfinite(amplitude.neutral):
+            if _at_infinity(candidate):
+                start = _resized(candidate, near[first], float(np.clip(a0, 1.0 / RESIZED, RESIZED)))
+            elif np.isfinite(amplitude.neutral):
                 # Not beyond what the linear view can vouch for.
                 start = _brought_near(candidate, near[first], float(np.clip(a0, -reach, reach)))
             elif factors[first] < 1.0:
