@@ -124,16 +124,22 @@ def test_energy_lost_by_half_swings_says_dry_friction_not_viscous(run: str) -> N
 
 @pytest.mark.slow
 def test_diagnosis_replaces_viscous_damping_by_friction_and_drag() -> None:
-    # A peer toolbox with all three freed puts viscous at zero and reaches 0.0092 rad held out, its initial state fitted.
+    # A peer toolbox with all three freed, given the same recordings, puts viscous at zero, dry friction at 4.4e-4 N·m and drag at
+    # 1.45e-5 N·m·s²/rad², and reaches 0.0092 rad held out, its initial state fitted.
     assert FOLDER is not None
     folder = FOLDER / "multiarm-single"
     few = ("viscous_damping", "coulomb_friction", "quadratic_drag", "base_tilt", "sensor_offset")
     found = diagnose(
-        [folder / f"{name}.csv.gz" for name in ("run2", "run4", "heldout1")], folder / "model.urdf", only=few
+        [folder / f"{name}.csv.gz" for name in ("run1", "run2", "run3", "run4", "heldout1")],
+        folder / "model.urdf",
+        only=few,
     )
     assert found.verdict == "partly_explained"
-    names = {f["effect"] for f in found.findings}
-    assert {"coulomb_friction", "quadratic_drag"} <= names
+    by_name = {f["effect"]: f["parameters"] for f in found.findings}
+    assert set(by_name) == {"viscous_damping", "coulomb_friction", "quadratic_drag"}
+    assert by_name["viscous_damping"]["coefficient"]["value"] == pytest.approx(-2.2394e-4, rel=0.1)
+    assert by_name["coulomb_friction"]["torque"]["value"] == pytest.approx(4.37e-4, rel=0.1)
+    assert by_name["quadratic_drag"]["coefficient"]["value"] == pytest.approx(1.45e-5, rel=0.1)
     fit = next(f for f in found.fit if f["channel"] == "pivot.position")
     assert fit["augmented"]["heldout_rmse"] < 0.005
     assert fit["augmented"]["heldout_rmse"] < 0.6 * fit["nominal"]["heldout_rmse"]
