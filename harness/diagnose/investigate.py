@@ -111,16 +111,16 @@ def _transition(predictor: Predictor, fitted: Fit, window: Window, model: LaneMo
             fitted.x[None, :],
             predictor.mechanism(fitted.hypothesis),
             [(0, window, state)],
-            grid.time,
+            grid.own,
         )
         tau = np.repeat(tau, n + 1, axis=0)
     row = predictor.row(fitted.hypothesis, fitted.x)
     q, qd, _ = model.simulate(
-        np.tile(row, (n + 1, 1)), states[:, :half], states[:, half:], grid.time, tau=tau, tolerance=predictor.tolerance
+        np.tile(row, (n + 1, 1)), states[:, :half], states[:, half:], grid.own, tau=tau, tolerance=predictor.tolerance
     )
     end = np.concatenate([q[:, -1], qd[:, -1]], axis=1)
     change = ((end[1:] - end[0]) / step).T
-    rate = np.concatenate([np.ones(half), np.full(half, 2.0 * np.pi / max(float(grid.time[-1]) / SWINGS, 1e-9))])
+    rate = np.concatenate([np.ones(half), np.full(half, 2.0 * np.pi / max(float(grid.own[-1]) / SWINGS, 1e-9))])
     return np.asarray(change * rate[None, :] / rate[:, None])
 
 

@@ -55,6 +55,11 @@ class Grid:
     def step(self) -> float:
         return float(self.time[1] - self.time[0])
 
+    @property
+    def own(self) -> Array:
+        """The times that the samples need, without those that only let other windows run along."""
+        return self.time[: int(self.index[-1]) + 2]
+
 
 def window_stamps(run: Run, window: Window, margin: float) -> Array:
     """Times of the window's samples from its first one [s], carried on beyond its end by ``margin`` seconds."""

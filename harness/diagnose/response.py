@@ -78,25 +78,26 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     model = mechanism.model
     n = len(mechanism.names)
     grid = predictor.grid(window, predictor.margin(fitted.hypothesis))
+    time = grid.own
     row = predictor.row(fitted.hypothesis, fitted.x)
     state = fitted.states[window]
     run = predictor.runs[window.run]
     offset = float(run.time[window.first] - run.time[0])
     tau = None
     if run.effort is not None:
-        tau = predictor.efforts(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], grid.time)
+        tau = predictor.efforts(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], time)
     amplitude = model.slot("base", "excitation_amplitude")
     start = offset if row[amplitude] != 0.0 else 0.0
     q, qd, qdd = model.simulate(
-        row[None, :], state[None, :n], state[None, n:], grid.time + start, tau=tau, tolerance=predictor.tolerance
+        row[None, :], state[None, :n], state[None, n:], time + start, tau=tau, tolerance=predictor.tolerance
     )
-    points = len(grid.time) - 1
+    points = len(time) - 1
     copies = 1 + 3 * n + 1
     rows = np.tile(row, (points * copies, 1))
     if row[amplitude] != 0.0:
         frequency = row[model.slot("base", "excitation_frequency")]
         rows[:, model.slot("base", "excitation_phase")] += (
-            2.0 * np.pi * frequency * np.repeat(grid.time[:-1] + start, copies)
+            2.0 * np.pi * frequency * np.repeat(time[:-1] + start, copies)
         )
     shake = FORCE_STEP * float(np.linalg.norm(row[[model.slot("base", f"gravity_{a}") for a in "xyz"]]) or 9.81)
     for axis in "xyz":
@@ -122,7 +123,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     force = np.swapaxes(change[:, 2 * n : 3 * n], 1, 2) / push
     base = change[:, 3 * n] / shake
     return Response(
-        window, grid.time, q[0], qd[0], qdd[0],
+        window, time, q[0], qd[0], qdd[0],
         np.nan_to_num(transition), np.nan_to_num(force), np.nan_to_num(base),
     )  # fmt: skip
 
