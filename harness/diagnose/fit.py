@@ -21,8 +21,8 @@ from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
 
-# Relative step of difference quotients, in the fit's own coordinates (order one). Over a free run of a hundred radians curvature costs
-# a ten thousandth of the quotient, which is less than the noise of most recordings; rounding of the runs costs less still.
+# Relative step of difference quotients, in the fit's own coordinates (order one). Over a free run of a hundred radians
+# curvature costs a ten thousandth of the quotient, which is less than most noise; rounding of the runs costs less still.
 DIFFERENCE = 1e-6
 HOPE = 6.0  # a step's predicted gain times this is the most that the rest of a search is expected to bring
 LOST = 1e15  # cost of a run that left the numbers

@@ -69,7 +69,16 @@ def estimates(predictor: Predictor, fitted: Fit, k: int, study: Study | None = N
         value = float(values[j])
         if whole[j]:
             low, high = whole_interval(study, fitted, first + j) if study is not None else (value, value)
-            out[parameter.name] = Estimate(value, 0.25 * (high - low), low, high)
+            out[parameter.name] = Estimate(
+                float(round(value)), 0.25 * (high - low), float(round(low)), float(round(high))
+            )
+            continue
+        if parameter.name == "phase" and np.isfinite(s):
+            # A whole turn more is the same phase; more than half a turn either way says nothing.
+            value -= 2.0 * np.pi * round(value / (2.0 * np.pi))
+            std = s * float(member.scales[j])
+            reach = min(WIDE * std, np.pi)
+            out[parameter.name] = Estimate(value, std, value - reach, value + reach)
             continue
         if not np.isfinite(s):
             # At a bound: one-sided, from the curvature there if it can be had.

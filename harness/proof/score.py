@@ -127,9 +127,13 @@ def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -
                 continue
             low, high = estimate["ci95"]
             std = estimate.get("std")
+            concealed, value = float(true[parameter]), float(estimate["value"])
+            if parameter == "phase":
+                # The same phase a whole turn on.
+                concealed += 2.0 * np.pi * round((value - concealed) / (2.0 * np.pi))
             values.append(
                 (
-                    f["effect"], parameter, float(true[parameter]), float(estimate["value"]),
+                    f["effect"], parameter, concealed, value,
                     float("nan") if std is None else float(std), float(low), float(high),
                 )
             )  # fmt: skip

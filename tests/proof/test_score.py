@@ -47,6 +47,11 @@ def test_exact_class_missed_and_false() -> None:
     assert wrong.missed == (("base_tilt", "pivot"),) and wrong.false == (("coulomb_friction", "pivot"),)
     extra = score_case("d", hidden("coulomb_friction"), told("coulomb_friction", "viscous_damping"))
     assert not extra.in_class and extra.false == (("viscous_damping", "pivot"),)
+    answer, found = hidden("coulomb_friction", value=-2.6), told("coulomb_friction")
+    answer["planted"][0]["parameters"] = {"phase": -2.6}
+    found["findings"][0]["parameters"] = {"phase": {"value": 3.7, "std": 0.1, "ci95": [3.5, 3.9], "unit": "rad"}}
+    turned = score_case("f", answer, found).parameters[0]
+    np.testing.assert_allclose(turned[2], 2.0 * np.pi - 2.6)
     failed = score_case("e", hidden("coulomb_friction"), {"error": "boom"})
     assert failed.verdict == "error" and failed.missed
 
