@@ -557,7 +557,9 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
             [min((s for s in p.starts if s > 0.0), default=0.0) / REACH for p in candidate.effect.parameters]
         )
         lower = np.where(candidate.effect.lower >= 0.0, np.maximum(lower, np.where(log, lower, least)), lower)
-    reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters])
+    reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters]).reshape(
+        -1, 2
+    )
     return np.where(log, np.maximum(lower, reach[:, 0]), lower), np.where(log, np.minimum(upper, reach[:, 1]), upper)
 
 

@@ -76,8 +76,10 @@ class Probe:
         if responsive(self.predictor, self.fitted):
             deviations = found.by_force(k, self.torque * histories)
             return np.nan_to_num(to_channels(self.predictor, self.likelihood, self.fitted, found, deviations))
-        extra = np.zeros((len(histories) + 1, histories.shape[1], len(self.names)))
-        extra[:-1, :, k] = PUSH * self.torque * histories
+        grid = self.predictor.grid(window, self.predictor.margin(self.fitted.hypothesis))
+        # Predictions are carried on a little beyond the window, where the linear response ends.
+        extra = np.zeros((len(histories) + 1, len(grid.time), len(self.names)))
+        extra[:-1, : histories.shape[1], k] = PUSH * self.torque * histories
         lanes = [(0, window, self.fitted.states[window])] * len(extra)
         predictions = self.predictor.predict(self.fitted.hypothesis, self.fitted.x[None, :], lanes, extra=extra)
         white = self.likelihood.whiten(window, predictions)

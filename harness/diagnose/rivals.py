@@ -77,7 +77,6 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """
     study, base = outcome.study, best.hypothesis
     offset = len(study.predictor.nominal)
-    amplitude = float(study.predictor.effect_values(base, k, best.x)[0])
     found = []
     for wider in study.candidates:
         rest = base.without(k)
@@ -85,7 +84,7 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
             continue
         if not compatible(rest, wider):
             continue
-        points = like(wider, amplitude)
+        points = like(wider, float(study.predictor.effect_values(base, k, best.x)[0]))
         # Of many shapes the last ones hardly differ from the special case whatever the recording.
         for point in points if len(points) <= 2 else [points[len(points) // 2]]:
             start = np.concatenate([study.others(best, k), to_internal(wider, point)])

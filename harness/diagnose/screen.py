@@ -295,10 +295,11 @@ GREATEST = 30.0  # times the starting point, beyond which the linear view cannot
 def _brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
     """A starting point with its effect made smaller by ``factor``, so that it acts linearly."""
     parameters = candidate.effect.parameters
-    first = parameters[0]
     out = point.copy()
-    if _at_infinity(candidate):
+    # What is either there or not (geometric stiffening) has no size.
+    if not parameters or _at_infinity(candidate):
         return out
+    first = parameters[0]
     if first.search == "range":
         # Where it acts is to be scanned; how strongly, if that is another number, is what acts linearly.
         out[1:] *= factor
@@ -439,7 +440,6 @@ def _best_ray(
                 continue
             start = found
         else:
-            amplitude = candidate.effect.parameters[0]
             size = float(squares[first])
             a0 = -float(along[first]) / size
             if a0 <= 0.0 and not _may_reverse(candidate):
@@ -449,7 +449,7 @@ def _best_ray(
             start = near[first]
             if _at_infinity(candidate):
                 start = _resized(candidate, near[first], float(np.clip(a0, 1.0 / RESIZED, RESIZED)))
-            elif np.isfinite(amplitude.neutral):
+            elif candidate.effect.parameters and np.isfinite(candidate.effect.parameters[0].neutral):
                 # Not beyond what the linear view can vouch for.
                 start = _brought_near(candidate, near[first], float(np.clip(a0, -reach, reach)))
             elif factors[first] < 1.0:
@@ -484,5 +484,7 @@ def combined(candidate: Candidate, first: Array, second: Array, a: float, b: flo
 
 def _may_reverse(candidate: Candidate) -> bool:
     """Whether the first parameter may lie on either side of its neutral value."""
+    if not candidate.effect.parameters:
+        return False
     p = candidate.effect.parameters[0]
     return bool(np.isfinite(p.neutral) and p.lower < p.neutral)
