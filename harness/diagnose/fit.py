@@ -212,16 +212,18 @@ def fit(
     most_steps: int = 30,
     enough: float = 0.02,
     target: float = -np.inf,
+    louder: float = 1.0,
 ) -> Fit:
     """Minimise whitened residuals plus the prior of the nominal quantities from one starting point.
 
     fixed: parameters that do not move. enough: a predicted gain in cost below this ends the search. target: a score that has
-    to come within reach, or the search ends early.
+    to come within reach, or the search ends early. louder: variance that the residuals are taken to have beside the prior, in
+    units of the noise's.
     """
     lower, upper = bounds(predictor, hypothesis)
     k = len(predictor.nominal)
     prior_weight = np.zeros(len(x))
-    prior_weight[:k] = 1.0
+    prior_weight[:k] = louder
     held = np.zeros(len(x), dtype=bool) if fixed is None else fixed.copy()
     x = np.clip(x, lower, upper)
     current = dict(states)
@@ -279,7 +281,7 @@ def fit(
             if converged or damping > HARDEST:
                 break
             damping = _harder(damping)
-    return Fit(hypothesis, tuple(windows), x, current, here, prior, converged, free)
+    return Fit(hypothesis, tuple(windows), x, current, here, prior / louder, converged, free)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ from harness.diagnose.ordinary import ordinary
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import carry_state
-from harness.diagnose.search import HOPELESS, Effort, grow, polish, transfer
-from harness.diagnose.study import Study, measured_state
+from harness.diagnose.search import Effort, grow, polish, transfer
+from harness.diagnose.study import HOPELESS, Study, measured_state
 from harness.diagnose.windows import Window, cut
 
 Array = NDArray[np.float64]

@@ -15,6 +15,7 @@ from harness.diagnose.search import generalized, like, pruned
 from harness.diagnose.study import compatible, whole_numbers
 
 MOST = 9  # rivals fitted for each member
+ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
 WORTH_FITTING = (
     0.5  # share of a member's gain that a rival's score test must promise; the test is linear, the truth is not
 )
@@ -31,6 +32,8 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     found: list[Fit] = []
     ranked = [s for s in study.ranked(without) if s.candidate.key != member.key]
     for scored in ranked:
+        if len(study.fits) >= ENOUGH_FITS:
+            break
         related = _related(member, scored.candidate)
         if not related and (len(found) >= MOST or scored.gain < WORTH_FITTING * own):
             continue

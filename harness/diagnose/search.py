@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.predict import to_internal
-from harness.diagnose.study import Study, compatible
+from harness.diagnose.study import HOPELESS, Study, compatible
 
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 NEAR = 60.0  # in the criterion
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
-HOPELESS = 2.0  # times the cost of noise alone
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from harness.diagnose.windows import Window, local_state
 
 Array = NDArray[np.float64]
 
+HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
 WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
@@ -131,8 +132,23 @@ class Study:
         stiff = any(m.effect.reshape is not None and m.effect.reshape.topology for m in hypothesis.members)
         if whole.any() and not stiff and best.score < WORTH_COUNTING * self.samples:
             best = self._counted(best, whole, most_steps)
+        if best.linear.cost > HOPELESS * self.samples and self.stretched(best):
+            best = self._unbent(best, whole, most_steps)
         self.fits[hypothesis.identity] = best
         return best
+
+    def _unbent(self, best: Fit, whole: NDArray[np.bool_], most_steps: int) -> Fit:
+        """The same fit with residuals taken to be as loud as they are.
+
+        Beside a misfit far above the noise, tolerances that are weighed against the noise alone hold nothing back: a nominal
+        quantity would leave them by a hundred deviations to smooth what something else makes.
+        """
+        x = best.x.copy()
+        x[: len(self.predictor.nominal)] = 0.0
+        return fit(
+            self.predictor, self.likelihood, best.hypothesis, self.windows, x, best.states,
+            most_steps=most_steps, enough=0.2, fixed=whole if whole.any() else None, louder=best.linear.cost / self.samples,
+        )  # fmt: skip
 
     def _counted(self, best: Fit, whole: NDArray[np.bool_], most_steps: int) -> Fit:
         """The same fit with whole numbers that the search by steepest gain may have missed by one or two put right."""

