@@ -87,13 +87,17 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
         # stretched model predicts them as well. The stretch itself is then the evidence.
-        stretched = (
-            float(chi2.sf(max(smaller.prior - fitted.prior, 0.0), member.size)) * len(study.candidates) < STRETCHED
-        )
-        needed = -WORSE if stretched else HELD_OUT
+        needed = -WORSE if _straightens(outcome, smaller, fitted, member) else HELD_OUT
         if not (z > needed) and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
+
+
+def _straightens(outcome: Outcome, smaller: Fit, larger: Fit, member: Candidate) -> bool:
+    """Whether the nominal model would have to leave its tolerance to do without a member, beside what is left unexplained."""
+    level = max(larger.linear.cost / outcome.study.samples, 1.0)
+    chance = float(chi2.sf(max(smaller.prior - larger.prior, 0.0) / level, member.size))
+    return chance * len(outcome.study.candidates) < STRETCHED
 
 
 def settle(outcome: Outcome, best: Fit) -> Fit:
@@ -309,6 +313,9 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
 def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves."""
     held, smaller = judge(outcome, best), outcome.study.below(best, k)
+    if _straightens(outcome, smaller, best, best.hypothesis.members[k]) and not outcome.study.stretched(best):
+        # Bent that far, the nominal model predicts as well what the member is there for.
+        return True
     if _carries(outcome, held, smaller, AMPLY):
         return True
     return _carries(outcome, held, smaller, CARRIES) and _steady(outcome, trained(outcome, best), k)

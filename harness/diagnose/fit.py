@@ -8,7 +8,7 @@ step in the shared parameters, the initial states, score tests of further effect
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from scipy.linalg import qr, solve_triangular
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor, internal_bounds
+from harness.diagnose.window_states import LOST, Residuals, best_states, settled, suspects
 from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
@@ -25,9 +26,11 @@ Array = NDArray[np.float64]
 # curvature costs a ten thousandth of the quotient, which is less than most noise; rounding of the runs costs less still.
 DIFFERENCE = 1e-6
 HOPE = 6.0  # a step's predicted gain times this is the most that the rest of a search is expected to bring
-LOST = 1e15  # cost of a run that left the numbers
 HARDEST = 1e8  # damping beyond which no step helps
 UNCHANGED = 3e-3  # a last step no longer than this (relative, at least to one) leaves the sensitivities as they are
+ROUNDS = 3  # of bringing windows to better states and going on from there
+SLOW = 1e-3  # of the cost, below which a step's gain by mixing states is not worth going on
+CLEARLY = 0.8  # times its cost, below which a window is brought to another initial state
 LANES = 8  # that run together at the price of one
 
 
@@ -81,10 +84,6 @@ def bounds(predictor: Predictor, hypothesis: Hypothesis) -> tuple[Array, Array]:
         lower.append(low)
         upper.append(high)
     return np.concatenate(lower), np.concatenate(upper)
-
-
-Residuals = tuple[float, tuple[Array, ...]]
-"""Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
 
 
 def residuals_at(
@@ -213,19 +212,85 @@ def fit(
     enough: float = 0.02,
     target: float = -np.inf,
     louder: float = 1.0,
+    others: Sequence[Mapping[Window, Array]] = (),
 ) -> Fit:
     """Minimise whitened residuals plus the prior of the nominal quantities from one starting point.
 
     fixed: parameters that do not move. enough: a predicted gain in cost below this ends the search. target: a score that has
     to come within reach, or the search ends early. louder: variance that the residuals are taken to have beside the prior, in
-    units of the noise's.
+    units of the noise's. others: further initial states; wherever a window does better with its own, it takes that.
     """
+    x = np.clip(x, *bounds(predictor, hypothesis))
+    doubled = _stated_twice(predictor, hypothesis)
+    if doubled.any():
+        x, fixed = np.where(doubled, 0.0, x), doubled if fixed is None else fixed | doubled
+    if others:
+        start, (_, residuals) = best_states(predictor, likelihood, hypothesis, windows, x, [states, *others])
+        states = _unstuck(predictor, likelihood, hypothesis, windows, x, start, others, residuals)
+    problem = predictor, likelihood, hypothesis, windows
+    found = _descend(*problem, x, states, fixed, most_steps, enough, target, louder)
+    for _ in range(ROUNDS if others else 0):
+        again = _unstuck(*problem, found.x, found.states, others, found.linear.residuals)
+        if again is found.states or found.score > target > -np.inf:
+            break
+        better = _descend(*problem, found.x, again, fixed, most_steps, enough, target, louder)
+        if better.score > found.score - enough:
+            break
+        found = better
+    return found
+
+
+def _stated_twice(predictor: Predictor, hypothesis: Hypothesis) -> NDArray[np.bool_]:
+    """Which parameters are nominal dampings whose joint has a damping of its own among the effects: only the sum can be told."""
+    damped = {member.site for member in hypothesis.members if member.effect.name == "viscous_damping"}
+    doubled = np.zeros(predictor.size(hypothesis), dtype=bool)
+    doubled[: len(predictor.nominal)] = [q.kind == "damping" and q.name in damped for q in predictor.nominal]
+    return doubled
+
+
+def _unstuck(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    states: Mapping[Window, Array],
+    others: Sequence[Mapping[Window, Array]],
+    residuals: Sequence[Array],
+) -> Mapping[Window, Array]:
+    """The same states, those apart where a window that is fitted far worse than most does clearly better with another."""
+    places = suspects(residuals)
+    odd = [windows[k] for k in places]
+    if not odd:
+        return states
+    found = settled(predictor, likelihood, hypothesis, odd, x, [states, *others])
+    better = {
+        windows[k]: found[windows[k]][0]
+        for k in places
+        if found[windows[k]][1] < CLEARLY * float(residuals[k] @ residuals[k])
+    }
+    return {**states, **better} if better else states
+
+
+def _descend(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    states: Mapping[Window, Array],
+    fixed: NDArray[np.bool_] | None,
+    most_steps: int,
+    enough: float,
+    target: float,
+    louder: float,
+) -> Fit:
+    """Levenberg–Marquardt from one point; see ``fit``."""
     lower, upper = bounds(predictor, hypothesis)
     k = len(predictor.nominal)
     prior_weight = np.zeros(len(x))
     prior_weight[:k] = louder
     held = np.zeros(len(x), dtype=bool) if fixed is None else fixed.copy()
-    x = np.clip(x, lower, upper)
     current = dict(states)
     here = linearise(predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held)
     prior = float(np.sum(prior_weight * x**2))
@@ -235,6 +300,7 @@ def fit(
     # one into lanes that run anyway are made at once.
     together = max(1, LANES * -(-len(windows) // LANES) // len(windows))
     tried: dict[float, tuple[Trial, Residuals]] = {}
+    mended = False
     for _ in range(most_steps):
         if damping not in tried:
             trials = [_trial(here, windows, x, current, prior_weight, lower, upper, held, damping)]
@@ -261,6 +327,12 @@ def fit(
                 break
         trial_prior = float(np.sum(prior_weight * trial.x**2))
         gain = here.cost + prior - found[0] - trial_prior
+        if gain <= 0.0 and not mended and _hindered(here, found) + prior > trial_prior:
+            mended = True
+            options = [trial.states, _between(current, trial.states), current]
+            own, found = best_states(predictor, likelihood, hypothesis, windows, trial.x, options)
+            trial = replace(trial, states=own)
+            gain = here.cost + prior - found[0] - trial_prior
         if gain > 0.0:
             reach = max(_reach(x, trial.x), *(_reach(current[w], trial.states[w]) for w in windows))
             x, current, prior = trial.x, trial.states, trial_prior
@@ -270,12 +342,13 @@ def fit(
             here = linearise(
                 predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held, known=found
             )
-            tried = {}
+            tried, mixed, mended = {}, mended, False
             # Quickly where the linear view holds: along a valley whose sides are steep, little damping is much.
             damping = max(
                 damping * (0.01 if gain > 0.9 * predicted else 0.1 if gain > 0.5 * predicted else 0.5), SOFTEST
             )
-            if converged:
+            # What only a mixture of states could gain may go on for long by ever less.
+            if converged or (mixed and gain < max(enough, SLOW * here.cost)):
                 break
         else:
             if converged or damping > HARDEST:
@@ -293,6 +366,18 @@ class Trial:
     states: dict[Window, Array]
     predicted: float
     free: NDArray[np.bool_]
+
+
+def _hindered(here: Linearisation, found: Residuals) -> float:
+    """What a step would gain if no window lost by it; nothing unless there are windows that do not."""
+    if len(here.residuals) < 2:
+        return 0.0
+    return sum(max(float(a @ a) - float(b @ b), 0.0) for a, b in zip(here.residuals, found[1], strict=True))
+
+
+def _between(before: Mapping[Window, Array], after: Mapping[Window, Array]) -> dict[Window, Array]:
+    """States a quarter of the way."""
+    return {window: 0.75 * state + 0.25 * after[window] for window, state in before.items()}
 
 
 def _harder(damping: float) -> float:
@@ -365,7 +450,7 @@ def _state_steps(triangles: Sequence[tuple[Array, Array, Array]], step: Array, d
     rss = np.array([t[0] for t in triangles])
     size = rss.shape[2]
     scale = np.linalg.norm(rss, axis=1) + 1e-9
-    held = (np.sqrt(min(damping, 1.0) * 1e-3) * scale + 1e-9)[:, :, None] * np.eye(size)
+    held = (np.sqrt(damping * 1e-3) * scale + 1e-9)[:, :, None] * np.eye(size)
     right = -np.array([t[2] for t in triangles]) - np.array([t[1] for t in triangles]) @ step
     # Least squares by singular values, of all windows at once.
     u, s, vt = np.linalg.svd(np.concatenate([rss, held], axis=1), full_matrices=False)

@@ -167,16 +167,19 @@ def investigate(
     period = 1.0 / frequency
     likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
     short = cut(problem.runs, every, SWINGS * period)
-    study = Study(problem, predictor, likelihood, tuple(candidates), short)
+    study = Study(problem, predictor, likelihood, tuple(candidates), short, swing=period)
     first = study.empty()
     for _ in range(2):
         likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
-        study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states)
+        study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states, swing=period)
         study.fit(Hypothesis(), [first.x], first)
         first = study.empty()
     progress("short windows")
     groups = horizon_groups(study, first)
-    long_study = Study(problem, predictor, likelihood, tuple(candidates), groups, first_states=first.states)
+    long_study = Study(
+        problem, predictor, likelihood, tuple(candidates), groups,
+        first_states=first.states, swing=period, hints=study.scores,
+    )  # fmt: skip
     empty = long_study.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
     progress("free runs of the nominal model")
     seeds = [empty]
@@ -194,7 +197,10 @@ def investigate(
     refined = replace(likelihood, colours=colours_from(problem, likelihood, ordered[0], predictor, motion_hz))
     final = long_study
     if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined.colours):
-        final = Study(problem, predictor, refined, tuple(candidates), groups, first_states=first.states)
+        final = Study(
+            problem, predictor, refined, tuple(candidates), groups,
+            first_states=first.states, swing=period, hints=study.scores,
+        )  # fmt: skip
         seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
         empty = final.fit(Hypothesis(), [empty.x], empty)
         ordered = grow(final, seeds, effort, progress)
@@ -202,7 +208,7 @@ def investigate(
     refined = final.likelihood
     own = tuple(w for w in groups if w.run < len(problem.train))
     held = tuple(w for w in groups if w.run >= len(problem.train))
-    training = Study(problem, predictor, refined, tuple(candidates), own, first_states=first.states)
+    training = Study(problem, predictor, refined, tuple(candidates), own, first_states=first.states, swing=period)
     frozen = np.ones(len(predictor.nominal), dtype=bool)
     states = {w: empty.states[w] for w in own}
     nominal = fit(predictor, refined, Hypothesis(), own, np.zeros(len(frozen)), states, fixed=frozen)
@@ -257,10 +263,13 @@ def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
     """How much less the data held out cost under the larger hypothesis, in standard deviations; negative if they cost more.
 
     The cost that they add to a fit of the training data when all is fitted again (a predictive likelihood): so what the training
-    leaves uncertain is not held against either hypothesis, and what only soaks up the training's error gains nothing.
+    leaves uncertain is not held against either hypothesis, and what only soaks up the training's error gains nothing. Where even
+    the larger leaves more than noise there, deviations are as large as what it leaves.
     """
-    gain = _added(outcome, smaller) - _added(outcome, larger)
-    return float(np.sign(gain) * np.sqrt(abs(gain)))
+    added = _added(outcome, larger)
+    gain = _added(outcome, smaller) - added
+    level = max(added / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0), 1.0)
+    return float(np.sign(gain) * np.sqrt(abs(gain) / level))
 
 
 def _added(outcome: Outcome, fitted: Fit) -> float:

@@ -432,11 +432,12 @@ class Predictor:
                     params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
                     assert member.effect.input is not None
                     signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
+                signal = _between_samples(stamps, signal)
                 for row, i in enumerate(places):
                     start = stamps[lanes[i][1].first]
                     when = start + pace[i] * grid_time
                     tau[i, :, column] = np.interp(when, stamps, signal[row if acting else 0])
-        return _between_samples(tau)
+        return tau
 
     def _observe(
         self,
@@ -533,13 +534,17 @@ def to_internal(candidate: Candidate, values: Array) -> Array:
     return np.where(log, np.log(np.maximum(ratio, 1e-300)), ratio)
 
 
-def _between_samples(tau: Array) -> Array:
-    """Samples (B, G, n) whose straight connection acts on a mechanism as the smooth signal through the given ones does.
+def _between_samples(time: Array, signal: Array) -> Array:
+    """Samples (B, T) whose straight connection acts on a mechanism as the smooth signal through the given ones does.
 
     Straight lines between samples h apart lose the share (ω h)²/12 of a wave; a mechanism does not follow what they add far above.
     """
-    out = tau.copy()
-    out[:, 1:-1] -= (tau[:, 2:] - 2.0 * tau[:, 1:-1] + tau[:, :-2]) / 12.0
+    if len(time) < 3:
+        return signal
+    before, after = np.diff(time)[:-1], np.diff(time)[1:]
+    slopes = np.diff(signal, axis=-1) / np.diff(time)
+    out = signal.astype(np.float64, copy=True)
+    out[..., 1:-1] -= np.diff(slopes, axis=-1) * 2.0 / (before + after) * before * after / 12.0
     return out
 
 
@@ -564,7 +569,7 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
     if reshape is not None and reshape.topology:
         # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
         least = np.array(
-            [min((s for s in p.starts if s > 0.0), default=0.0) / REACH for p in candidate.effect.parameters]
+            [min((s for s in p.starts if s > 0.0), default=0.0) / REACH**2 for p in candidate.effect.parameters]
         )
         lower = np.where(candidate.effect.lower >= 0.0, np.maximum(lower, np.where(log, lower, least)), lower)
     reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters]).reshape(

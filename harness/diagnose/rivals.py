@@ -19,6 +19,8 @@ ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue i
 WORTH_FITTING = (
     0.5  # share of a member's gain that a rival's score test must promise; the test is linear, the truth is not
 )
+HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
+MOST_WIDENED = 3
 LEAST_SHARE = 0.05  # the same for a relative, whose law may be far from linear
 APART = 6.0  # difference in the criterion (odds of twenty to one) below which hypotheses cannot be told apart
 
@@ -44,7 +46,9 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         elif related and scored.gain <= LEAST_SHARE * own:
             continue
         found.append(study.extend(without, scored))
-    for base in (best, *found):
+    # A general law in the place of another member helps only what comes near already.
+    hopeful = sorted((f for f in found if f.score - best.score < HOPEFUL * max(own, 0.0)), key=lambda f: f.score)
+    for base in (best, *hopeful[:MOST_WIDENED]):
         generalized(study, base)
     kept = best.hypothesis.identity - {member.key}
     return [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
@@ -90,7 +94,7 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         points = like(wider, float(study.predictor.effect_values(base, k, best.x)[0]))
         # Of many shapes the last ones hardly differ from the special case whatever the recording.
         for point in points if len(points) <= 2 else [points[len(points) // 2]]:
-            start = np.concatenate([study.others(best, k), to_internal(wider, point)])
+            start = np.concatenate([study.without(best, k), to_internal(wider, point)])
             held = np.zeros(len(start), dtype=bool)
             held[len(start) - wider.size + 1 :] = True
             held[offset : len(start) - wider.size] = np.concatenate(

@@ -116,9 +116,33 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
                 found.append(study.fits[rest.with_(wider).identity])
                 continue
             study.widened.add(key)
-            others = study.others(base, k)
+            others = study.without(base, k)
             starts = [np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]))]
             found.append(study.fit(rest.with_(wider), starts, base, target=base.score))
+    return found
+
+
+def specialized(study: Study, base: Fit) -> list[Fit]:
+    """Fits with a member replaced by a special case of it, begun from what the member was fitted to.
+
+    A fit of the special case that was begun elsewhere may have ended in a wrong valley.
+    """
+    found = []
+    for k, member in enumerate(base.hypothesis.members):
+        values = study.predictor.effect_values(base.hypothesis, k, base.x)
+        rest = base.hypothesis.without(k)
+        for simpler in study.candidates:
+            if simpler.site != member.site or simpler.effect.name not in member.effect.simpler:
+                continue
+            if not compatible(rest, simpler):
+                continue
+            key = (base.hypothesis.identity, simpler.key)
+            hypothesis = rest.with_(simpler)
+            if key not in study.widened:
+                study.widened.add(key)
+                own = to_internal(simpler, values[: len(simpler.effect.parameters)])
+                study.fit(hypothesis, [np.concatenate([study.without(base, k), own])], base)
+            found.append(study.fits[hypothesis.identity])
     return found
 
 
@@ -168,9 +192,10 @@ def alternatives(study: Study, best: Fit, k: int, effort: Effort) -> list[Fit]:
 
 
 def pruned(study: Study, fitted: Fit) -> Fit:
-    """The set without members that do not pay for themselves beside the others."""
+    """The set without members, and without generality, that do not pay for themselves beside the others."""
     while fitted.hypothesis.members:
-        smaller = min((study.reduce(fitted, k) for k in range(len(fitted.hypothesis.members))), key=study.criterion)
+        fewer = [study.reduce(fitted, k) for k in range(len(fitted.hypothesis.members))]
+        smaller = min([*fewer, *specialized(study, fitted)], key=study.criterion)
         if study.criterion(smaller) > study.criterion(fitted):
             break
         fitted = smaller

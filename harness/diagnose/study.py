@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
+SHORTLY = 0.03  # s
+SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
 WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
 
 
@@ -30,7 +32,9 @@ WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie bef
 class Study:
     """Fits of hypotheses on one set of training windows under one likelihood.
 
-    widened: sets whose member was tried as the general law of this key.
+    widened: sets whose member was tried as the general law, or the special case, of this key. extended: sets that a candidate
+    was added to. swing: length of the slowest swing [s], if known. hints: score tests on shorter windows of the same recordings,
+    where what had to be bent far is nearer to what it stands for.
     """
 
     problem: Problem
@@ -42,6 +46,10 @@ class Study:
     scores: dict[frozenset[str], list[Score]] = field(default_factory=dict)
     first_states: Mapping[Window, Array] = field(default_factory=dict)
     widened: set[tuple[frozenset[str], str]] = field(default_factory=set)
+    extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
+    swing: float = 0.0
+    hints: Mapping[frozenset[str], list[Score]] = field(default_factory=dict)
+    _read: dict[tuple[Window, float], Array] = field(default_factory=dict)
 
     @property
     def samples(self) -> float:
@@ -94,9 +102,26 @@ class Study:
                 continue
             found = self.first_states.get(window)
             if found is None:
-                found = measured_state(self.problem, self.predictor, window)
+                found = self._measured(window, SHORTLY)
             states[window] = carry_state(self.predictor, empty, hypothesis, found)
         return states
+
+    def others(self, hypothesis: Hypothesis) -> list[dict[Window, Array]]:
+        """Initial states as they are read off the recording, sharply and smoothly, for windows whose own have gone astray."""
+        spans = sorted({SHORTLY, max(SHORTLY, self.swing / SMOOTHLY)})
+        return [
+            {
+                window: carry_state(self.predictor, Hypothesis(), hypothesis, self._measured(window, span))
+                for window in self.windows
+            }
+            for span in spans
+        ]
+
+    def _measured(self, window: Window, span: float) -> Array:
+        key = (window, span)
+        if key not in self._read:
+            self._read[key] = measured_state(self.problem, self.predictor, window, span)
+        return self._read[key]
 
     def fit(
         self,
@@ -124,6 +149,7 @@ class Study:
                 enough=0.2,
                 fixed=whole if whole.any() else None,
                 target=target,
+                others=self.others(hypothesis),
             )
             if best is None or found.score < best.score:
                 best = found
@@ -143,12 +169,15 @@ class Study:
         Beside a misfit far above the noise, tolerances that are weighed against the noise alone hold nothing back: a nominal
         quantity would leave them by a hundred deviations to smooth what something else makes.
         """
+        louder = best.linear.cost / self.samples
         x = best.x.copy()
         x[: len(self.predictor.nominal)] = 0.0
-        return fit(
+        found = fit(
             self.predictor, self.likelihood, best.hypothesis, self.windows, x, best.states,
-            most_steps=most_steps, enough=0.2, fixed=whole if whole.any() else None, louder=best.linear.cost / self.samples,
+            most_steps=most_steps, enough=0.2, fixed=whole if whole.any() else None, louder=louder,
         )  # fmt: skip
+        # It begins far from where the first one ended, perhaps in a wrong valley.
+        return min(found, best, key=lambda f: f.cost + louder * f.prior)
 
     def _counted(self, best: Fit, whole: NDArray[np.bool_], most_steps: int) -> Fit:
         """The same fit with whole numbers that the search by steepest gain may have missed by one or two put right."""
@@ -203,19 +232,26 @@ class Study:
             spaces = [nuisance(base, self.predictor)]
             if self.stretched(base):
                 spaces.append(nuisance(base, self.predictor, softened=True))
-            self.scores[key] = score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
+            found = score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
+            if len(spaces) > 1:
+                found = _larger(found, self.hints.get(key, []))
+            self.scores[key] = found
         return self.scores[key]
 
     def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""
         hypothesis = base.hypothesis.with_(found.candidate)
         known = self.fits.get(hypothesis.identity)
-        if known is not None:
-            return known
-        own = to_internal(found.candidate, found.start)
         # Worth going on with only as long as it may beat the best set known.
         best = min((f.score for f in self.fits.values()), default=np.inf)
         target = max(best, 0.0) + self.price(found.candidate)
+        pair = (base.hypothesis.identity, found.candidate.key)
+        # What fits worse than a special case of itself was begun in a wrong valley, or was given up on the way.
+        promised = base.score - found.gain <= target
+        if known is not None and (known.score <= base.score or pair in self.extended or not promised):
+            return known
+        self.extended.add(pair)
+        own = to_internal(found.candidate, found.start)
         fitted = self.fit(hypothesis, [np.concatenate([base.x, own])], base, most_steps=most_steps, target=target)
         if not self.stretched(base):
             return fitted
@@ -226,7 +262,7 @@ class Study:
         held = np.concatenate([np.ones(k, bool), *(whole_numbers(m) for m in hypothesis.members)])
         straight = fit(
             self.predictor, self.likelihood, hypothesis, self.windows, x, self.states_for(hypothesis, base),
-            most_steps=most_steps, enough=0.2, fixed=held,
+            most_steps=most_steps, enough=0.2, fixed=held, others=self.others(hypothesis),
         )  # fmt: skip
         return self.fit(hypothesis, [straight.x], straight, most_steps=most_steps, target=target)
 
@@ -245,7 +281,7 @@ class Study:
         known = self.fits.get(hypothesis.identity)
         if known is not None:
             return known
-        others = self.others(base, k)
+        others = self.without(base, k)
         found = self.fit(hypothesis, [others], base)
         nested = min(
             (f for key, f in self.fits.items() if key < hypothesis.identity), key=lambda f: f.score, default=found
@@ -256,11 +292,21 @@ class Study:
             found = self.fit(hypothesis, [np.concatenate([nested.x[:count], others[count:]])], nested)
         return found
 
-    def others(self, base: Fit, k: int) -> Array:
+    def without(self, base: Fit, k: int) -> Array:
         """The parameter vector without those of member ``k``."""
         offset = len(self.predictor.nominal)
         span = base.hypothesis.span(k)
         return np.delete(base.x, np.arange(offset + span.start, offset + span.stop))
+
+
+def _larger(own: Sequence[Score], other: Sequence[Score]) -> list[Score]:
+    """Of two rankings the score of every candidate that promises more, best first."""
+    best: dict[str, Score] = {}
+    for found in [*own, *other]:
+        known = best.get(found.candidate.key)
+        if known is None or found.gain > known.gain:
+            best[found.candidate.key] = found
+    return sorted(best.values(), key=lambda s: -s.gain)
 
 
 def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:
@@ -300,12 +346,13 @@ def _own_law(candidate: Candidate) -> bool:
     return candidate.effect.user is not None or candidate.effect.name == "backlash"
 
 
-def measured_state(problem: Problem, predictor: Predictor, window: Window) -> Array:
-    """Initial positions and velocities read off the recording by a local cubic; what is not measured begins at zero."""
+def measured_state(problem: Problem, predictor: Predictor, window: Window, shortest: float = SHORTLY) -> Array:
+    """Initial positions and velocities read off the recording by a local cubic over six samples or ``shortest`` [s] either way;
+    what is not measured begins at zero."""
     names = predictor.mechanism(Hypothesis()).names
     run = problem.runs[window.run]
     state = np.zeros(2 * len(names))
-    span = max(6.0 * run.interval, 0.03)
+    span = max(6.0 * run.interval, shortest)
     for c, channel in enumerate(problem.channels):
         if channel.quantity != "position" or channel.site not in names:
             continue

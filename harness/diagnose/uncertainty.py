@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,12 @@ def estimates(predictor: Predictor, fitted: Fit, k: int, study: Study | None = N
     member = fitted.hypothesis.members[k]
     span = fitted.hypothesis.span(k)
     first = len(predictor.nominal) + span.start
-    sigma = np.sqrt(np.diag(covariance(fitted, len(predictor.nominal), inflation(fitted))))
+    within = np.zeros(len(fitted.x), dtype=bool)
+    within[first : first + member.size] = True
+    # What lies at an end of where it was searched is not known to be there: the other parameters' intervals allow for it.
+    open_ = replace(fitted, free=fitted.free | (within & (np.linalg.norm(fitted.linear.matrix, axis=0) > 0.0)))
+    sigma = np.sqrt(np.diag(covariance(open_, len(predictor.nominal), inflation(fitted))))
+    sigma[~fitted.free] = np.nan
     log = is_logarithmic(member)
     whole = whole_numbers(member)
     u = fitted.x[first : first + member.size]

@@ -1,8 +1,10 @@
 """MuJoCo: composite-body dynamics by sparse factorization, built through ``MjSpec`` (XML nesting ends near n = 500).
 
 Integrated by RK4, the only one of its integrators that converges fast enough to be compared with; contacts, limits and
-equalities are off. Dry friction is MuJoCo's ``frictionloss``: exact while sliding, but a soft constraint that creeps
-(about 0.015 rad/s) where a joint should stick. It acts in ``simulate`` alone, so that accelerations stay comparable.
+equalities are off. Dry friction is MuJoCo's ``frictionloss``, a soft constraint: it turns over not where the velocity v does
+but where v + a τ does, a being the acceleration without it and τ the constraint's time constant (10 ms by default), and creeps
+where a joint should stick. It is made as sudden and as stiff here as MuJoCo allows, τ being two steps. It acts in ``simulate``
+alone, so that accelerations stay comparable.
 """
 
 from __future__ import annotations
@@ -35,6 +37,10 @@ from harness.system import System, Trajectory
 DEFAULT_STEP = 1e-3
 # Below this MuJoCo's compiler refuses the mass or inertia of a moving body (its mjMINVAL is 1e-15).
 SMALLEST = 1e-14
+# Time constant [s] and damping ratio of dry friction: MuJoCo raises the first to two steps by itself.
+SUDDEN_FRICTION = (1e-6, 1.0)
+# Impedance of dry friction: the largest that MuJoCo takes, at any violation.
+STIFF_FRICTION = (0.9999, 0.9999, 1e-3, 0.5, 2.0)
 # MuJoCo treats positions and velocities above 1e10 as broken and resets them.
 HUGE = 1e10
 
@@ -118,6 +124,8 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
                 springref=joint.rest_position if joint.stiffness else 0.0,
                 armature=joint.armature,
                 frictionloss=joint.friction,
+                solref_friction=np.array(SUDDEN_FRICTION),
+                solimp_friction=np.array(STIFF_FRICTION),
             )
     return spec
 

@@ -1,0 +1,109 @@
+"""Initial states chosen window by window: windows share parameters, but where one starts is nothing to the others.
+
+A step that is right for most windows may lead one of them across a kink of its motion (a mass that comes to rest, a stop, a
+slack), where the linear view of its initial state fails. Judged by the sum of all windows it would be refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor
+from harness.diagnose.windows import Window
+
+Array = NDArray[np.float64]
+States = Mapping[Window, Array]
+
+LOST = 1e15  # cost of a run that left the numbers
+ODD = 3.0  # times the median mean square of all windows
+STEPS = 5  # downhill; near a kink more do not help, and away from it fewer are enough
+STEP = 1e-6  # of difference quotients [rad, rad/s]
+Residuals = tuple[float, tuple[Array, ...]]
+"""Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
+
+
+def best_states(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    options: Sequence[States],
+) -> tuple[dict[Window, Array], Residuals]:
+    """Of several initial states of every window the one that costs least under the parameters ``x``, and the residuals there."""
+    costs, residuals = _residuals(predictor, likelihood, hypothesis, windows, x, [options] * len(windows))
+    best = np.argmin(costs, axis=1)
+    chosen = {window: options[k][window] for window, k in zip(windows, best, strict=True)}
+    return chosen, (float(costs.min(axis=1).sum()), tuple(own[k] for own, k in zip(residuals, best, strict=True)))
+
+
+def suspects(residuals: Sequence[Array]) -> list[int]:
+    """Places of windows that are fitted far worse than most, as those are that have ended beyond a kink."""
+    squares = np.array([float(r @ r) / max(len(r), 1) for r in residuals])
+    return [int(k) for k in np.flatnonzero(squares > ODD * np.median(squares))]
+
+
+def settled(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    options: Sequence[States],
+) -> dict[Window, tuple[Array, float]]:
+    """Every window's best initial state under the parameters ``x``, and its cost: each option is followed downhill by itself."""
+    states = [np.array([own[window] for own in options]) for window in windows]
+    costs, residuals = _residuals(predictor, likelihood, hypothesis, windows, x, _named(windows, states))
+    damping = np.full(costs.shape, 1e-3)
+    n = states[0].shape[1]
+    for _ in range(STEPS):
+        moved = [np.concatenate([own + STEP * e for e in np.eye(n)]) for own in states]
+        _, changed = _residuals(predictor, likelihood, hypothesis, windows, x, _named(windows, moved))
+        trials = []
+        for w, own in enumerate(states):
+            trial = own.copy()
+            for k in range(len(own)):
+                jacobian = np.array([changed[w][j * len(own) + k] - residuals[w][k] for j in range(n)]).T / STEP
+                scale = np.linalg.norm(jacobian, axis=0) + 1e-12
+                stacked = np.vstack([jacobian, np.sqrt(damping[w, k]) * np.diag(scale)])
+                right = np.concatenate([-residuals[w][k], np.zeros(n)])
+                trial[k] += np.linalg.lstsq(stacked, right, rcond=None)[0]
+            trials.append(trial)
+        tried, there = _residuals(predictor, likelihood, hypothesis, windows, x, _named(windows, trials))
+        for w, k in np.argwhere(tried < costs):
+            states[w][k], residuals[w][k] = trials[w][k], there[w][k]
+        damping = np.where(tried < costs, 0.1 * damping, 30.0 * damping)
+        costs = np.minimum(costs, tried)
+    best = np.argmin(costs, axis=1)
+    return {window: (states[w][best[w]], float(costs[w, best[w]])) for w, window in enumerate(windows)}
+
+
+def _named(windows: Sequence[Window], states: Sequence[Array]) -> list[list[States]]:
+    return [[{window: state} for state in own] for window, own in zip(windows, states, strict=True)]
+
+
+def _residuals(
+    predictor: Predictor,
+    likelihood: Likelihood,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    options: Sequence[Sequence[States]],
+) -> tuple[Array, list[list[Array]]]:
+    """Cost (W, K) and residuals of equally many options of every window."""
+    lanes = [(0, window, states[window]) for window, own in zip(windows, options, strict=True) for states in own]
+    predictions = predictor.predict(hypothesis, x[None], lanes)
+    count = len(options[0])
+    costs = np.full((len(windows), count), LOST)
+    residuals = []
+    for w, white in enumerate(likelihood.whiten_windows(windows, predictions)):
+        residuals.append(list(white))
+        for k, r in enumerate(white):
+            if np.all(np.isfinite(predictions[w * count + k])):
+                costs[w, k] = float(r @ r)
+    return costs, residuals
