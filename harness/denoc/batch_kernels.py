@@ -12,7 +12,19 @@ from typing import Any
 from numba import njit
 
 from harness.denoc.lanes_tree import shift_tensors, turn_forward, turn_general, turn_symmetric
-from harness.denoc.lanes_vector import add_run, gather, load, load_run, scatter, sine_cosine, spread, store, store_run
+from harness.denoc.lanes_vector import (
+    add_run,
+    gather,
+    in_place,
+    load,
+    load_run,
+    scatter,
+    sine_cosine,
+    spread,
+    store,
+    store_run,
+)
+from harness.denoc.pipeline import Kernel
 
 # One body's constants (single numbers).
 R, ALPHA, DELTA, GAMMA, MASS, FIRST, SECOND, ARMATURE, DAMPING, STIFFNESS, REST = 0, 3, 5, 7, 9, 10, 13, 19, 20, 21, 22
@@ -31,7 +43,7 @@ BODY = 17
 ACCUMULATOR = 27
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def _turn_of(c: Any, k: int, q: Any, prismatic: int) -> Any:
     """Cosine and sine of a body's turn about z."""
     cd = c[k + DELTA]
@@ -42,7 +54,7 @@ def _turn_of(c: Any, k: int, q: Any, prismatic: int) -> Any:
     return co * cd - s * sd, s * cd + co * sd
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def _to_parent(c: Any, k: int, cosine: Any, sine: Any, x: Any, y: Any, z: Any) -> Any:
     """A vector's coordinates after the turns about z and x, before that of a later child about z."""
     x, y = cosine * x - sine * y, sine * x + cosine * y
@@ -51,7 +63,7 @@ def _to_parent(c: Any, k: int, cosine: Any, sine: Any, x: Any, y: Any, z: Any) -
     return x, ca * y - sa * z, sa * y + ca * z
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
+@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
 def forward_dynamics(
     first: int,
     last: int,
@@ -404,7 +416,7 @@ def forward_dynamics(
 SPIN, SPIN_RATE, LINEAR, MOMENT, THRUST = 2, 5, 8, 11, 14
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
+@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
 def inverse_dynamics(
     first: int, last: int, tree: Any, c: Any, ws: Any, gravity: Any, q: Any, qd: Any, qdd: Any, out: Any
 ) -> None:
@@ -549,7 +561,7 @@ def inverse_dynamics(
 SLIDE, WHOLE_FIRST, WHOLE_SECOND = 2, 3, 6
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False)
+@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
 def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, q: Any, out: Any) -> None:
     """Generalized inertia matrices of the states in rows first, first + 8, … below last, from composite bodies.
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar, cast
 from numba import njit
 
 from harness.denoc.known_types import remember
+from harness.denoc.pipeline import Kernel, Part
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -23,16 +24,20 @@ _LINKED = ("compiled", "trig", "rows", "binding", "rigid", "flexible", "elastic"
 
 def compiled(function: F) -> F:
     """The function as a kernel: compiled at first use, cached on disk, no bounds checks, division by zero gives inf."""
-    return cast(F, njit(cache=True, error_model="numpy", fastmath=FAST_MATH)(function))
+    return cast(F, njit(cache=True, error_model="numpy", fastmath=FAST_MATH, pipeline_class=Kernel)(function))
 
 
 def internal(function: F) -> F:
     """As ``compiled``, for what only kernels call: nothing is made to call it from Python, which is a tenth of the time."""
     return cast(
         F,
-        njit(cache=True, error_model="numpy", fastmath=FAST_MATH, no_cpython_wrapper=True, no_cfunc_wrapper=True)(
-            function
-        ),
+        njit(
+            error_model="numpy",
+            fastmath=FAST_MATH,
+            no_cpython_wrapper=True,
+            no_cfunc_wrapper=True,
+            pipeline_class=Part,
+        )(function),
     )
 
 
@@ -41,12 +46,12 @@ def inlined(function: F) -> F:
     return cast(
         F,
         njit(
-            cache=True,
             error_model="numpy",
             fastmath=FAST_MATH,
             forceinline=True,
             no_cpython_wrapper=True,
             no_cfunc_wrapper=True,
+            pipeline_class=Part,
         )(function),
     )
 

@@ -12,6 +12,7 @@ from numba import cfunc, types
 
 from harness.denoc.binding import BODIES, COORDINATES, elastic_of, header_at, rows_of, topology_of, vector_at
 from harness.denoc.flexible import forward_dynamics, inverse_dynamics, subtract_passive
+from harness.denoc.pipeline import Kernel
 
 _SIGNATURE = types.int64(*[types.int64] * 5)
 
@@ -24,7 +25,7 @@ def addresses() -> tuple[int, int]:
 
 @functools.cache
 def _forward() -> Any:
-    @cfunc(_SIGNATURE, cache=True)
+    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -37,7 +38,7 @@ def _forward() -> Any:
 
 @functools.cache
 def _inverse() -> Any:
-    @cfunc(_SIGNATURE, cache=True)
+    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]

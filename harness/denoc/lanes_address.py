@@ -14,6 +14,7 @@ from numba import carray, cfunc, types
 from harness.denoc.lanes_planar import planar_accelerations
 from harness.denoc.lanes_tree import COLUMNS, accelerations
 from harness.denoc.lanes_vector import integers_at, numbers_at
+from harness.denoc.pipeline import Kernel
 
 # Addresses of tree, flags, constants, beams, laws, workspace; and what else ``accelerations`` takes.
 _SIGNATURE = types.void(*[types.int64] * 11)
@@ -34,7 +35,7 @@ def planar() -> int:
 # The arrays' lengths are nowhere read: indices are not checked, and none is negative.
 @functools.cache
 def _spatial() -> Any:
-    @cfunc(_SIGNATURE, cache=True, error_model="numpy")
+    @cfunc(_SIGNATURE, cache=True, error_model="numpy", pipeline_class=Kernel)
     def spatial_at(
         tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int, user: int, shaken: int,
         loaded: int,
@@ -57,7 +58,7 @@ def _spatial() -> Any:
 
 @functools.cache
 def _planar() -> Any:
-    @cfunc(_SIGNATURE, cache=True, error_model="numpy")
+    @cfunc(_SIGNATURE, cache=True, error_model="numpy", pipeline_class=Kernel)
     def planar_at(
         tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int, user: int, shaken: int,
         loaded: int,

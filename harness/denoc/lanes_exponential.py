@@ -21,6 +21,7 @@ from harness.denoc.lanes_integrate import present_nodes, vectors
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TIME, Q
 from harness.denoc.lanes_vector import address_of, call_recursion, choose, load, magnitude, spread, store
+from harness.denoc.pipeline import Kernel
 from harness.errors import InputError, UnsupportedError
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ def _factorial(k: int) -> float:
     return float(np.prod(np.arange(1, k + 1, dtype=float)))
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@njit(cache=True, error_model="numpy", nogil=True, pipeline_class=Kernel)
 def march_groups(
     rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
     user: int, linear: Any, carried: Any, driven: Any, start: float, h: float, inner: int,

@@ -55,6 +55,7 @@ from harness.denoc.lanes_vector import (
     square_root,
     store,
 )
+from harness.denoc.pipeline import Kernel
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
@@ -752,7 +753,7 @@ def _break_loose(
             ws[which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", pipeline_class=Kernel)
 def vectors(count: int) -> Any:
     """Zeros for vectors of eight lanes that begin where a cache line does: one that lies across two costs twice as much."""
     room = np.zeros((count + 1) * 8)
@@ -779,7 +780,7 @@ def present_nodes(tree: Any, constants: Any, present: Any) -> None:
                 present[i, KIND] = ABSENT
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@njit(cache=True, error_model="numpy", nogil=True, pipeline_class=Kernel)
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
     recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,

@@ -13,8 +13,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from harness.denoc import laws as law
 from harness.denoc.lanes_tree import (
     ABSENT,
@@ -62,6 +60,7 @@ from harness.denoc.lanes_tree import (
 )
 from harness.denoc.lanes_vector import (
     add_run,
+    in_place,
     inner,
     load,
     load_run,
@@ -233,7 +232,7 @@ def _accelerate_modes(tree: Any, ws: Any, n: int, i: int) -> None:
         store(ws, first + (k * JOINT + QDD) * 8, value * load(ws, modal + (k * m + k) * 8))
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
     """Angles, spins and bias accelerations of all nodes; articulated inertias start as the nodes' own."""
     for i in range(tree.shape[0]):
@@ -329,7 +328,7 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
         )
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def _inward(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any, n: int, user: int) -> None:
     """Eliminate the modes and the free joints from the tips to the base."""
     group = n * JOINT * 8
@@ -451,7 +450,7 @@ def _inward(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any, n: int, user:
         )
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def _outward_accelerations(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any, n: int, shaken: int) -> float:
     """Accelerations of joints and modes, forces that hold the held joints, reactions across the axes.
 

@@ -33,6 +33,7 @@ from harness.denoc.lanes_tree import (
     TABLE,
     R,
 )
+from harness.denoc.pipeline import Kernel, Part
 
 BASE_SLOTS = (
     "gravity_x",
@@ -74,7 +75,7 @@ LINK_COLUMNS = 8
 
 
 # Only ``prepare_lane`` calls them, never Python.
-_part: Any = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_part: Any = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=Part)
 
 
 @_part
@@ -184,7 +185,7 @@ def _prepare_plane(
             shake[(at + a) * 8 + lane] = plane[a, 0] * x + plane[a, 1] * y + plane[a, 2] * z
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", pipeline_class=Kernel)
 def prepare_lane(
     row: Any, lane: int, links: Any, tree: Any, axes: Any, nominal: Any, plane: Any, constants: Any, beams: Any, laws: Any,
     shake: Any,

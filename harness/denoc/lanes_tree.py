@@ -17,14 +17,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from harness.denoc import laws as law
 from harness.denoc.lanes_vector import (
     add_run,
     address_of,
     call_at,
     choose,
+    in_place,
     inner,
     load,
     load_run,
@@ -91,13 +90,13 @@ def section_work_size(m: int) -> int:
     return m
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def turn_forward(c: Any, s: Any, x: Any, y: Any) -> Any:
     """Coordinates of a vector after the axes turned by an angle of cosine c and sine s (parent to child)."""
     return c * x + s * y, c * y - s * x
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def turn_symmetric(c: Any, s: Any, xx: Any, yy: Any, zz: Any, xy: Any, xz: Any, yz: Any) -> Any:
     """A symmetric tensor turned back about z (child to parent)."""
     cross = (c * s) * (xy + xy)
@@ -113,7 +112,7 @@ def turn_symmetric(c: Any, s: Any, xx: Any, yy: Any, zz: Any, xy: Any, xz: Any, 
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def turn_general(
     c: Any, s: Any, xx: Any, xy: Any, xz: Any, yx: Any, yy: Any, yz: Any, zx: Any, zy: Any, zz: Any
 ) -> Any:
@@ -137,7 +136,7 @@ def turn_general(
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def shift_tensors(
     x: Any, y: Any, z: Any,
     axx: Any, ayy: Any, azz: Any, axy: Any, axz: Any, ayz: Any,
@@ -245,7 +244,7 @@ def _beam_outward(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     _fill(ws, b, mass, hx, hy, zero, yy, xx, xx + yy, -xy, zero, zero, px, py, pz, fx, fy, fz)
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def _fill(
     ws: Any, b: int, m: Any, hx: Any, hy: Any, hz: Any, ixx: Any, iyy: Any, izz: Any, ixy: Any, ixz: Any, iyz: Any,
     px: Any, py: Any, pz: Any, fx: Any, fy: Any, fz: Any,
@@ -262,7 +261,7 @@ def _fill(
     store_run(ws, a, (m, m, m, zero, zero, zero))
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
     """Velocities of all nodes and their bias wrenches; articulated inertias start as the nodes' own."""
     for i in range(tree.shape[0]):
@@ -499,7 +498,7 @@ def user_forces(laws: Any, ws: Any, user: int, time: int, j: int, start: int) ->
         ws[scratch + lane] = value
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, user: int) -> None:
     """Eliminate the modes and the free joints from the tips to the base."""
     group = n * JOINT * 8
@@ -712,7 +711,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
         add_run(ws, a, (px, py, pz, fx, fy, fz))
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def settled(laws: Any, ws: Any, group: int, l: int, update: Any, reaction: Any) -> Any:
     """A reaction's next value, and 1 if that changed in any lane whose friction depends on it."""
     change = magnitude(update - reaction) - 1e-13 * update
@@ -726,7 +725,7 @@ def settled(laws: Any, ws: Any, group: int, l: int, update: Any, reaction: Any) 
     return update, unsettled
 
 
-@njit(error_model="numpy", _nrt=False, forceinline=True)
+@in_place
 def _outward_accelerations(
     tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, shaken: int
 ) -> float:

@@ -23,6 +23,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 
 from harness.denoc.known_types import remember
+from harness.denoc.pipeline import Part
 
 remember()
 
@@ -33,8 +34,10 @@ _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _INTEGERS = ir.VectorType(ir.IntType(64), LANES)
 
 
-# Kernels that only kernels call, and never from Python.
-inner: Any = njit(error_model="numpy", _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+# Kernels that only kernels call, and never from Python; the second kind is always put in place of its call.
+_ONLY_KERNELS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": Part}
+inner: Any = njit(error_model="numpy", _nrt=False, **_ONLY_KERNELS)
+in_place: Any = njit(error_model="numpy", _nrt=False, forceinline=True, **_ONLY_KERNELS)
 
 
 class LaneVector(types.Type):
@@ -330,7 +333,7 @@ _PI_2 = 1.2154201012607932e-10
 _PI_3 = 4.044532497591901e-21
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def sine_cosine(x: Any) -> Any:
     """Sine and cosine of x [rad], absolute error within 4e-16 for |x| ≤ 1e4, of a lane vector or a float.
 
@@ -366,7 +369,7 @@ def sine_cosine(x: Any) -> Any:
     return sign * (r + r * (z * s)), sign * (1.0 + z * (c * z - 0.5))
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def exponential(x: Any) -> Any:
     """eˣ for x ≤ 0 (below −700 taken as −700), relative error within 4e-16, of a lane vector or a float."""
     x = choose(x + 700.0, x, -700.0)

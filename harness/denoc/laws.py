@@ -27,9 +27,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from numba import njit
-
-from harness.denoc.lanes_vector import choose, exponential, inner, load, sine_cosine
+from harness.denoc.lanes_vector import choose, exponential, in_place, inner, load, sine_cosine
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,7 @@ def terms_in_use(parameters: Any, start: int, stride: int) -> int:
     return flags
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def sliding_friction(laws: Any, start: int, flags: int, v: Any, reaction: Any) -> Any:
     """Magnitude of dry friction at velocity v, lanes of slots lying eight apart from ``start`` on."""
     level = load(laws, start + COULOMB * 8)
@@ -138,7 +136,7 @@ def sliding_friction(laws: Any, start: int, flags: int, v: Any, reaction: Any) -
     return level
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def sticking_limit(laws: Any, start: int, reaction: Any) -> Any:
     """The greatest force that dry friction can hold at rest."""
     coulomb = load(laws, start + COULOMB * 8)
@@ -146,7 +144,7 @@ def sticking_limit(laws: Any, start: int, reaction: Any) -> Any:
     return choose(static - coulomb, static, coulomb) + load(laws, start + MU_RADIUS * 8) * reaction
 
 
-@njit(error_model="numpy", forceinline=True)
+@in_place
 def passive_force(
     laws: Any,
     start: int,

@@ -24,6 +24,7 @@ from harness.denoc.binding import (
     vector_data,
 )
 from harness.denoc.compiled import compiled
+from harness.denoc.pipeline import Kernel
 from harness.denoc.rigid import forward_dynamics, inverse_dynamics, mass_matrix, subtract_passive
 
 _SIGNATURE = types.int64(*[types.int64] * 5)
@@ -55,7 +56,7 @@ def mass_entry(model: int, q: Any, mass: Any) -> int:
 
 @functools.cache
 def _forward() -> Any:
-    @cfunc(_SIGNATURE, cache=True)
+    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -68,7 +69,7 @@ def _forward() -> Any:
 
 @functools.cache
 def _inverse() -> Any:
-    @cfunc(_SIGNATURE, cache=True)
+    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
