@@ -496,7 +496,7 @@ def outward(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector) 
             bend(d, t, e, i, q, qd)
 
 
-@compiled
+@internal
 def forward_dynamics(
     bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, tau: Vector, qdd: Vector
 ) -> int:
@@ -870,7 +870,7 @@ def subtract_passive(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd:
                 out[own + k] += e[k_at + k * m + l] * q[own + l] + e[c_at + k * m + l] * qd[own + l]
 
 
-@compiled
+@internal
 def mass_matrix(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, mass: Matrix) -> None:
     """Generalized inertia matrix from composite bodies."""
     n = len(q)
@@ -985,7 +985,7 @@ def locate(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector) -
         advance_origin(d, t, e, i, qd)
 
 
-@compiled
+@internal
 def energy_and_momentum(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, out: Vector) -> None:
     """out: kinetic, potential energy; angular (3) about the base's origin and linear (3) momentum."""
     kinetic, potential = 0.0, 0.0
@@ -1050,9 +1050,20 @@ def mass_matrix_rows(bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, out
 
 @compiled
 def energy_rows(bodies: int, d: Rows, t: Topology, e: Beams, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
-    """Energies and momenta of every row; out (B, 8)."""
+    """Kinetic and potential energy of every row; out (B, 2)."""
+    both = np.empty(8)
     for k in range(len(Q)):
-        energy_and_momentum(bodies, d, t, e, Q[k], Qd[k], out[k])
+        energy_and_momentum(bodies, d, t, e, Q[k], Qd[k], both)
+        out[k, 0], out[k, 1] = both[0], both[1]
+
+
+@compiled
+def momentum(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, out: Vector) -> None:
+    """out: angular (3) about the base's origin and linear (3) momentum."""
+    both = np.empty(8)
+    energy_and_momentum(bodies, d, t, e, q, qd, both)
+    for k in range(6):
+        out[k] = both[2 + k]
 
 
 @compiled

@@ -100,7 +100,7 @@ def simulate(
             velocity,
             acceleration,
         )
-    energy = model.energies(position, velocity)[:, :2].sum(axis=1)
+    energy = model.energies(position, velocity).sum(axis=1)
     signals: dict[str, Array] = {}
     if model.beams:
         if not friction.any() or len(times) == 1:

@@ -55,7 +55,7 @@ from harness.denoc.lanes_vector import (
     square_root,
     store,
 )
-from harness.denoc.pipeline import Kernel
+from harness.denoc.pipeline import Kernel, Part
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
@@ -753,7 +753,7 @@ def _break_loose(
             ws[which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
 
 
-@njit(cache=True, error_model="numpy", pipeline_class=Kernel)
+@njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=Part)
 def vectors(count: int) -> Any:
     """Zeros for vectors of eight lanes that begin where a cache line does: one that lies across two costs twice as much."""
     room = np.zeros((count + 1) * 8)

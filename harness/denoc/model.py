@@ -133,7 +133,7 @@ class Denoc:
             self._mass = self._short_mass_matrix()
         if self._mass(self._model, q, mass):
             # Converted and checked, or a line that says what is wrong.
-            self._kernels.mass_matrix(*self._arguments, self.vector("q", q), mass)
+            self._kernels.mass_matrix_rows(*self._arguments, self.vector("q", q)[None], mass[None])
         return mass
 
     def _short_mass_matrix(self) -> Any:
@@ -175,15 +175,17 @@ class Denoc:
 
     def energy(self, q: ArrayLike, qd: ArrayLike) -> tuple[float, float]:
         """Kinetic and potential energy [J]; springs and beams count as potential, zero height is the base's origin."""
-        out = self._energy_and_momentum(q, qd)
-        return float(out[0]), float(out[1])
+        kinetic, potential = self.energies(self.vector("q", q)[None], self.vector("qd", qd)[None])[0]
+        return float(kinetic), float(potential)
 
     def momentum(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """Angular momentum about the base's origin [kg·m²/s] and linear momentum [kg·m/s], base axes, shape (6,).
 
         Armature is inertia of a coordinate, not of a body in space, and has no share in it.
         """
-        return self._energy_and_momentum(q, qd)[2:]
+        out = np.empty(6)
+        self._kernels.momentum(*self._arguments, self.vector("q", q), self.vector("qd", qd), out)
+        return out
 
     def link_pose(self, q: ArrayLike, link: str) -> tuple[Array, Array]:
         """Rotation (link axes to base axes, (3, 3)) and position (3,) [m] of a link's frame in base coordinates.
@@ -252,8 +254,8 @@ class Denoc:
         return out
 
     def energies(self, Q: Array, Qd: Array) -> Array:
-        """Kinetic and potential energy, angular and linear momentum of every row, (B, 8), for arrays known to be sound."""
-        out = np.empty((len(Q), 8))
+        """Kinetic and potential energy [J] of every row, (B, 2), for arrays known to be sound."""
+        out = np.empty((len(Q), 2))
         self._kernels.energy_rows(*self._arguments, Q, Qd, out)
         return out
 
@@ -348,11 +350,6 @@ class Denoc:
         return InputError(
             f"joint {joint.name!r} moves no inertia", mend="give the links it carries mass, or the joint armature"
         )
-
-    def _energy_and_momentum(self, q: ArrayLike, qd: ArrayLike) -> Array:
-        out = np.empty(8)
-        self._kernels.energy_and_momentum(*self._arguments, self.vector("q", q), self.vector("qd", qd), out)
-        return out
 
     def vector(self, name: str, value: ArrayLike) -> Array:
         """Value as a contiguous float64 vector of n finite numbers."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from harness.denoc.compiled import compiled, inlined
+from harness.denoc.compiled import compiled, inlined, internal
 from harness.denoc.rows import (
     ACCELERATION,
     ARMATURE,
@@ -183,7 +183,7 @@ def add_shifted_inertia(
     d[p, M + 5] += m5
 
 
-@compiled
+@internal
 def forward_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, tau: Vector, qdd: Vector) -> int:
     """Accelerations by the articulated-body recursion; 0, or the row of the first body with D <= 0."""
     singular = 0
@@ -325,7 +325,7 @@ def inverse_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, qdd: V
         d[p, FORCE + 5] += fz
 
 
-@compiled
+@internal
 def mass_matrix(n: int, d: Rows, t: Topology, q: Vector, mass: Matrix) -> None:
     """Generalized inertia matrix from composite bodies: I_ij = p_iᵀ M̃_i A_ij p_j for every ancestor j of i."""
     for i in range(1, n + 1):
@@ -378,7 +378,7 @@ def mass_matrix(n: int, d: Rows, t: Topology, q: Vector, mass: Matrix) -> None:
             mass[k - 1, i - 1] = along
 
 
-@compiled
+@internal
 def advance_origin(d: Rows, t: Topology, i: int, v: float) -> None:
     """Position and velocity of body i's origin in base coordinates, once the body is placed."""
     p = t[i, PARENT]
@@ -394,12 +394,9 @@ def advance_origin(d: Rows, t: Topology, i: int, v: float) -> None:
 
 
 @compiled
-def energy_and_momentum(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, out: Vector) -> None:
-    """out: kinetic, potential energy; angular (3) about the base's origin and linear (3) momentum."""
-    kinetic, potential = 0.0, 0.0
+def momentum(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, out: Vector) -> None:
+    """out: angular (3) about the base's origin and linear (3) momentum."""
     lx, ly, lz, px, py, pz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    # The base is accelerated by -g in place of gravity.
-    gx, gy, gz = d[0, ACCELERATION + 3], d[0, ACCELERATION + 4], d[0, ACCELERATION + 5]
     for i in range(1, n + 1):
         place(d, t, i, q[i - 1], qd[i - 1])
         advance_origin(d, t, i, qd[i - 1])
@@ -412,15 +409,9 @@ def energy_and_momentum(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, out
         nx = d[i, J] * wx + d[i, J + 1] * wy + d[i, J + 2] * wz + cy * vz - cz * vy
         ny = d[i, J + 1] * wx + d[i, J + 3] * wy + d[i, J + 4] * wz + cz * vx - cx * vz
         nz = d[i, J + 2] * wx + d[i, J + 4] * wy + d[i, J + 5] * wz + cx * vy - cy * vx
-        kinetic += 0.5 * (wx * nx + wy * ny + wz * nz + vx * fx + vy * fy + vz * fz)
-        kinetic += 0.5 * d[i, ARMATURE] * qd[i - 1] * qd[i - 1]
-        potential += gx * (m * x + cx) + gy * (m * y + cy) + gz * (m * z + cz)
-        stretch = q[i - 1] - d[i, REST]
-        potential += 0.5 * d[i, STIFFNESS] * stretch * stretch
         lx, ly, lz = lx + nx + y * fz - z * fy, ly + ny + z * fx - x * fz, lz + nz + x * fy - y * fx
         px, py, pz = px + fx, py + fy, pz + fz
-    out[0], out[1] = kinetic, potential
-    out[2], out[3], out[4], out[5], out[6], out[7] = lx, ly, lz, px, py, pz
+    out[0], out[1], out[2], out[3], out[4], out[5] = lx, ly, lz, px, py, pz
 
 
 @compiled
@@ -531,6 +522,58 @@ def mass_matrix_rows(n: int, d: Rows, t: Topology, Q: Matrix, out: Any) -> None:
 
 @compiled
 def energy_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, out: Matrix) -> None:
-    """Energies and momenta of every row; out (B, 8)."""
-    for k in range(len(Q)):
-        energy_and_momentum(n, d, t, Q[k], Qd[k], out[k])
+    """Kinetic and potential energy of every row; out (B, 2).
+
+    In each body's own axes, where its inertia is constant: what is turned from body to body is spin and velocity (in COLUMN
+    while this runs), the base's acceleration in place of gravity (in BIAS) and how high the origin is along it (in PIVOT).
+    """
+    for c in range(6):
+        d[0, COLUMN + c] = 0.0
+        d[0, BIAS + c] = d[0, ACCELERATION + 3 + c] if c < 3 else 0.0
+    d[0, PIVOT] = 0.0
+    for row in range(len(Q)):
+        kinetic, potential = 0.0, 0.0
+        for i in range(1, n + 1):
+            p = t[i, PARENT]
+            q, v = Q[row, i - 1], Qd[row, i - 1]
+            rx, ry, rz = d[i, OFFSET], d[i, OFFSET + 1], d[i, OFFSET + 2]
+            wx, wy, wz = d[p, COLUMN], d[p, COLUMN + 1], d[p, COLUMN + 2]
+            gx, gy, gz = d[p, BIAS], d[p, BIAS + 1], d[p, BIAS + 2]
+            height = d[p, PIVOT] + gx * rx + gy * ry + gz * rz
+            vx = d[p, COLUMN + 3] + wy * rz - wz * ry
+            vy = d[p, COLUMN + 4] + wz * rx - wx * rz
+            vz = d[p, COLUMN + 5] + wx * ry - wy * rx
+            sliding = t[i, KIND] != REVOLUTE
+            s, c = (0.0, 1.0) if sliding else sincos(q)
+            wx, wy, wz = _into_body(d, i, s, c, wx, wy, wz)
+            vx, vy, vz = _into_body(d, i, s, c, vx, vy, vz)
+            gx, gy, gz = _into_body(d, i, s, c, gx, gy, gz)
+            if sliding:
+                vx, vy, vz = vx + wy * q, vy - wx * q, vz + v
+                height += gz * q
+            else:
+                wz += v
+            d[i, COLUMN], d[i, COLUMN + 1], d[i, COLUMN + 2] = wx, wy, wz
+            d[i, COLUMN + 3], d[i, COLUMN + 4], d[i, COLUMN + 5] = vx, vy, vz
+            d[i, BIAS], d[i, BIAS + 1], d[i, BIAS + 2] = gx, gy, gz
+            d[i, PIVOT] = height
+            m, cx, cy, cz = d[i, MASS], d[i, MOMENT], d[i, MOMENT + 1], d[i, MOMENT + 2]
+            k0, k1, k2 = d[i, INERTIA], d[i, INERTIA + 1], d[i, INERTIA + 2]
+            k3, k4, k5 = d[i, INERTIA + 3], d[i, INERTIA + 4], d[i, INERTIA + 5]
+            nx, ny, nz = k0 * wx + k1 * wy + k2 * wz, k1 * wx + k3 * wy + k4 * wz, k2 * wx + k4 * wy + k5 * wz
+            # m v + 2 ω × mc: the first moment's share is in it twice, once as it acts on ω and once on v.
+            fx = m * vx + 2.0 * (wy * cz - wz * cy)
+            fy = m * vy + 2.0 * (wz * cx - wx * cz)
+            fz = m * vz + 2.0 * (wx * cy - wy * cx)
+            kinetic += wx * nx + wy * ny + wz * nz + vx * fx + vy * fy + vz * fz + d[i, ARMATURE] * v * v
+            stretch = q - d[i, REST]
+            potential += m * height + gx * cx + gy * cy + gz * cz + 0.5 * d[i, STIFFNESS] * stretch * stretch
+        out[row, 0], out[row, 1] = 0.5 * kinetic, potential
+
+
+@inlined
+def _into_body(d: Rows, i: int, s: float, c: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A vector in the axes of body i, from those of its parent; s, c: sine and cosine of the joint's angle."""
+    u = d[i, PLACE] * x + d[i, PLACE + 3] * y + d[i, PLACE + 6] * z
+    w = d[i, PLACE + 1] * x + d[i, PLACE + 4] * y + d[i, PLACE + 7] * z
+    return u * c + w * s, w * c - u * s, d[i, PLACE + 2] * x + d[i, PLACE + 5] * y + d[i, PLACE + 8] * z

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from harness.denoc.compiled import compiled
+from harness.denoc.compiled import internal
 
 # pi/2 in three parts of 33 bits, so that k · part is exact for |k| < 2^20 (Cody-Waite reduction).
 _PART1 = float.fromhex("0x1.921fb54400000p+0")
@@ -25,7 +25,7 @@ _C2, _C4, _C6, _C8 = -1 / 2, 1 / 24, -1 / 720, 1 / 40320
 _C10, _C12, _C14, _C16 = -1 / 3628800, 1 / 479001600, -1 / 87178291200, 1 / 20922789888000
 
 
-@compiled
+@internal
 def sincos(x: float) -> tuple[float, float]:
     """Sine and cosine of x [rad], each within one unit in the last place of 1; any finite x."""
     if not (-_REACH < x < _REACH):
