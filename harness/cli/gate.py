@@ -70,6 +70,10 @@ def gate(
     if results_file is not None:
         results = read_results(results_file)
     else:
+        if dask is None:
+            from harness.denoc import ahead
+
+            ahead.everything()
         with progress("gate") as step:
             results = validate(workers=workers, dask=dask, progress=step)
     trials = None

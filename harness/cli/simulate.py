@@ -57,6 +57,10 @@ def simulate(
     from harness.system import load
 
     mechanism = load(system, physical=not allow_unphysical)
+    if engine == NATIVE:
+        from harness.denoc import ahead
+
+        ahead.start(ahead.SIMULATE)
     time = sample_times(duration, rate)
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)

@@ -56,6 +56,11 @@ def validate(
         if models:
             raise InputError("--all-robots and models do not go together", mend="give the one or the other")
         chosen, refused = _readable_robots()
+    if chosen is None and not cases and dask is None:
+        # The whole suite needs every kernel, and each of its processes would compile its own.
+        from harness.denoc import ahead
+
+        ahead.everything()
     with progress("validate") as step:
         results = run(
             chosen,

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harness.denoc import ahead
 from harness.denoc import lanes_tree as nodes
 from harness.denoc.lanes import LaneModel
 from harness.denoc.threads import share
@@ -134,6 +135,7 @@ def _compile(system: System, model: LaneModel) -> tuple[Any, Array, int]:
     from harness.denoc import laws
     from harness.denoc.lanes_rows import prepare_lane
 
+    ahead.ready("lane_parameters")
     links, tree, sizes, axes, nominal, plane = model.tables
     n = model.n
     constants = np.zeros(len(tree) * nodes.CONSTANTS * 8)

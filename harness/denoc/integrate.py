@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
+from harness.denoc import ahead
 from harness.denoc.channels import channels
 from harness.denoc.rows import FIRST, FIXED, KIND
 from harness.errors import InputError, UnsupportedError
@@ -127,6 +128,8 @@ def _integrate(
 ) -> str:
     """Run a compiled integrator; raises InputError where it fails, returns what to add about how it went."""
     function = model.forward_address
+    # Tasks are called as the methods are.
+    ahead.ready(chosen)
     if chosen == "dop853":
         from harness.denoc.adaptive import dormand_prince8
 

@@ -5,7 +5,6 @@ This is the workhorse of fitting and sweeping: a Jacobian is a few extra lanes. 
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from itertools import pairwise
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.denoc import laws
+from harness.denoc import ahead, laws
 from harness.denoc.lanes_beams import beam_block_size, most_points, write_beams
 from harness.denoc.lanes_plane import plane_of
 from harness.denoc.lanes_rows import (
@@ -64,12 +63,9 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-11
 """Error allowed in one step [rad, rad/s (1 + |rad/s|)]."""
 
-_log = logging.getLogger(__name__)
-_announced = False
-
 
 @lru_cache(maxsize=2)
-def _method(order: int) -> tuple[Any, ...]:
+def step_method(order: int) -> tuple[Any, ...]:
     """A Dormand-Prince method of order 8 or 5 with its dense output, from the coefficients that scipy publishes.
 
     Table of the stages, the end of the step as the last row; their fractions of the step; weights of the two error
@@ -122,15 +118,17 @@ def _sparse(table: Array) -> tuple[Array, NDArray[np.int64]]:
 
 def _recursion(in_plane: bool) -> int:
     """The address of the recursion; says so once if it or the integrator has to be compiled first."""
-    global _announced
     from harness.denoc.lanes_address import planar, spatial
 
-    if not _announced:
-        kept = " ".join(path.name for path in _kept_kernels())
-        if not all(name in kept for name in ("run_groups", "planar_at" if in_plane else "spatial_at")):
-            _announced = True
-            _log.warning("compiling the simulation kernels, once (about ten seconds) …")
+    name = "planar" if in_plane else "spatial"
+    _say_once(name)
+    ahead.ready(name)
     return planar() if in_plane else spatial()
+
+
+@lru_cache(maxsize=2)
+def _say_once(recursion: str) -> None:
+    ahead.announce(("lanes", recursion))
 
 
 @lru_cache(maxsize=1)
@@ -380,7 +378,7 @@ class LaneModel:
             def part(first: int, last: int) -> None:
                 run(
                     first, last, mine, initial, recursion, *tables, self.user,
-                    time, forces, driven, int(hold == "linear"), longest_steps, tolerance, *_method(order),
+                    time, forces, driven, int(hold == "linear"), longest_steps, tolerance, *step_method(order),
                     *out,
                 )  # fmt: skip
 
@@ -395,6 +393,7 @@ class LaneModel:
             if not whole:
                 position[which], velocity[which], acceleration[which] = out
 
+        ahead.ready("lanes")
         from harness.denoc.lanes_integrate import run_groups as run
 
         for tables, recursion, which in self.parts(rows):
