@@ -19,7 +19,7 @@ from numba.core.datamodel import models
 from numba.extending import NativeValue, intrinsic, register_model, unbox
 from numpy.typing import NDArray
 
-from harness.denoc.compiled import compiled, internal
+from harness.denoc.compiled import allocating, compiled
 from harness.denoc.rows import COLUMNS, WIDTH
 
 Array = NDArray[np.float64]
@@ -76,7 +76,7 @@ def _floats(context: Any, address: Any) -> Any:
     return types.CPointer(types.float64)(types.int64), code
 
 
-@internal
+@allocating
 def vector_data(reference: Any, header: Any) -> int:
     """Address of the data of a contiguous float64 vector of the model's length, 0 if it is anything else."""
     fields = carray(_words(_address(reference)), 8)
@@ -92,32 +92,32 @@ def vector_data(reference: Any, header: Any) -> int:
     return fields[_DATA]
 
 
-@internal
+@allocating
 def header_at(address: int) -> Any:
     return carray(_words(address), HEADER_SIZE)
 
 
-@internal
+@allocating
 def rows_of(header: Any) -> Any:
     return carray(_floats(header[ROWS]), (header[BODIES] + 1, WIDTH))
 
 
-@internal
+@allocating
 def topology_of(header: Any) -> Any:
     return carray(_words(header[TOPOLOGY]), (header[BODIES] + 1, COLUMNS))
 
 
-@internal
+@allocating
 def elastic_of(header: Any) -> Any:
     return carray(_floats(header[ELASTIC]), header[ELASTIC_SIZE])
 
 
-@internal
+@allocating
 def vector_at(address: int, n: int) -> Any:
     return carray(_floats(address), n)
 
 
-@internal
+@allocating
 def matrix_of(reference: Any, n: int) -> Any:
     """An array of Python's as an (n, n) matrix, unseen: for one that the caller has just made."""
     return carray(_floats(carray(_words(_address(reference)), 8)[_DATA]), (n, n))

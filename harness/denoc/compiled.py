@@ -19,7 +19,20 @@ FAST_MATH = {"contract", "nsz"}
 
 # Kernels of these files are linked into kernels of others, whose cached code numba goes on using when they change: it
 # looks at the one file alone. So the cache is dropped here.
-_LINKED = ("compiled", "trig", "rows", "binding", "rigid", "flexible", "elastic", "dynamics_call", "fixed_step")
+_LINKED = (
+    "compiled",
+    "pipeline",
+    "lanes_vector",
+    "rigid_mass",
+    "trig",
+    "rows",
+    "binding",
+    "rigid",
+    "flexible",
+    "elastic",
+    "dynamics_call",
+    "fixed_step",
+)
 
 
 def compiled(function: F) -> F:
@@ -27,39 +40,37 @@ def compiled(function: F) -> F:
     return cast(F, njit(cache=True, error_model="numpy", fastmath=FAST_MATH, pipeline_class=Kernel)(function))
 
 
+# Of what only kernels call: no way in from Python, and, unless arrays are made, no counting of references to them, whose calls
+# lie across vectors in registers.
+_PART: dict[str, Any] = {
+    "error_model": "numpy",
+    "fastmath": FAST_MATH,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "pipeline_class": Part,
+}
+
+
 def internal(function: F) -> F:
-    """As ``compiled``, for what only kernels call: nothing is made to call it from Python, which is a tenth of the time."""
-    return cast(
-        F,
-        njit(
-            error_model="numpy",
-            fastmath=FAST_MATH,
-            no_cpython_wrapper=True,
-            no_cfunc_wrapper=True,
-            pipeline_class=Part,
-        )(function),
-    )
+    """As ``compiled``, for what only kernels call and makes no arrays: a part of each kernel that calls it."""
+    return cast(F, njit(_nrt=False, **_PART)(function))
+
+
+def allocating(function: F) -> F:
+    """As ``internal``, for what makes arrays or returns them."""
+    return cast(F, njit(**_PART)(function))
 
 
 def inlined(function: F) -> F:
-    """As ``compiled``, and always put in place of its call: for pieces of a recursion that run once a body."""
-    return cast(
-        F,
-        njit(
-            error_model="numpy",
-            fastmath=FAST_MATH,
-            forceinline=True,
-            no_cpython_wrapper=True,
-            no_cfunc_wrapper=True,
-            pipeline_class=Part,
-        )(function),
-    )
+    """As ``internal``, and always put in place of its call: for pieces of a recursion that run once a body."""
+    return cast(F, njit(_nrt=False, forceinline=True, **_PART)(function))
 
 
 def _drop_stale_cache() -> None:
     """Remove cached kernels that were made with other versions of the linked files than are here now."""
     home = Path(__file__).parent
-    cache = home / "__pycache__"
+    # Where numba keeps what is compiled of this folder's files.
+    cache = Path(compiled(_drop_stale_cache).stats.cache_path)  # type: ignore[attr-defined]
     stamp = cache / "kernels.stamp"
     # A place that cannot be read or written to holds no cache of numba's either.
     with contextlib.suppress(OSError):
@@ -69,7 +80,7 @@ def _drop_stale_cache() -> None:
             return
         for index in cache.glob("*.nbi"):
             index.unlink(missing_ok=True)
-        cache.mkdir(exist_ok=True)
+        cache.mkdir(parents=True, exist_ok=True)
         stamp.write_text(now)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.denoc.compiled import compiled, internal
+from harness.denoc.compiled import allocating, compiled, internal
 from harness.denoc.dynamics_call import call
 
 Vector = Any
@@ -248,7 +248,7 @@ def _continuation(ratio: float, guess: Matrix) -> None:
             guess[r, c] = value
 
 
-@internal
+@allocating
 def _factor(
     function: int,
     model: int,

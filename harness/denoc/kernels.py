@@ -46,12 +46,12 @@ def _rigid() -> None:
 
 
 def _rigid_others() -> None:
-    from harness.denoc import rigid
+    from harness.denoc import rigid, rigid_mass
     from harness.denoc.binding import entry
     from harness.denoc.rigid_address import mass_entry
 
     entry(mass_entry, 2)
-    _compile(rigid.mass_matrix_rows, *_RIGID, _MATRIX, _CUBE)
+    _compile(rigid_mass.mass_matrix_rows, *_RIGID, _MATRIX, _CUBE)
     _compile(rigid.inverse_dynamics, *_RIGID, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
     _compile(rigid.energy_rows, *_RIGID, _MATRIX, _MATRIX, _MATRIX)
     _compile(rigid.subtract_passive, *_RIGID, _VECTOR, _VECTOR, _VECTOR)

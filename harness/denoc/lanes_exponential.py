@@ -17,10 +17,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from harness.denoc import laws as law
-from harness.denoc.lanes_integrate import present_nodes, vectors
+from harness.denoc.lanes_integrate import present_nodes
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TIME, Q
-from harness.denoc.lanes_vector import address_of, call_recursion, choose, load, magnitude, spread, store
+from harness.denoc.lanes_vector import address_of, call_recursion, choose, load, magnitude, spread, store, vectors
 from harness.denoc.pipeline import Kernel
 from harness.errors import InputError, UnsupportedError
 

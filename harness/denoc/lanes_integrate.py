@@ -54,8 +54,9 @@ from harness.denoc.lanes_vector import (
     spread,
     square_root,
     store,
+    vectors,
 )
-from harness.denoc.pipeline import Kernel, Part
+from harness.denoc.pipeline import Kernel
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
@@ -751,14 +752,6 @@ def _break_loose(
         if ledger[SUSPECT * 8 + lane] <= 1.0:
             which = int(ledger[GRIPPED * 8 + lane])
             ws[which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
-
-
-@njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=Part)
-def vectors(count: int) -> Any:
-    """Zeros for vectors of eight lanes that begin where a cache line does: one that lies across two costs twice as much."""
-    room = np.zeros((count + 1) * 8)
-    skip = (64 - address_of(room, 0) % 64) % 64 // 8
-    return room[skip : skip + count * 8]
 
 
 @inner

@@ -133,8 +133,17 @@ class Denoc:
             self._mass = self._short_mass_matrix()
         if self._mass(self._model, q, mass):
             # Converted and checked, or a line that says what is wrong.
-            self._kernels.mass_matrix_rows(*self._arguments, self.vector("q", q)[None], mass[None])
+            self._mass_rows(self.vector("q", q)[None], mass[None])
         return mass
+
+    def _mass_rows(self, Q: Array, out: Array) -> None:
+        """Generalized inertia matrices of arrays known to be sound."""
+        if self.beams:
+            self._kernels.mass_matrix_rows(*self._arguments, Q, out)
+        else:
+            from harness.denoc.rigid_mass import mass_matrix_rows
+
+            mass_matrix_rows(*self._arguments, Q, out)
 
     def _short_mass_matrix(self) -> Any:
         """The short way to the mass matrix; where links bend there is none, and it declines."""
@@ -231,7 +240,7 @@ class Denoc:
         if many is not None:
             return many.mass_matrix(Q)
         out = np.empty((len(Q), self.n, self.n))
-        self._kernels.mass_matrix_rows(*self._arguments, Q, out)
+        self._mass_rows(Q, out)
         return out
 
     def _eight_at_a_time(self, Q: Array) -> BatchModel | None:

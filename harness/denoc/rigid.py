@@ -50,13 +50,12 @@ Matrix = Any
 
 
 @inlined
-def place(d: Rows, t: Topology, i: int, q: float, v: float) -> None:
-    """Rotation R, reach r, spin ω and velocity-product acceleration of body i from its parent's."""
+def orient(d: Rows, t: Topology, i: int, q: float) -> tuple[float, float, float, float, float, float]:
+    """Rotation R and reach r of body i from its parent's, to its row; returns r and the joint's axis z."""
     p = t[i, PARENT]
     a0, a1, a2 = d[p, TURN], d[p, TURN + 1], d[p, TURN + 2]
     a3, a4, a5 = d[p, TURN + 3], d[p, TURN + 4], d[p, TURN + 5]
     a6, a7, a8 = d[p, TURN + 6], d[p, TURN + 7], d[p, TURN + 8]
-    wx, wy, wz = d[p, SPIN], d[p, SPIN + 1], d[p, SPIN + 2]
     x, y, z = d[i, OFFSET], d[i, OFFSET + 1], d[i, OFFSET + 2]
     rx = a0 * x + a1 * y + a2 * z
     ry = a3 * x + a4 * y + a5 * z
@@ -75,9 +74,25 @@ def place(d: Rows, t: Topology, i: int, q: float, v: float) -> None:
     zz = a6 * e2 + a7 * e5 + a8 * e8
     if t[i, KIND] == REVOLUTE:
         s, c = sincos(q)
-        d[i, TURN], d[i, TURN + 1] = b0 * c + b1 * s, b1 * c - b0 * s
-        d[i, TURN + 3], d[i, TURN + 4] = b3 * c + b4 * s, b4 * c - b3 * s
-        d[i, TURN + 6], d[i, TURN + 7] = b6 * c + b7 * s, b7 * c - b6 * s
+        b0, b1 = b0 * c + b1 * s, b1 * c - b0 * s
+        b3, b4 = b3 * c + b4 * s, b4 * c - b3 * s
+        b6, b7 = b6 * c + b7 * s, b7 * c - b6 * s
+    else:
+        rx, ry, rz = rx + zx * q, ry + zy * q, rz + zz * q
+    d[i, TURN], d[i, TURN + 1], d[i, TURN + 2] = b0, b1, zx
+    d[i, TURN + 3], d[i, TURN + 4], d[i, TURN + 5] = b3, b4, zy
+    d[i, TURN + 6], d[i, TURN + 7], d[i, TURN + 8] = b6, b7, zz
+    d[i, REACH], d[i, REACH + 1], d[i, REACH + 2] = rx, ry, rz
+    return rx, ry, rz, zx, zy, zz
+
+
+@inlined
+def place(d: Rows, t: Topology, i: int, q: float, v: float) -> None:
+    """Rotation R, reach r, spin ω and velocity-product acceleration of body i from its parent's."""
+    p = t[i, PARENT]
+    wx, wy, wz = d[p, SPIN], d[p, SPIN + 1], d[p, SPIN + 2]
+    rx, ry, rz, zx, zy, zz = orient(d, t, i, q)
+    if t[i, KIND] == REVOLUTE:
         # ω_p × (ω_p × r), and ω_p × z q̇ for the rotation.
         hx, hy, hz = wy * rz - wz * ry, wz * rx - wx * rz, wx * ry - wy * rx
         ux, uy, uz = zx * v, zy * v, zz * v
@@ -86,26 +101,20 @@ def place(d: Rows, t: Topology, i: int, q: float, v: float) -> None:
         d[i, BIAS + 2] = wx * uy - wy * ux
         d[i, SPIN], d[i, SPIN + 1], d[i, SPIN + 2] = wx + ux, wy + uy, wz + uz
     else:
-        d[i, TURN], d[i, TURN + 1] = b0, b1
-        d[i, TURN + 3], d[i, TURN + 4] = b3, b4
-        d[i, TURN + 6], d[i, TURN + 7] = b6, b7
-        rx, ry, rz = rx + zx * q, ry + zy * q, rz + zz * q
         # ω_p × (ω_p × r + 2 z q̇): centrifugal and Coriolis acceleration of the slide.
         hx = wy * rz - wz * ry + 2.0 * v * zx
         hy = wz * rx - wx * rz + 2.0 * v * zy
         hz = wx * ry - wy * rx + 2.0 * v * zz
         d[i, BIAS], d[i, BIAS + 1], d[i, BIAS + 2] = 0.0, 0.0, 0.0
         d[i, SPIN], d[i, SPIN + 1], d[i, SPIN + 2] = wx, wy, wz
-    d[i, TURN + 2], d[i, TURN + 5], d[i, TURN + 8] = zx, zy, zz
     d[i, BIAS + 3] = wy * hz - wz * hy
     d[i, BIAS + 4] = wz * hx - wx * hz
     d[i, BIAS + 5] = wx * hy - wy * hx
-    d[i, REACH], d[i, REACH + 1], d[i, REACH + 2] = rx, ry, rz
 
 
 @inlined
-def turn_inertia(d: Rows, i: int) -> None:
-    """The rigid body's own inertia in base axes, and its bias wrench ω×Jω, ω×(ω×mc) less the external wrench."""
+def turn_moments(d: Rows, i: int) -> tuple[float, float, float]:
+    """The rigid body's own inertia about its origin, in base axes, to J; returns its first moment in base axes."""
     r0, r1, r2 = d[i, TURN], d[i, TURN + 1], d[i, TURN + 2]
     r3, r4, r5 = d[i, TURN + 3], d[i, TURN + 4], d[i, TURN + 5]
     r6, r7, r8 = d[i, TURN + 6], d[i, TURN + 7], d[i, TURN + 8]
@@ -125,6 +134,14 @@ def turn_inertia(d: Rows, i: int) -> None:
     j4 = b3 * r6 + b4 * r7 + b5 * r8
     j5 = b6 * r6 + b7 * r7 + b8 * r8
     d[i, J], d[i, J + 1], d[i, J + 2], d[i, J + 3], d[i, J + 4], d[i, J + 5] = j0, j1, j2, j3, j4, j5
+    return cx, cy, cz
+
+
+@inlined
+def turn_inertia(d: Rows, i: int) -> None:
+    """The rigid body's own inertia in base axes, and its bias wrench ω×Jω, ω×(ω×mc) less the external wrench."""
+    cx, cy, cz = turn_moments(d, i)
+    j0, j1, j2, j3, j4, j5 = d[i, J], d[i, J + 1], d[i, J + 2], d[i, J + 3], d[i, J + 4], d[i, J + 5]
     d[i, B], d[i, B + 1], d[i, B + 2] = 0.0, -cz, cy
     d[i, B + 3], d[i, B + 4], d[i, B + 5] = cz, 0.0, -cx
     d[i, B + 6], d[i, B + 7], d[i, B + 8] = -cy, cx, 0.0
@@ -326,59 +343,6 @@ def inverse_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, qdd: V
 
 
 @internal
-def mass_matrix(n: int, d: Rows, t: Topology, q: Vector, mass: Matrix) -> None:
-    """Generalized inertia matrix from composite bodies: I_ij = p_iᵀ M̃_i A_ij p_j for every ancestor j of i."""
-    for i in range(1, n + 1):
-        place(d, t, i, q[i - 1], 0.0)
-        turn_inertia(d, i)
-    for i in range(n, 0, -1):
-        p = t[i, PARENT]
-        if p > 0:
-            # A composite body is a rigid one: ten numbers, of which B holds the first moment and M the mass.
-            rx, ry, rz = d[i, REACH], d[i, REACH + 1], d[i, REACH + 2]
-            m, cx, cy, cz = d[i, M], d[i, B + 7], d[i, B + 2], d[i, B + 3]
-            gx, gy, gz = cx + m * rx, cy + m * ry, cz + m * rz
-            inner = rx * (cx + gx) + ry * (cy + gy) + rz * (cz + gz)
-            d[p, J] += d[i, J] + inner - rx * (cx + gx)
-            d[p, J + 1] += d[i, J + 1] - rx * cy - gx * ry
-            d[p, J + 2] += d[i, J + 2] - rx * cz - gx * rz
-            d[p, J + 3] += d[i, J + 3] + inner - ry * (cy + gy)
-            d[p, J + 4] += d[i, J + 4] - ry * cz - gy * rz
-            d[p, J + 5] += d[i, J + 5] + inner - rz * (cz + gz)
-            d[p, B + 7] += gx
-            d[p, B + 2] += gy
-            d[p, B + 3] += gz
-            d[p, M] += m
-    for i in range(n):
-        for k in range(n):
-            mass[i, k] = 0.0
-    for i in range(1, n + 1):
-        zx, zy, zz = d[i, TURN + 2], d[i, TURN + 5], d[i, TURN + 8]
-        m, cx, cy, cz = d[i, M], d[i, B + 7], d[i, B + 2], d[i, B + 3]
-        if t[i, KIND] == REVOLUTE:
-            nx = d[i, J] * zx + d[i, J + 1] * zy + d[i, J + 2] * zz
-            ny = d[i, J + 1] * zx + d[i, J + 3] * zy + d[i, J + 4] * zz
-            nz = d[i, J + 2] * zx + d[i, J + 4] * zy + d[i, J + 5] * zz
-            fx, fy, fz = zy * cz - zz * cy, zz * cx - zx * cz, zx * cy - zy * cx
-            mass[i - 1, i - 1] = zx * nx + zy * ny + zz * nz + d[i, ARMATURE]
-        else:
-            nx, ny, nz = cy * zz - cz * zy, cz * zx - cx * zz, cx * zy - cy * zx
-            fx, fy, fz = m * zx, m * zy, m * zz
-            mass[i - 1, i - 1] = m + d[i, ARMATURE]
-        k = i
-        while t[k, PARENT] > 0:
-            rx, ry, rz = d[k, REACH], d[k, REACH + 1], d[k, REACH + 2]
-            nx, ny, nz = nx + ry * fz - rz * fy, ny + rz * fx - rx * fz, nz + rx * fy - ry * fx
-            k = t[k, PARENT]
-            if t[k, KIND] == REVOLUTE:
-                along = d[k, TURN + 2] * nx + d[k, TURN + 5] * ny + d[k, TURN + 8] * nz
-            else:
-                along = d[k, TURN + 2] * fx + d[k, TURN + 5] * fy + d[k, TURN + 8] * fz
-            mass[i - 1, k - 1] = along
-            mass[k - 1, i - 1] = along
-
-
-@internal
 def advance_origin(d: Rows, t: Topology, i: int, v: float) -> None:
     """Position and velocity of body i's origin in base coordinates, once the body is placed."""
     p = t[i, PARENT]
@@ -511,13 +475,6 @@ def subtract_passive(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, out: V
     """Take the forces of joint dampers and springs from generalized forces: what is left has to be applied."""
     for i in range(n):
         out[i] += d[i + 1, DAMPING] * qd[i] + d[i + 1, STIFFNESS] * (q[i] - d[i + 1, REST])
-
-
-@compiled
-def mass_matrix_rows(n: int, d: Rows, t: Topology, Q: Matrix, out: Any) -> None:
-    """``mass_matrix`` for every row."""
-    for k in range(len(Q)):
-        mass_matrix(n, d, t, Q[k], out[k])
 
 
 @compiled

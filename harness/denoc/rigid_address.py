@@ -25,7 +25,8 @@ from harness.denoc.binding import (
 )
 from harness.denoc.compiled import compiled
 from harness.denoc.pipeline import Kernel
-from harness.denoc.rigid import forward_dynamics, inverse_dynamics, mass_matrix, subtract_passive
+from harness.denoc.rigid import forward_dynamics, inverse_dynamics, subtract_passive
+from harness.denoc.rigid_mass import mass_matrix
 
 _SIGNATURE = types.int64(*[types.int64] * 5)
 

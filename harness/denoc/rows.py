@@ -43,6 +43,10 @@ POINTS = 4  # number of points that carry the beam's mass
 BEAM = 5  # where the beam's constants begin in the beam array
 STATION = 6  # where the constants of the section this body rides on begin, -1 if the parent is rigid there
 EXTENDED = 7  # where the body's elastic workspace begins
-COLUMNS = 8
+RUN = 8  # row of the first body of its run: at most RUN_LENGTH bodies, each the only child of the one before
+SLOT = 9  # which run that is
+COLUMNS = 10
+
+RUN_LENGTH = 8
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2

@@ -25,6 +25,9 @@ from harness.denoc.rows import (
     PRISMATIC,
     REST,
     REVOLUTE,
+    RUN,
+    RUN_LENGTH,
+    SLOT,
     STATION,
     STIFFNESS,
     TURN,
@@ -116,6 +119,7 @@ def compile_tree(system: System) -> Tree:
         _add_inertia(row, link, axes.T, np.zeros(3))
         if link.flexible:
             beams[body] = link.name
+    _find_runs(topology[: body + 1])
     return Tree(
         system=system,
         n=coordinate,
@@ -126,6 +130,18 @@ def compile_tree(system: System) -> Tree:
         joints=tuple(carriers),
         beams=beams,
     )
+
+
+def _find_runs(topology: Integers) -> None:
+    """Runs of bodies, to the columns RUN and SLOT."""
+    children = np.bincount(topology[1:, PARENT], minlength=len(topology))
+    for body in range(1, len(topology)):
+        before = body - 1
+        first = topology[before, RUN]
+        if before > 0 and topology[body, PARENT] == before and children[before] == 1 and body - first < RUN_LENGTH:
+            topology[body, [RUN, SLOT]] = first, topology[before, SLOT]
+        else:
+            topology[body, [RUN, SLOT]] = body, topology[before, SLOT] + (before > 0)
 
 
 def axes_along(axis: Array) -> Array:
