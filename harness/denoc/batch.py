@@ -107,7 +107,8 @@ class BatchModel:
             padded = [np.concatenate([array, np.repeat(array[-1:], _EIGHT - count, axis=0)]) for array in arrays]
             return self._spread(part, columns, *padded)[:count]
         # The mass matrix leaves elements between branches alone, so they have to be zero before.
-        out = np.zeros((count, columns)) if columns != self.n else np.empty((count, columns))
+        branched = columns != self.n and bool((self._tree[:, 0] != np.arange(-1, self.n - 1)).any())
+        out = np.zeros((count, columns)) if branched else np.empty((count, columns))
         flat = [array.reshape(-1) for array in arrays]
         groups, rest = divmod(count, _EIGHT)
         threads = min(self.threads, groups)

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# From this number of coordinates on, mass matrices are faster one by one: eight at once no longer fit the nearest caches.
+_LARGE = 128
+
 
 class Denoc:
     """Equations of motion M(q) q̈ + C(q, q̇) q̇ + g(q) = τ + passive forces of a tree of rigid and flexible links.
@@ -138,12 +141,10 @@ class Denoc:
 
     def _mass_rows(self, Q: Array, out: Array) -> None:
         """Generalized inertia matrices of arrays known to be sound."""
-        if self.beams:
-            self._kernels.mass_matrix_rows(*self._arguments, Q, out)
-        else:
-            from harness.denoc.rigid_mass import mass_matrix_rows
-
-            mass_matrix_rows(*self._arguments, Q, out)
+        kernels = self._kernels
+        if not self.beams:
+            from harness.denoc import rigid_mass as kernels
+        kernels.mass_matrix_rows(*self._arguments, Q, out)
 
     def _short_mass_matrix(self) -> Any:
         """The short way to the mass matrix; where links bend there is none, and it declines."""
@@ -236,7 +237,7 @@ class Denoc:
     def mass_matrix_batch(self, Q: ArrayLike) -> Array:
         """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n)."""
         Q = self._table("Q", Q)
-        many = self._eight_at_a_time(Q)
+        many = self._eight_at_a_time(Q) if self.n < _LARGE else None
         if many is not None:
             return many.mass_matrix(Q)
         out = np.empty((len(Q), self.n, self.n))

@@ -32,7 +32,7 @@ _PASSES = (
 )
 
 
-class _Kernel(CompilerBase):  # type: ignore[misc]
+class _Kernel(CompilerBase):
     """The compiler with the passes of ``_PASSES``."""
 
     def define_pipelines(self) -> list[Any]:
@@ -56,7 +56,7 @@ class _Absent:
         """Nothing: the environment is for calls from Python and for exceptions."""
 
 
-class _LinkedOnly(codegen.JITCodeLibrary):  # type: ignore[misc]
+class _LinkedOnly(codegen.JITCodeLibrary):
     """Code that is linked into other code, and optimized and translated there."""
 
     @property

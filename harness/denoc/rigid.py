@@ -484,9 +484,9 @@ def energy_rows(n: int, d: Rows, t: Topology, Q: Matrix, Qd: Matrix, out: Matrix
     In each body's own axes, where its inertia is constant: what is turned from body to body is spin and velocity (in COLUMN
     while this runs), the base's acceleration in place of gravity (in BIAS) and how high the origin is along it (in PIVOT).
     """
-    for c in range(6):
-        d[0, COLUMN + c] = 0.0
-        d[0, BIAS + c] = d[0, ACCELERATION + 3 + c] if c < 3 else 0.0
+    for k in range(3):
+        d[0, COLUMN + k], d[0, COLUMN + 3 + k] = 0.0, 0.0
+        d[0, BIAS + k] = d[0, ACCELERATION + 3 + k]
     d[0, PIVOT] = 0.0
     for row in range(len(Q)):
         kinetic, potential = 0.0, 0.0

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from harness.denoc import Denoc
+from harness.denoc.matrices import denoc_matrices
 from harness.system import Joint, JointType, System, random_chain, random_tree
 
 SYSTEMS = [
@@ -158,3 +160,23 @@ def test_batches_are_their_rows() -> None:
         model.inverse_dynamics_batch(Q, Qd, Tau), [model.inverse_dynamics(*row) for row in rows], rtol=1e-12
     )
     assert np.allclose(model.mass_matrix_batch(Q), [model.mass_matrix(q) for q in Q], rtol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 8, 9, 17, 40])
+@pytest.mark.parametrize("make", [random_chain, random_tree])
+def test_mass_matrix_run_by_run_is_that_of_the_textbook(make: Callable[..., System], count: int) -> None:
+    # Runs of eight bodies, and what is left of them at branches and tips.
+    system = make(count, 5, prismatic=0.3)
+    model = Denoc(system)
+    q = np.random.default_rng(count).normal(size=model.n)
+    mass, wanted = model.mass_matrix(q), denoc_matrices(system, q).inertia
+    size = np.sqrt(np.outer(np.diag(wanted), np.diag(wanted)))
+    assert (np.abs(mass - wanted) <= 1e-13 * size).all()
+    assert np.array_equal(mass, mass.T)
+    assert np.array_equal(model.mass_matrix_batch(q[None])[0], mass)
+
+
+def test_large_mass_matrices_of_many_states_are_those_of_one() -> None:
+    model = Denoc(random_chain(130, 3, prismatic=0.2))
+    q = np.random.default_rng(3).normal(size=(9, 130))
+    assert np.array_equal(model.mass_matrix_batch(q), [model.mass_matrix(row) for row in q])
