@@ -59,24 +59,24 @@ def runge_kutta4(
         steps = max(1, int(np.ceil((time[k + 1] - time[k]) / step * (1.0 - 1e-12))))
         h = (time[k + 1] - time[k]) / steps
         for s in range(steps):
+            for i in range(n):
+                q1[i], v1[i] = q[i], v[i]
+                dq[i], dv[i] = 0.0, 0.0
             for stage in range(4):
                 c = 0.0 if stage == 0 else 1.0 if stage == 3 else 0.5
                 weight = h / 6.0 if stage == 0 or stage == 3 else h / 3.0
+                # Of the next stage; the last one's is not used.
+                ahead = h if stage == 2 else 0.5 * h
                 force_at(tau, linear, k, (s + c) / steps, force)
-                for i in range(n):
-                    if stage == 0:
-                        q1[i], v1[i] = q[i], v[i]
-                        dq[i], dv[i] = 0.0, 0.0
-                    else:
-                        previous = v1[i]
-                        q1[i] = q[i] + c * h * previous
-                        v1[i] = v[i] + c * h * a[i]
                 status = call(function, model, q1.ctypes.data, v1.ctypes.data, force.ctypes.data, a.ctypes.data)
                 if status != 0:
                     return status
                 for i in range(n):
-                    dq[i] += weight * v1[i]
-                    dv[i] += weight * a[i]
+                    rate, change = v1[i], a[i]
+                    dq[i] += weight * rate
+                    dv[i] += weight * change
+                    q1[i] = q[i] + ahead * rate
+                    v1[i] = v[i] + ahead * change
             for i in range(n):
                 q[i] += dq[i]
                 v[i] += dv[i]
@@ -275,8 +275,13 @@ def _factor(
             probe[i, j] -= rest[j]
         unit[i] = 0.0
     # The inverse mass matrix is symmetric: rows serve as columns.
-    soft = probe @ stiffness
-    lossy = probe @ damping
+    soft, lossy = np.zeros((n, n)), np.zeros((n, n))
+    for i in range(n):
+        for k in range(n):
+            share = probe[i, k]
+            for j in range(n):
+                soft[i, j] += share * stiffness[k, j]
+                lossy[i, j] += share * damping[k, j]
     for r in range(_STAGES):
         for c in range(_STAGES):
             for i in range(n):
