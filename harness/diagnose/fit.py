@@ -225,7 +225,9 @@ def fit(
     if doubled.any():
         x, fixed = np.where(doubled, 0.0, x), doubled if fixed is None else fixed | doubled
     if others:
-        start, (_, residuals) = best_states(predictor, likelihood, hypothesis, windows, x, [states, *others])
+        start, (cost, residuals) = best_states(predictor, likelihood, hypothesis, windows, x, [states, *others])
+        if cost >= LOST:
+            return _given_up(predictor, hypothesis, windows, x, start, cost, residuals)
         states = _unstuck(predictor, likelihood, hypothesis, windows, x, start, others, residuals)
     problem = predictor, likelihood, hypothesis, windows
     found = _descend(*problem, x, states, fixed, most_steps, enough, target, louder)
@@ -238,6 +240,23 @@ def fit(
             break
         found = better
     return found
+
+
+def _given_up(
+    predictor: Predictor,
+    hypothesis: Hypothesis,
+    windows: Sequence[Window],
+    x: Array,
+    states: Mapping[Window, Array],
+    cost: float,
+    residuals: Sequence[Array],
+) -> Fit:
+    """The starting point itself, whose motion cannot be computed: there is nothing to descend along."""
+    bases = [np.zeros((len(r), len(states[w]))) for r, w in zip(residuals, windows, strict=True)]
+    shared = [np.zeros((len(r), len(x))) for r in residuals]
+    prior = float(np.sum(x[: len(predictor.nominal)] ** 2))
+    here = _eliminated(cost, residuals, bases, shared)
+    return Fit(hypothesis, tuple(windows), x, states, here, prior, False, np.ones(len(x), dtype=bool))
 
 
 def _stated_twice(predictor: Predictor, hypothesis: Hypothesis) -> NDArray[np.bool_]:

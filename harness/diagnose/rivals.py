@@ -13,6 +13,7 @@ from harness.diagnose.investigate import Outcome
 from harness.diagnose.predict import to_internal
 from harness.diagnose.search import generalized, like, pruned
 from harness.diagnose.study import compatible, whole_numbers
+from harness.diagnose.window_states import LOST
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
@@ -152,5 +153,6 @@ def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
 
 def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:
     """The likeliest hypotheses fitted; the one claimed comes first."""
-    shortlist = sorted(outcome.study.fits.values(), key=outcome.study.criterion)[: count + 1]
+    computed = [f for f in outcome.study.fits.values() if f.cost < LOST]
+    shortlist = sorted(computed, key=outcome.study.criterion)[: count + 1]
     return [best, *(f for f in shortlist if f is not best)][:count]

@@ -17,6 +17,7 @@ from harness.diagnose.study import HOPELESS, Study, compatible
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 NEAR = 60.0  # in the criterion
+ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
 
 
@@ -40,6 +41,7 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
     known: dict[frozenset[str], Fit] = {f.hypothesis.identity: f for f in seeds}
     frontier = list(seeds)
     expanded: set[frozenset[str]] = set()
+    finished: list[Fit] = []
     best = min(study.criterion(f) for f in seeds)
     for _ in range(effort.largest + 2):
         fresh: list[Fit] = []
@@ -52,9 +54,11 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
             if lowest < FLOOR * study.samples and study.criterion(base) > best + NEAR:
                 continue
             members = len(base.hypothesis.members)
-            if members >= effort.largest or _needless(study, base):
+            if members >= effort.largest or _needless(study, base) or any(_alike(base, done) for done in finished):
                 continue
             promising = [s for s in study.ranked(base) if s.gain > study.price(s.candidate, members)]
+            if not promising:
+                finished.append(base)
             for found in _diverse(promising, effort.tries):
                 grown = study.extend(base, found)
                 if grown.hypothesis.identity not in known:
@@ -83,6 +87,14 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
         if not frontier or (not fresh and not improved):
             break
     return sorted(known.values(), key=study.criterion)
+
+
+def _alike(one: Fit, other: Fit) -> bool:
+    """Whether two fits predict the same but for a small part of the noise, so that neither can be improved if the other cannot."""
+    if one.windows != other.windows:
+        return False
+    pairs = zip(one.linear.residuals, other.linear.residuals, strict=True)
+    return sum(float(np.sum((a - b) ** 2)) for a, b in pairs) < ALIKE * sum(len(r) for r in one.linear.residuals)
 
 
 def _needless(study: Study, fitted: Fit) -> bool:

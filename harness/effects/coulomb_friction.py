@@ -32,7 +32,7 @@ EFFECT = Effect(
     "of Coulomb and viscous friction, J. Sound Vib. 195 (1996) 149–154.",
     expressed_by={
         "denoc": "joint friction, set-valued at rest",
-        "mujoco": "joint frictionloss: exact while sliding, creeps where it should stick",
+        "mujoco": "joint frictionloss: sliding turns over two steps early, rest creeps",
         "exudyn": "friction torque in a user function of the connector, smoothed near rest",
         "analytic": "half-swing by half-swing: a shifted equilibrium",
     },

@@ -31,6 +31,7 @@ FULL = {
     "single": 180, "pair": 44, "triple": 12, "clean": 104, "outside": 60, "flexible single": 21, "flexible clean": 6,
 }  # fmt: skip
 
+SLOWEST_FIRST = ("triple", "pair", "flexible single", "outside", "single", "flexible clean", "clean")
 EFFECTS_BY_KIND = {"single": tuple(CONCEALMENTS), "outside": tuple(OUTSIDE), "flexible single": EFFECTS}
 
 REDRAWS, REDRAW_STRIDE = 5, 100_000
@@ -187,7 +188,10 @@ def prove(
     digests = json.loads(digests_file.read_text(encoding="utf-8"))
     found_folder = out / "found"
     found_folder.mkdir(exist_ok=True)
-    missing = [name for name in digests if not (found_folder / f"{name}.json").exists()]
+    # What takes longest goes first, so that no worker is left with it at the end.
+    missing = sorted(
+        (name for name in digests if not (found_folder / f"{name}.json").exists()), key=_expected_length, reverse=True
+    )
     ticks = _ticker(progress, "diagnose", len(digests), len(digests) - len(missing))
 
     def save(index: int, found: dict[str, Any]) -> None:
@@ -208,6 +212,12 @@ def prove(
     proof = Proof(seed, tuple(scores), summarise(scores, DETECTION_LIMIT), versus)
     _write(out / "proof.json", proof.to_json())
     return proof
+
+
+def _expected_length(name: str) -> int:
+    """Rank of how long a case takes to diagnose, by its kind."""
+    kind = name.rpartition("-")[0]
+    return SLOWEST_FIRST[::-1].index(kind) + 1 if kind in SLOWEST_FIRST else 0
 
 
 def _ticker(progress: Progress | None, stage: str, of: int, done: int = 0) -> Callable[[], None]:

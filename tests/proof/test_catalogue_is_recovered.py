@@ -23,17 +23,11 @@ VISIBILITY = 50.0
 STIFF = {"joint_flexibility", "backlash", "base_compliance", "link_flexibility"}
 
 
-# Named as inertia instead, which that recording does not part from it, and the class that is told does not hold it.
-MISSED = {"com_offset"}
-
-
 @pytest.mark.parametrize("index", range(len(CONCEALMENTS)), ids=list(CONCEALMENTS))
-def test_concealed_effect_is_named(index: int, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+def test_concealed_effect_is_named(index: int, tmp_path: Path) -> None:
     effect = list(CONCEALMENTS)[index]
     if effect in STIFF:
         pytest.skip("a case takes minutes; `denoc prove` conceals it")
-    if effect in MISSED:
-        request.applymarker(pytest.mark.xfail(strict=False, reason="named as inertia, its class is told without it"))
     case = draw_case("single", SEED, index, effects=(effect,), target=VISIBILITY)
     write_case(case, tmp_path / "case", np.random.default_rng([SEED, index]))
     found = diagnose_folder(tmp_path / "case")
