@@ -11,7 +11,7 @@ from scipy.stats import chi2, norm
 
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.investigate import Outcome, heldout_z, judge, trained
+from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
@@ -98,6 +98,12 @@ def _straightens(outcome: Outcome, smaller: Fit, larger: Fit, member: Candidate)
     level = max(larger.linear.cost / outcome.study.samples, 1.0)
     chance = float(chi2.sf(max(smaller.prior - larger.prior, 0.0) / level, member.size))
     return chance * len(outcome.study.candidates) < STRETCHED
+
+
+def _bent(outcome: Outcome, fitted: Fit) -> bool:
+    """Whether the nominal model left its tolerance, beside what is left unexplained."""
+    level = max(fitted.linear.cost / outcome.study.samples, 1.0)
+    return float(chi2.sf(fitted.prior / level, max(len(outcome.predictor.nominal), 1))) < STRETCHED
 
 
 def settle(outcome: Outcome, best: Fit) -> Fit:
@@ -221,7 +227,8 @@ def _carries(outcome: Outcome, held: Fit, smaller: Fit, times: float) -> bool:
     Real recordings always keep a remainder far above the noise of their sensors. What removes most of the error of a free run
     over data that it was not fitted to is no artefact of that remainder, whatever else is at work.
     """
-    without = judge(outcome, smaller)
+    # A nominal model bent out of its tolerance may predict as well what the effect is there for; that is no way to do without it.
+    without = judge_straight(outcome, smaller) if _bent(outcome, smaller) else judge(outcome, smaller)
     channels = range(len(outcome.problem.channels))
     return any(rmse(outcome, without, c) > times * rmse(outcome, held, c) for c in channels)
 
@@ -313,9 +320,6 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
 def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves."""
     held, smaller = judge(outcome, best), outcome.study.below(best, k)
-    if _straightens(outcome, smaller, best, best.hypothesis.members[k]) and not outcome.study.stretched(best):
-        # Bent that far, the nominal model predicts as well what the member is there for.
-        return True
     if _carries(outcome, held, smaller, AMPLY):
         return True
     return _carries(outcome, held, smaller, CARRIES) and _steady(outcome, trained(outcome, best), k)

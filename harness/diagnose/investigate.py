@@ -130,7 +130,8 @@ class Outcome:
 
     study: fits on all recordings, by which sets of effects are weighed. training: fits on the training recordings alone, whose
     parameters are those that are told and judged on the data held out. judged, alone: fits on the data held out, of nothing but
-    initial states, and of everything. nominal: as stated, initial states fitted (training).
+    initial states, and of everything. straight: training fits with the nominal quantities as stated. nominal: as stated, initial
+    states fitted (training).
     """
 
     problem: Problem
@@ -146,6 +147,7 @@ class Outcome:
     period: float
     judged: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
     alone: dict[frozenset[str], Fit] = field(default_factory=dict)
+    straight: dict[frozenset[str], Fit] = field(default_factory=dict)
 
 
 def investigate(
@@ -240,7 +242,26 @@ def trained(outcome: Outcome, fitted: Fit) -> Fit:
 
 def judge(outcome: Outcome, fitted: Fit) -> Fit:
     """The free run over the held-out windows of what was fitted to the training: nothing but the initial states is fitted."""
-    own = trained(outcome, fitted)
+    return _judged(outcome, fitted, trained(outcome, fitted))
+
+
+def judge_straight(outcome: Outcome, fitted: Fit) -> Fit:
+    """The same for a hypothesis whose nominal quantities are held to what is stated: what it predicts without bending the model."""
+    key = fitted.hypothesis.identity
+    if key not in outcome.straight:
+        training, k = outcome.training, len(outcome.predictor.nominal)
+        x = trained(outcome, fitted).x.copy()
+        x[:k] = 0.0
+        held = np.arange(len(x)) < k
+        outcome.straight[key] = fit(
+            outcome.predictor, training.likelihood, fitted.hypothesis, training.windows, x,
+            training.states_for(fitted.hypothesis, fitted), fixed=held, others=training.others(fitted.hypothesis),
+        )  # fmt: skip
+    return _judged(outcome, fitted, outcome.straight[key])
+
+
+def _judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
+    """What ``own``, fitted to the training alone, predicts of the data held out. fitted: on all recordings, for its states."""
     known = outcome.judged.get(id(own))
     if known is not None:
         return known[1]

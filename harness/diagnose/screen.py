@@ -237,12 +237,12 @@ def _stretches(requests: Sequence[Request]) -> Iterator[tuple[int, int]]:
         yield first, len(requests)
 
 
-def wave(candidate: Candidate) -> bool:
-    """Whether the candidate is a force that goes as a sine, so that scanning it needs the linear response only."""
-    return candidate.effect.name in ("cogging_torque", "base_excitation")
+def scanned(candidate: Candidate) -> bool:
+    """Whether the candidate is a force over angle or time that is to be tried at many places, by the linear response alone."""
+    return candidate.effect.name in ("cogging_torque", "base_excitation", "end_stop")
 
 
-def wave_change(
+def scan(
     fitted: Fit,
     predictor: Predictor,
     likelihood: Likelihood,
@@ -250,7 +250,7 @@ def wave_change(
     points: Sequence[Array],
     motions: dict[Window, Response],
 ) -> list[Array]:
-    """The same as ``change`` for waves of force over angle or time, to first order; ``motions`` keeps the linear responses."""
+    """The same as ``change`` for scanned forces, to first order; ``motions`` keeps the linear responses."""
     parameters = np.array(points)
     names = predictor.mechanism(fitted.hypothesis).names
     out = []
@@ -265,10 +265,24 @@ def wave_change(
             deviations = found.by_shaking(parameters[:, :1] * np.sin(phase))
         else:
             joint = names.index(candidate.site)
-            phase = parameters[:, 1:2] * found.q[:, joint] + parameters[:, 2:3]
-            deviations = found.by_force(joint, parameters[:, :1] * np.sin(phase))
+            q, qd = found.q[:, joint], found.qd[:, joint]
+            force = _stop(parameters, q, qd) if candidate.effect.name == "end_stop" else _wave(parameters, q)
+            deviations = found.by_force(joint, force)
         out.append(to_channels(predictor, likelihood, fitted, found, deviations))
     return out
+
+
+def _wave(parameters: Array, q: Array) -> Array:
+    """Forces (K, G) that go as a sine of the angle: amplitude, periods, phase."""
+    return np.asarray(parameters[:, :1] * np.sin(parameters[:, 1:2] * q + parameters[:, 2:3]))
+
+
+def _stop(parameters: Array, q: Array, qd: Array) -> Array:
+    """Forces (K, G) of stops, which push and never pull: angle, stiffness, damping."""
+    side = np.sign(parameters[:, :1])
+    depth = side * q - np.abs(parameters[:, :1])
+    push = parameters[:, 1:2] * depth + parameters[:, 2:3] * side * qd
+    return np.asarray(-side * np.where(depth > 0.0, np.maximum(push, 0.0), 0.0))
 
 
 def carry_state(predictor: Predictor, before: Hypothesis, after: Hypothesis, state: Array) -> Array:
@@ -353,9 +367,12 @@ def _near_changes(
     found: list[Near | None] = [None] * len(candidates)
     near: dict[int, list[Array]] = {}
     for k, (candidate, own) in enumerate(zip(candidates, points, strict=True)):
-        if wave(candidate) and responsive(predictor, fitted):
-            changes = wave_change(fitted, predictor, likelihood, candidate, own, motions)
-            found[k] = list(own), changes, [1.0] * len(own)
+        if scanned(candidate) and responsive(predictor, fitted):
+            # A wave is linear in its amplitude; a stop in its stiffness, as long as that is small.
+            factor = 1.0 if "phase" in candidate.effect.parameter_names else LEAST
+            places = [_brought_near(candidate, p, factor) for p in own]
+            changes = scan(fitted, predictor, likelihood, candidate, places, motions)
+            found[k] = places, changes, [factor] * len(own)
             continue
         near[k] = [_brought_near(candidate, p, FIRST_TRY) for p in own]
     moved = {k for k, own in near.items() if not all(map(np.array_equal, own, points[k]))}

@@ -19,7 +19,21 @@ Ray = tuple[Array, ...]
 FOLLOWS = 12.0  # times a joint's own frequency; beyond, a shaken base moves it by less than a hundredth as much
 UNSEEN = 1e-3  # of a motion's extent
 MOST_PERIODS = 60  # of a cogging torque in one turn
-REACH = (0.3, 0.45, 0.6, 0.75, 0.9, 0.97)  # shares of the motion's extent at which a stop may stand
+REACH = (
+    0.15,
+    0.25,
+    0.35,
+    0.45,
+    0.55,
+    0.65,
+    0.72,
+    0.79,
+    0.85,
+    0.9,
+    0.94,
+    0.97,
+    0.99,
+)  # shares of the motion's extent at which a stop may stand
 CUT = (0.8, 0.95, 0.999)  # shares of a channel's extent at which it may saturate
 
 
