@@ -49,7 +49,13 @@ BENCHMARKS = {
     "diagnosis": Benchmark("a full diagnosis against one mujoco.sysid fit", ("diagnosis",)),
     "startup": Benchmark(
         "denoc --help, and the first acceleration of a fresh process",
-        ("startup_help", "first_acceleration_cached", "first_acceleration_memory", "first_acceleration_compiling"),
+        (
+            "startup_help",
+            "first_acceleration_cached",
+            "first_acceleration_memory",
+            "first_acceleration_compiling",
+            "all_kernels_compiling",
+        ),
     ),
     "suite": Benchmark("denoc validate in full", ("validate_in_full",)),
 }
