@@ -23,7 +23,7 @@ from harness.denoc.binding import (
     vector_at,
     vector_data,
 )
-from harness.denoc.compiled import allocating, compiled
+from harness.denoc.compiled import compiled
 
 
 @intrinsic
@@ -49,7 +49,7 @@ def addresses(flexible: bool) -> tuple[int, int]:
     return rigid_address.addresses()
 
 
-@allocating
+@compiled
 def _checked(function: int, model: int, header: Any, q: Any, qd: Any, third: Any, result: Any) -> int:
     """Call with plain vectors of Python; refuse anything else, and results that are not finite."""
     at_q, at_qd = vector_data(q, header), vector_data(qd, header)
