@@ -20,7 +20,7 @@ from harness.proof.draw import Case, draw_case
 from harness.proof.flexible import EFFECTS, draw_flexible
 from harness.proof.outside import OUTSIDE
 from harness.proof.score import CaseScore, Summary, score_case, summarise
-from harness.proof.seal import seal, unseal
+from harness.proof.seal import digest, seal, unseal
 from harness.proof.truth import NoSolutionError
 from harness.proof.visibility import DETECTION_LIMIT
 from harness.proof.write import write_case
@@ -31,7 +31,7 @@ FULL = {
     "single": 180, "pair": 44, "triple": 12, "clean": 104, "outside": 60, "flexible single": 21, "flexible clean": 6,
 }  # fmt: skip
 
-SLOWEST_FIRST = ("triple", "pair", "flexible single", "outside", "single", "flexible clean", "clean")
+SLOWEST_FIRST = ("triple", "pair", "flexible-single", "outside", "single", "flexible-clean", "clean")
 EFFECTS_BY_KIND = {"single": tuple(CONCEALMENTS), "outside": tuple(OUTSIDE), "flexible single": EFFECTS}
 
 REDRAWS, REDRAW_STRIDE = 5, 100_000
@@ -101,7 +101,12 @@ def scaled(cases: int) -> dict[str, int]:
 
 
 def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
-    """Draw a case, write what diagnosis may see, seal the answer; (name, digest)."""
+    """Draw a case, write what diagnosis may see, seal the answer; (name, digest). What is sealed already is left as it is."""
+    name = f"{task.kind}-{task.index}".replace(" ", "-")
+    sealed = out / "sealed" / f"{name}.json"
+    if sealed.exists():
+        # The answer is sealed last, so that all the rest is there.
+        return name, digest(sealed.read_text(encoding="utf-8"))
     case = _draw(task, seed)
     write_case(case, out / "cases" / case.name, np.random.default_rng([seed, task.index, len(task.kind)]))
     return case.name, seal(case, out / "sealed")
