@@ -57,6 +57,11 @@ def prove(
     elif folder.exists() and any(folder.iterdir()):
         raise InputError("is not empty", source=folder, mend=f"give another --out, or go on with --resume {folder}")
     counts = QUICK if quick else FULL if cases is None else scaled(cases)
+    if dask is None:
+        # Each process would compile its own kernels.
+        from harness.denoc import ahead
+
+        ahead.everything()
     with progress("prove") as step:
         try:
             proof = run(

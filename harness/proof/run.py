@@ -78,10 +78,11 @@ class Proof:
             "coverage95_count": pair("coverage95"),
             "wilson95": {name: list(getattr(s, name).interval) for name in (*shares, "coverage95")},
             "confusion": s.confusion,
+            "confusion_right": s.confusion_right,
             "parameter_error": s.parameter_error,
             "detection": {k: [[d, hit] for d, hit in v] for k, v in s.detection.items()},
             "peers": dict(self.peers),
-            "scores": [asdict(score) for score in self.scores],
+            "scores": [{**asdict(score), "right": score.right} for score in self.scores],
         }
 
 

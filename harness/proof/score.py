@@ -57,6 +57,7 @@ class CaseScore:
     exact: the set of effects and sites is the planted one; in_class: it is, once every finding may be replaced by one that
     it was said to be indistinguishable from. missed, false: planted effects not found, findings not planted (neither
     themselves nor through their class). parameters: (effect, name, true, value, std, low, high). floor: held-out over noise floor.
+    outside: what was concealed if it is not of the catalogue.
     """
 
     name: str
@@ -75,16 +76,27 @@ class CaseScore:
     floor: float = float("nan")
     seconds: float = float("nan")
     error: str = ""
+    outside: str = ""
+
+    @property
+    def right(self) -> bool:
+        """Whether what was said is what should have been said: named in class, nothing where nothing is, or not explained."""
+        if self.kind == "outside":
+            return self.verdict in ("unexplained", "partly_explained")
+        if self.planted:
+            return self.in_class
+        return not self.found and self.verdict == "consistent"
 
 
 def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -> CaseScore:
     """Compare one diagnosis (``denoc.diagnosis/1`` as data, or {"error": …}) with its sealed answer."""
     outside = answer["kind"] == "outside"
     planted = () if outside else tuple((p["effect"], p["site"]) for p in answer["planted"])
+    strange = str(answer["planted"][0]["effect"]) if outside and answer["planted"] else ""
     if "error" in found:
         return CaseScore(
             name, answer["kind"], "error", planted, (), tuple(answer["visibility"]), False, False, planted, (),
-            None, None, error=str(found["error"]),
+            None, None, error=str(found["error"]), outside=strange,
         )  # fmt: skip
     findings = found["findings"]
     named = tuple((f["effect"], f["site"]) for f in findings)
@@ -145,7 +157,7 @@ def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -
     return CaseScore(
         name, answer["kind"], found["verdict"], planted, named, tuple(answer["visibility"]), exact, in_class,
         tuple(left), tuple(false), side_right, site_right, tuple(values), max(ratios, default=float("nan")),
-        float(found.get("seconds", float("nan"))),
+        float(found.get("seconds", float("nan"))), outside=strange,
     )  # fmt: skip
 
 
@@ -171,6 +183,7 @@ class Summary:
     false_anywhere: Share
     failed: Share
     confusion: dict[str, dict[str, int]] = field(default_factory=dict)
+    confusion_right: dict[str, dict[str, int]] = field(default_factory=dict)
     parameter_error: dict[str, float] = field(default_factory=dict)
     detection: dict[str, list[tuple[float, bool]]] = field(default_factory=dict)
 
@@ -195,6 +208,7 @@ def summarise(scores: Sequence[CaseScore], limit: float) -> Summary:
     inside = [t[5] <= t[2] <= t[6] for s in scores if s.in_class and s.verdict == "explained" for t in s.parameters]
     explained = [s for s in scores if s.verdict == "explained" and s.kind != "outside"]
     confusion: dict[str, Counter[str]] = {}
+    right: dict[str, Counter[str]] = {}
     for s in scores:
         row = "nothing" if s.kind == "clean" else "outside" if s.kind == "outside" else None
         if s.kind == "single":
@@ -204,6 +218,7 @@ def summarise(scores: Sequence[CaseScore], limit: float) -> Summary:
         told = [e for e, _ in s.found] or [s.verdict]
         for name in told:
             confusion.setdefault(row, Counter())[name] += 1
+            right.setdefault(row, Counter())[name] += s.right
     errors: dict[str, list[float]] = {}
     for s in scores:
         for effect, name, true, value, *_ in s.parameters:
@@ -227,6 +242,7 @@ def summarise(scores: Sequence[CaseScore], limit: float) -> Summary:
         false_anywhere=share([bool(s.false) for s in scores if s.kind != "outside"]),
         failed=share([s.verdict == "error" for s in scores]),
         confusion={row: dict(counts) for row, counts in sorted(confusion.items())},
+        confusion_right={row: dict(counts) for row, counts in sorted(right.items())},
         parameter_error={k: float(np.median(v)) for k, v in sorted(errors.items())},
         detection=detection,
     )

@@ -25,7 +25,7 @@ SHARES = {
 
 
 def print_proof(document: Mapping[str, Any], console: Console) -> None:
-    """Shares with Wilson intervals, coverage of the 95 % intervals, and what the peers said."""
+    """Shares with Wilson intervals, coverage of the 95 % intervals, and what the peers say."""
     table = Table(box=None, header_style="bold", pad_edge=False)
     for head, justify in (("", "left"), ("of", "right"), ("share", "right"), ("95 % interval", "right")):
         table.add_column(head, justify="right" if justify == "right" else "left")
@@ -39,4 +39,19 @@ def print_proof(document: Mapping[str, Any], console: Console) -> None:
     coverage = document.get("coverage95")
     if coverage is not None:
         console.print(f"95 % intervals contain the truth in {100 * coverage:.0f} % of cases")
+    _print_peers(document.get("peers") or {}, console)
     console.print(f"seed {document['seed']}, {document['cases']} cases")
+
+
+def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
+    """What other methods say of clean cases and of those with one effect."""
+    if not peers:
+        return
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    table.add_column("the same cases, asked of")
+    for head in ("named, of one effect", "false beside one effect", "false in clean", "failed"):
+        table.add_column(head, justify="right")
+    for peer, said in peers.items():
+        pairs = [f"{said[key][0]}/{said[key][1]}" for key in ("named_single", "false_beside_single", "clean_false")]
+        table.add_row(peer, *pairs, str(said["failed"]))
+    console.print(table)

@@ -48,8 +48,14 @@ class Confusion:
         table = document.get("confusion") or {}
         if not table:
             return None
-        words = "Rows: what was concealed. Columns: what the diagnosis named. Shade: share of the row; number: cases."
-        return {"words": words, "pictures": [("Confusion", Markup(confusion_svg(table)))]}
+        words = (
+            "Rows: what was concealed. Columns: what the diagnosis named. Shade: share of the row; number: cases. Blue: right, "
+            "by itself or as a member of the class that was told."
+        )
+        return {
+            "words": words,
+            "pictures": [("Confusion", Markup(confusion_svg(table, document.get("confusion_right"))))],
+        }
 
 
 @dataclass(frozen=True)
@@ -66,8 +72,54 @@ class Detection:
         return {"words": words, "pictures": [("Named over visibility", Markup(detection_svg(found)))]}
 
 
-def confusion_svg(table: Mapping[str, Mapping[str, int]]) -> str:
-    """SVG of a confusion matrix; effects that were both concealed and named come first and in the same order."""
+@dataclass(frozen=True)
+class Peers:
+    anchor: str = "peers"
+    title: str = "What other methods say of the same cases"
+    template: str = "proof_peers.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        peers = document.get("peers") or {}
+        if not peers:
+            return None
+        rows = []
+        for peer, said in peers.items():
+            claims = said.get("claims", {})
+            often = {
+                row.replace("_", " "): ", ".join(
+                    f"{effect.replace('_', ' ')} {count}" for effect, count in _by_count(counts)
+                )
+                for row, counts in sorted(claims.items())
+                if row in ("nothing", "base_tilt", "sensor_delay")
+            }
+            rows.append((peer, said, often))
+        return {"rows": rows}
+
+
+@dataclass(frozen=True)
+class Cases:
+    anchor: str = "cases"
+    title: str = "Every case"
+    template: str = "proof_cases.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        scores = document.get("scores") or []
+        if not scores:
+            return None
+        return {"scores": sorted(scores, key=lambda s: (s["kind"], bool(s.get("right")), s["name"]))}
+
+
+def _by_count(counts: Mapping[str, int]) -> list[tuple[str, int]]:
+    return sorted(counts.items(), key=lambda item: -item[1])
+
+
+def confusion_svg(
+    table: Mapping[str, Mapping[str, int]], accepted: Mapping[str, Mapping[str, int]] | None = None
+) -> str:
+    """SVG of a confusion matrix; effects that were both concealed and named come first and in the same order.
+
+    accepted: how many of each cell's cases count as right; without it, those on the diagonal.
+    """
     rows = sorted(table)
     named = {name for counts in table.values() for name in counts}
     columns = [name for name in rows if name in named] + sorted(named - set(rows))
@@ -78,8 +130,10 @@ def confusion_svg(table: Mapping[str, Mapping[str, int]]) -> str:
         ax.grid(False)
         for (i, j), share in np.ndenumerate(shares):
             if counts[i, j]:
-                right = rows[i] == columns[j]
-                ax.add_patch(_square(j, i, colour("denoc") if right else colour("analytic"), 0.15 + 0.75 * share))
+                good = bool(rows[i] == columns[j])
+                if accepted is not None:
+                    good = 2.0 * accepted.get(rows[i], {}).get(columns[j], 0) > float(counts[i, j])
+                ax.add_patch(_square(j, i, colour("denoc") if good else colour("analytic"), 0.15 + 0.75 * share))
                 ax.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=7, color=INK)
         ax.set_xlim(-0.5, len(columns) - 0.5)
         ax.set_ylim(len(rows) - 0.5, -0.5)
@@ -117,5 +171,5 @@ def detection_svg(found: Mapping[str, list[list[Any]]]) -> str:
 
 def proof_html(document: Document) -> str:
     """The page of a ``denoc.proof/1`` document."""
-    sections: list[Section] = [Shares(), Confusion(), Detection()]
+    sections: list[Section] = [Shares(), Confusion(), Detection(), Peers(), Cases()]
     return page("The blind proof", document, sections)

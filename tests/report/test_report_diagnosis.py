@@ -11,6 +11,7 @@ from rich.console import Console
 from harness.report.bench import bench_files, print_bench
 from harness.report.diagnosis import print_diagnosis
 from harness.report.diagnosis.page import diagnosis_html
+from harness.report.proof import print_proof
 from harness.report.proof_page import proof_html
 
 NASTY = "<b>bold</b>"
@@ -153,3 +154,21 @@ def test_the_proof_has_its_pictures():
     assert page.count("<svg") == 2
     assert "9 of 10" in text and "60–98 %" in text and "seed 7" in text
     assert "<svg" not in proof_html({**document, "confusion": {}, "detection": {}})
+
+
+def test_the_proof_lists_its_cases_and_its_peers():
+    said = {"asked": 4, "failed": 1, "clean_false": [2, 3], "named_single": [0, 1], "false_beside_single": [1, 1]}
+    case = {
+        "name": "outside-3", "kind": "outside", "planted": [], "outside": "sloshing_bob", "found": [], "visibility": [41.2],
+        "verdict": "unexplained", "floor": float("nan"), "seconds": 3.0, "error": "", "right": True,
+    }  # fmt: skip
+    document = {
+        "schema": "denoc.proof/1", "seed": 7, "cases": 1, "named_single": [0, 0],
+        "peers": {"mujoco.sysid": {**said, "claims": {"nothing": {"coulomb_friction": 2, "nothing": 1}}}}, "scores": [case],
+    }  # fmt: skip
+    text = lxml_html.fromstring(proof_html(document)).text_content()
+    assert "sloshing bob" in text and "unexplained" in text
+    assert "2 of 3" in text and "coulomb friction 2" in text
+    screen = Console(file=io.StringIO(), width=200)
+    print_proof(document, screen)
+    assert "mujoco.sysid" in screen.file.getvalue() and "2/3" in screen.file.getvalue()
