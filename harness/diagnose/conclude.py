@@ -24,6 +24,11 @@ Array = NDArray[np.float64]
 
 PRACTICAL = 0.05  # an effect must change the prediction by this share of the noise at least
 HELD_OUT = 1.5  # standard deviations by which it must improve data held out
+BLIND = (
+    4.0  # noise standard deviations between predictions of data held out, up to which those cannot confirm an effect
+)
+CONTRARY = 3.0  # standard deviations by which they then may fall short
+AMPLE = 5.0  # times its price that such an effect must gain
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
 )
@@ -87,10 +92,29 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
         # stretched model predicts them as well. The stretch itself is then the evidence.
-        needed = -WORSE if _straightens(outcome, smaller, fitted, member) else HELD_OUT
+        needed = HELD_OUT
+        if enough and visible and _straightens(outcome, smaller, fitted, member):
+            needed = -WORSE
+        elif enough and visible and gain > AMPLE * study.price(member, len(fitted.hypothesis.members) - 1):
+            needed = min(needed, _contrary(outcome, smaller, fitted))
         if not (z > needed) and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
+
+
+def _contrary(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
+    """The ``heldout_z`` below which data held out speak against the larger set; infinite if they must speak for it.
+
+    Predictions D² apart (in units of the noise) gain D² ± 2 D if the larger set is right. Where D is small, as for a stop that the
+    motion held out does not reach, those data cannot confirm it; they can only contradict.
+    """
+    one, other = judge(outcome, smaller), judge(outcome, larger)
+    pairs = zip(one.linear.residuals, other.linear.residuals, strict=True)
+    apart = float(np.sqrt(sum(float(np.sum((a - b) ** 2)) for a, b in pairs)))
+    if apart > BLIND:
+        return np.inf
+    least = apart**2 - 2.0 * CONTRARY * apart
+    return float(np.sign(least) * np.sqrt(abs(least)))
 
 
 def _straightens(outcome: Outcome, smaller: Fit, larger: Fit, member: Candidate) -> bool:
