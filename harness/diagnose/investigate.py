@@ -294,5 +294,13 @@ def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
 
 
 def _added(outcome: Outcome, fitted: Fit) -> float:
-    """Cost that the data held out add."""
-    return fitted.score - trained(outcome, fitted).score
+    """Cost that the data held out add.
+
+    Either fit bounds the other: the one of all recordings costs no less on the training data than those do by themselves, and no
+    more in all than the training fit carried on to the data held out. A fit that has ended in a wrong valley is so found out.
+    """
+    own = trained(outcome, fitted)
+    pairs = zip(fitted.windows, fitted.linear.residuals, strict=True)
+    within = fitted.prior + sum(float(r @ r) for window, r in pairs if window in own.windows)
+    carried_on = own.score + judge(outcome, fitted).cost
+    return max(min(fitted.score, carried_on) - min(own.score, within), 0.0)
