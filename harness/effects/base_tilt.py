@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.effects.directions import first_axis
+from harness.effects.directions import turning_axis
 from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.system import System
@@ -17,7 +17,7 @@ from harness.system.rotation import about_axis
 
 def _tilt(system: System, site: str, parameters: Mapping[str, float]) -> System:
     # The base turns by +angle, so in its own coordinates gravity turns back.
-    turn = about_axis(first_axis(system), -parameters["angle"])
+    turn = about_axis(turning_axis(system), -parameters["angle"])
     return replace(system, gravity=constant(turn @ system.gravity))
 
 
@@ -30,7 +30,7 @@ EFFECT = Effect(
         Parameter(
             "angle",
             "rad",
-            "turn of the base about the axis of the first movable joint",
+            "turn of the base about the axis of the first joint that turns",
             lower=-np.pi,
             upper=np.pi,
             scale=Scale(0.02),

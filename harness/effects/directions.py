@@ -21,6 +21,18 @@ def first_axis(system: System) -> Array:
     return np.asarray(rotation @ joint.axis)
 
 
+def turning_axis(system: System) -> Array:
+    """Axis of the first joint that turns, in base coordinates at zero position, shape (3,); the first axis if none turns.
+
+    A slide before it, be it a cart or a stand that gives, is tilted with the base and not about itself.
+    """
+    turning = [joint for joint in system.movable_joints if not joint.prismatic]
+    if not turning:
+        return first_axis(system)
+    rotation, _ = zero_poses(system)[turning[0].child]
+    return np.asarray(rotation @ turning[0].axis)
+
+
 def upward(system: System) -> Array:
     """Unit vector against gravity in base coordinates, shape (3,); z without gravity."""
     size = float(np.linalg.norm(system.gravity))

@@ -250,6 +250,13 @@ def test_a_tilted_base_shifts_the_equilibrium_back(pendulum):
     assert np.linalg.norm(np.cross(rod_direction, tilted.gravity)) < 1e-12
 
 
+def test_a_base_that_gives_is_tilted_about_the_joint_and_not_about_its_slide(pendulum):
+    give = Attachment("base_compliance", "base", {"stiffness": 1e4, "mass": 2.0, "damping": 5.0})
+    tilt = Attachment("base_tilt", "base", {"angle": 0.1})
+    alone = effects.apply(pendulum, tilt)
+    assert np.allclose(effects.apply(effects.apply(pendulum, give), tilt).gravity, alone.gravity, rtol=0, atol=1e-15)
+
+
 def test_a_compliant_base_slides_across_the_axis(pendulum):
     soft = effects.apply(
         pendulum, Attachment("base_compliance", "base", {"stiffness": 1e4, "mass": 2.0, "damping": 5.0})
