@@ -255,13 +255,19 @@ class Study:
         fitted = self.fit(hypothesis, [np.concatenate([base.x, own])], base, most_steps=most_steps, target=target)
         if not self.stretched(base):
             return fitted
-        # What was bent far to do without the effect stands at the end of a valley so narrow and curved that steps along it are
-        # short. Bent back at once, the effect alone finds its size; only then is the rest freed.
+        return self._bent_back(base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
+
+    def _bent_back(self, near: Fit, x: Array, hypothesis: Hypothesis, most_steps: int, target: float = -np.inf) -> Fit:
+        """The fit of a hypothesis from a point with the nominal quantities as stated, and those freed only in the end.
+
+        What was bent far to do without an effect stands at the end of a valley so narrow and curved that steps along it are
+        short. Bent back at once, the effects alone find their size.
+        """
         k = len(self.predictor.nominal)
-        x = np.concatenate([np.zeros(k), base.x[k:], own])
+        start = np.concatenate([np.zeros(k), x[k:]])
         held = np.concatenate([np.ones(k, bool), *(whole_numbers(m) for m in hypothesis.members)])
         straight = fit(
-            self.predictor, self.likelihood, hypothesis, self.windows, x, self.states_for(hypothesis, base),
+            self.predictor, self.likelihood, hypothesis, self.windows, start, self.states_for(hypothesis, near),
             most_steps=most_steps, enough=0.2, fixed=held, others=self.others(hypothesis),
         )  # fmt: skip
         return self.fit(hypothesis, [straight.x], straight, most_steps=most_steps, target=target)
@@ -290,6 +296,8 @@ class Study:
             # A special case cannot fit better, so this is a wrong valley; the nominal quantities there know the way.
             count = len(self.predictor.nominal)
             found = self.fit(hypothesis, [np.concatenate([nested.x[:count], others[count:]])], nested)
+        if hypothesis.members and self.stretched(found) and found.cost < HOPELESS * self.samples:
+            found = self._bent_back(base, found.x, hypothesis, most_steps=25)
         return found
 
     def without(self, base: Fit, k: int) -> Array:
