@@ -42,11 +42,9 @@ class Colour:
         drive = self.coloured**2 * (1.0 - self.phi**2)
         g0 = drive + self.white**2 * (1.0 + self.phi**2)
         g1 = -self.phi * self.white**2
-        if abs(g1) < 1e-12 * g0:
-            return 0.0, float(np.sqrt(g0))
+        # The root inside the unit circle, without the difference that cancels where one part is much weaker than the other.
         root = np.sqrt(max(g0**2 - 4.0 * g1**2, 0.0))
-        theta = (g0 - root) / (2.0 * g1)
-        return float(theta), float(np.sqrt(g1 / theta))
+        return float(2.0 * g1 / (g0 + root)), float(np.sqrt(0.5 * (g0 + root)))
 
     @property
     def effective_fraction(self) -> float:

@@ -40,3 +40,17 @@ def test_a_jump_is_not_noise() -> None:
     time = np.arange(4000)
     found = estimate_colour([rng.standard_normal(4000) + 3.0 * (time > 2000)], 1 / 250.0, 8.0, 1.0)
     assert found.std == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("white", "coloured", "phi"), [(1.0, 0.5, 0.9), (1e-7, 1.0, 0.5), (1.0, 1e-6, 0.999), (1.0, 0.9, 1e-9)]
+)
+def test_innovations_have_the_noise_s_autocovariance(white: float, coloured: float, phi: float) -> None:
+    # Of (1 − φ B) times the sum of white and AR(1) noise, an MA(1): variance and first covariance (Box and Jenkins, ch. 3),
+    # one part of the noise may be much weaker than the other.
+    theta, sigma = Colour(white, coloured, phi).innovation
+    assert (1.0 + theta**2) * sigma**2 == pytest.approx(
+        coloured**2 * (1.0 - phi**2) + white**2 * (1.0 + phi**2), rel=1e-12
+    )
+    assert theta * sigma**2 == pytest.approx(-phi * white**2, rel=1e-9)
+    assert abs(theta) < 1.0
