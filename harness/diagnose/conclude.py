@@ -15,6 +15,7 @@ from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straig
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
+from harness.diagnose.search import specialized
 from harness.diagnose.study import STRETCHED
 from harness.diagnose.uncertainty import estimates
 from harness.effects.effect import Family
@@ -289,30 +290,58 @@ def conclude(outcome: Outcome) -> Conclusion:
         # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
     remains, incomplete = _remains(outcome, best)
-    members = range(len(best.hypothesis.members))
-    fresh = [best.hypothesis.keys[k] for k in members if _doubtful(outcome, best, k, remains)]
-    if not remains.significant:
-        fresh += [key for key in _imitated_together(outcome, best) if key not in fresh]
-    firm = [best.hypothesis.keys[k] for k in members if _firm(outcome, best, k)] if fresh else []
-    left_out = bool(fresh)
-    while fresh:
-        # What has leant on the doubtful must stand without it.
-        doubted += fresh
-        while any(key in doubted for key in best.hypothesis.keys):
-            best = study.reduce(best, [key in doubted for key in best.hypothesis.keys].index(True))
-        held = judge(outcome, best)
-        fresh = [
-            key
-            for k, key in enumerate(best.hypothesis.keys)
-            if key not in firm and not _carries(outcome, held, study.below(best, k), CARRIES)
-        ]
+    shaky = [key for k, key in enumerate(best.hypothesis.keys) if _doubtful(outcome, best, k, remains)]
+    together = [] if remains.significant else _imitated_together(outcome, best)
+    left_out = bool(shaky or together)
     if left_out:
+        firm = [key for k, key in enumerate(best.hypothesis.keys) if _firm(outcome, best, k)]
+        best, fresh, saved = _without_doubtful(outcome, best, shaky, together)
+        while fresh:
+            doubted += fresh
+            held = judge(outcome, best)
+            # What has leant on the doubtful must stand without it.
+            fresh = [
+                key
+                for k, key in enumerate(best.hypothesis.keys)
+                if key not in [*firm, *saved] and not _carries(outcome, held, study.below(best, k), CARRIES)
+            ]
+            best = _left_out(outcome, best, fresh)
+    if left_out:
+        # What made a law more general may have been left out with the doubtful.
+        best = min([best, *specialized(study, best)], key=study.criterion)
         remains, incomplete = _remains(outcome, best)
     incomplete = incomplete or bool(doubted)
     claims = _claims(outcome, best)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     verdict = with_ if claims else without
     return Conclusion(verdict, best, trained(outcome, best), judge(outcome, best), claims, remains, tuple(doubted))
+
+
+def _left_out(outcome: Outcome, best: Fit, keys: list[str]) -> Fit:
+    """The fit without some of its members."""
+    while any(key in keys for key in best.hypothesis.keys):
+        best = outcome.study.reduce(best, [key in keys for key in best.hypothesis.keys].index(True))
+    return best
+
+
+def _without_doubtful(
+    outcome: Outcome, best: Fit, shaky: list[str], together: list[str]
+) -> tuple[Fit, list[str], list[str]]:
+    """The fit without the doubtful, what was left out, and what stands after all.
+
+    together: doubted together, and left out at once. shaky: doubted one by one; the weakest goes first, for beside one less that
+    is doubtful another may be firm.
+    """
+    dropped = list(together)
+    best = _left_out(outcome, best, together)
+    left = [key for key in shaky if key not in together]
+    while left:
+        gains = {key: outcome.study.below(best, best.hypothesis.keys.index(key)).score - best.score for key in left}
+        weakest = min(left, key=gains.__getitem__)
+        dropped.append(weakest)
+        best = _left_out(outcome, best, [weakest])
+        left = [key for key in left if key != weakest and not _firm(outcome, best, best.hypothesis.keys.index(key))]
+    return best, dropped, [key for key in shaky if key not in dropped]
 
 
 def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
