@@ -361,6 +361,8 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     """Whether member ``k`` may only stand in for something that nobody has named."""
     study = outcome.study
     smaller = study.below(best, k)
+    if _nowhere(outcome, best, k):
+        return True
     if not remains.significant:
         return _imitated(outcome, best, smaller, BETTER)
     everywhere = float(np.sqrt(best.linear.cost / max(study.samples, 1.0)))
@@ -370,8 +372,19 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     return not _firm(outcome, best, k)
 
 
+def _nowhere(outcome: Outcome, best: Fit, k: int) -> bool:
+    """Whether member ``k`` acts from a place on, and which side of the middle that is on is not known: it is then no stop."""
+    parameter = next(iter(best.hypothesis.members[k].effect.parameters), None)
+    if parameter is None or parameter.search != "range" or parameter.lower >= 0.0:
+        return False
+    place = estimates(outcome.predictor, best, k)[parameter.name]
+    return place.low <= 0.0 <= place.high
+
+
 def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves."""
+    if _nowhere(outcome, best, k):
+        return False
     held, smaller = judge(outcome, best), outcome.study.below(best, k)
     if _carries(outcome, held, smaller, AMPLY):
         return True
