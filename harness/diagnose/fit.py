@@ -391,7 +391,9 @@ def _hindered(here: Linearisation, found: Residuals) -> float:
     """What a step would gain if no window lost by it; nothing unless there are windows that do not."""
     if len(here.residuals) < 2:
         return 0.0
-    return sum(max(float(a @ a) - float(b @ b), 0.0) for a, b in zip(here.residuals, found[1], strict=True))
+    # A run that has gone astray may be too far off for its square.
+    with np.errstate(over="ignore"):
+        return sum(max(float(a @ a) - float(b @ b), 0.0) for a, b in zip(here.residuals, found[1], strict=True))
 
 
 def _between(before: Mapping[Window, Array], after: Mapping[Window, Array]) -> dict[Window, Array]:

@@ -105,5 +105,7 @@ def _residuals(
         residuals.append(list(white))
         for k, r in enumerate(white):
             if np.all(np.isfinite(predictions[w * count + k])):
-                costs[w, k] = float(r @ r)
+                # A run that has gone astray may be too far off for its square.
+                with np.errstate(over="ignore"):
+                    costs[w, k] = min(float(r @ r), LOST)
     return costs, residuals
