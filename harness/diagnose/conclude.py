@@ -120,15 +120,9 @@ def _contrary(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
 
 def _straightens(outcome: Outcome, smaller: Fit, larger: Fit, member: Candidate) -> bool:
     """Whether the nominal model would have to leave its tolerance to do without a member, beside what is left unexplained."""
-    level = max(larger.linear.cost / outcome.study.samples, 1.0)
-    chance = float(chi2.sf(max(smaller.prior - larger.prior, 0.0) / level, member.size))
-    return chance * len(outcome.study.candidates) < STRETCHED
-
-
-def _bent(outcome: Outcome, fitted: Fit) -> bool:
-    """Whether the nominal model left its tolerance, beside what is left unexplained."""
-    level = max(fitted.linear.cost / outcome.study.samples, 1.0)
-    return float(chi2.sf(fitted.prior / level, max(len(outcome.predictor.nominal), 1))) < STRETCHED
+    study = outcome.study
+    chance = float(chi2.sf(max(smaller.prior - larger.prior, 0.0) / study.loudness(larger), member.size))
+    return chance * len(study.candidates) < STRETCHED
 
 
 def settle(outcome: Outcome, best: Fit) -> Fit:
@@ -253,7 +247,9 @@ def _carries(outcome: Outcome, held: Fit, smaller: Fit, times: float) -> bool:
     over data that it was not fitted to is no artefact of that remainder, whatever else is at work.
     """
     # A nominal model bent out of its tolerance may predict as well what the effect is there for; that is no way to do without it.
-    without = judge_straight(outcome, smaller) if _bent(outcome, smaller) else judge(outcome, smaller)
+    study = outcome.study
+    bent = study.stretched(smaller, study.loudness(smaller))
+    without = judge_straight(outcome, smaller) if bent else judge(outcome, smaller)
     channels = range(len(outcome.problem.channels))
     return any(rmse(outcome, without, c) > times * rmse(outcome, held, c) for c in channels)
 
@@ -292,8 +288,7 @@ def conclude(outcome: Outcome) -> Conclusion:
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if _doubtful(outcome, best, k, remains)]
     together = [] if remains.significant else _imitated_together(outcome, best)
-    left_out = bool(shaky or together)
-    if left_out:
+    if shaky or together:
         firm = [key for k, key in enumerate(best.hypothesis.keys) if _firm(outcome, best, k)]
         best, fresh, saved = _without_doubtful(outcome, best, shaky, together)
         while fresh:
@@ -306,7 +301,6 @@ def conclude(outcome: Outcome) -> Conclusion:
                 if key not in [*firm, *saved] and not _carries(outcome, held, study.below(best, k), CARRIES)
             ]
             best = _left_out(outcome, best, fresh)
-    if left_out:
         # What made a law more general may have been left out with the doubtful.
         best = min([best, *specialized(study, best)], key=study.criterion)
         remains, incomplete = _remains(outcome, best)

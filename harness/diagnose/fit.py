@@ -17,7 +17,7 @@ from scipy.linalg import qr, solve_triangular
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor, internal_bounds
-from harness.diagnose.window_states import LOST, Residuals, best_states, settled, suspects
+from harness.diagnose.window_states import LOST, Residuals, best_states, price, settled, suspects
 from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
@@ -101,7 +101,7 @@ def residuals_at(
     for w, white in enumerate(likelihood.whiten_windows(windows, predictions)):
         chunk = predictions[w * len(points) : (w + 1) * len(points)]
         for k, r in enumerate(white):
-            costs[k] += float(r @ r) if np.all(np.isfinite(chunk[k])) else LOST
+            costs[k] += price(r, chunk[k])
             residuals[k].append(r)
     return [(cost, tuple(own)) for cost, own in zip(costs, residuals, strict=True)]
 
@@ -150,7 +150,7 @@ def linearise(
         n = len(s)
         if known is None:
             r, white = white[0], white[1:]
-            cost += float(r @ r) if np.all(np.isfinite(predictions[number * count])) else LOST
+            cost += price(r, predictions[number * count])
         else:
             r = known[1][number]
         # State and shared parameters side by side.

@@ -137,6 +137,7 @@ class Study:
         whole = np.concatenate(
             [np.zeros(len(self.predictor.nominal), bool), *(whole_numbers(m) for m in hypothesis.members)]
         )
+        others = self.others(hypothesis)
         for start in starts:
             found = fit(
                 self.predictor,
@@ -149,7 +150,7 @@ class Study:
                 enough=0.2,
                 fixed=whole if whole.any() else None,
                 target=target,
-                others=self.others(hypothesis),
+                others=others,
             )
             if best is None or found.score < best.score:
                 best = found
@@ -169,7 +170,7 @@ class Study:
         Beside a misfit far above the noise, tolerances that are weighed against the noise alone hold nothing back: a nominal
         quantity would leave them by a hundred deviations to smooth what something else makes.
         """
-        louder = best.linear.cost / self.samples
+        louder = self.loudness(best)
         x = best.x.copy()
         x[: len(self.predictor.nominal)] = 0.0
         found = fit(
@@ -211,9 +212,13 @@ class Study:
             most_steps=most_steps, enough=0.2, fixed=held, target=best.score,
         )  # fmt: skip
 
-    def stretched(self, fitted: Fit) -> bool:
-        """Whether the nominal quantities had to leave their stated tolerance to fit."""
-        return bool(chi2.sf(fitted.prior, max(len(self.predictor.nominal), 1)) < STRETCHED)
+    def stretched(self, fitted: Fit, louder: float = 1.0) -> bool:
+        """Whether the nominal quantities had to leave their stated tolerance to fit, beside residuals of variance ``louder``."""
+        return bool(chi2.sf(fitted.prior / louder, max(len(self.predictor.nominal), 1)) < STRETCHED)
+
+    def loudness(self, fitted: Fit) -> float:
+        """Variance of what a fit leaves, in units of the noise's; one at least."""
+        return max(fitted.cost / self.samples, 1.0)
 
     def empty(self) -> Fit:
         """The fit of the hypothesis that nothing is missing."""

@@ -27,6 +27,14 @@ Residuals = tuple[float, tuple[Array, ...]]
 """Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
 
 
+def price(residual: Array, lane: Array) -> float:
+    """Cost of a predicted lane's whitened residual; ``LOST`` for one that left the numbers or is too far off for its square."""
+    if not np.all(np.isfinite(lane)):
+        return LOST
+    with np.errstate(over="ignore"):
+        return min(float(residual @ residual), LOST)
+
+
 def best_states(
     predictor: Predictor,
     likelihood: Likelihood,
@@ -99,13 +107,10 @@ def _residuals(
     lanes = [(0, window, states[window]) for window, own in zip(windows, options, strict=True) for states in own]
     predictions = predictor.predict(hypothesis, x[None], lanes)
     count = len(options[0])
-    costs = np.full((len(windows), count), LOST)
+    costs = np.zeros((len(windows), count))
     residuals = []
     for w, white in enumerate(likelihood.whiten_windows(windows, predictions)):
         residuals.append(list(white))
         for k, r in enumerate(white):
-            if np.all(np.isfinite(predictions[w * count + k])):
-                # A run that has gone astray may be too far off for its square.
-                with np.errstate(over="ignore"):
-                    costs[w, k] = min(float(r @ r), LOST)
+            costs[w, k] = price(r, predictions[w * count + k])
     return costs, residuals

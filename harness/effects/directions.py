@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from harness.effects.scale import zero_poses
-from harness.system import System
+from harness.system import Joint, System
 from harness.system.description import Array
 
 UP = (0.0, 0.0, 1.0)
@@ -16,9 +16,7 @@ def first_axis(system: System) -> Array:
     movable = system.movable_joints
     if not movable:
         return np.array([1.0, 0.0, 0.0])
-    joint = movable[0]
-    rotation, _ = zero_poses(system)[joint.child]
-    return np.asarray(rotation @ joint.axis)
+    return _axis(system, movable[0])
 
 
 def turning_axis(system: System) -> Array:
@@ -27,10 +25,13 @@ def turning_axis(system: System) -> Array:
     A slide before it, be it a cart or a stand that gives, is tilted with the base and not about itself.
     """
     turning = [joint for joint in system.movable_joints if not joint.prismatic]
-    if not turning:
-        return first_axis(system)
-    rotation, _ = zero_poses(system)[turning[0].child]
-    return np.asarray(rotation @ turning[0].axis)
+    return _axis(system, turning[0]) if turning else first_axis(system)
+
+
+def _axis(system: System, joint: Joint) -> Array:
+    """A joint's axis in base coordinates at zero position, shape (3,)."""
+    rotation, _ = zero_poses(system)[joint.child]
+    return np.asarray(rotation @ joint.axis)
 
 
 def upward(system: System) -> Array:

@@ -47,6 +47,11 @@ class Task:
     index: int
     effect: str = ""
 
+    @property
+    def name(self) -> str:
+        """Of the case."""
+        return f"{self.kind}-{self.index}".replace(" ", "-")
+
 
 @dataclass(frozen=True)
 class Proof:
@@ -103,11 +108,10 @@ def scaled(cases: int) -> dict[str, int]:
 
 def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
     """Draw a case, write what diagnosis may see, seal the answer; (name, digest). What is sealed already is left as it is."""
-    name = f"{task.kind}-{task.index}".replace(" ", "-")
-    sealed = out / "sealed" / f"{name}.json"
+    sealed = out / "sealed" / f"{task.name}.json"
     if sealed.exists():
         # The answer is sealed last, so that all the rest is there.
-        return name, digest(sealed.read_text(encoding="utf-8"))
+        return task.name, digest(sealed.read_text(encoding="utf-8"))
     case = _draw(task, seed)
     write_case(case, out / "cases" / case.name, np.random.default_rng([seed, task.index, len(task.kind)]))
     return case.name, seal(case, out / "sealed")
@@ -125,7 +129,7 @@ def _draw(task: Task, seed: int) -> Case:
                 case = draw_case(task.kind, seed, index, effects=(effect,) if effect else ())
         except NoSolutionError:
             continue
-        return replace(case, name=case.name.replace(str(index), str(task.index)))
+        return replace(case, name=task.name)
     raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution")
 
 
@@ -195,9 +199,7 @@ def prove(
     found_folder = out / "found"
     found_folder.mkdir(exist_ok=True)
     # What takes longest goes first, so that no worker is left with it at the end.
-    missing = sorted(
-        (name for name in digests if not (found_folder / f"{name}.json").exists()), key=_expected_length, reverse=True
-    )
+    missing = sorted((name for name in digests if not (found_folder / f"{name}.json").exists()), key=_place_by_length)
     ticks = _ticker(progress, "diagnose", len(digests), len(digests) - len(missing))
 
     def save(index: int, found: dict[str, Any]) -> None:
@@ -220,10 +222,9 @@ def prove(
     return proof
 
 
-def _expected_length(name: str) -> int:
-    """Rank of how long a case takes to diagnose, by its kind."""
-    kind = name.rpartition("-")[0]
-    return SLOWEST_FIRST[::-1].index(kind) + 1 if kind in SLOWEST_FIRST else 0
+def _place_by_length(name: str) -> int:
+    """Place of a case among those that take longest to diagnose, by its kind."""
+    return SLOWEST_FIRST.index(name.rpartition("-")[0])
 
 
 def _ticker(progress: Progress | None, stage: str, of: int, done: int = 0) -> Callable[[], None]:

@@ -234,7 +234,7 @@ def summarise(scores: Sequence[CaseScore], limit: float) -> Summary:
         named_pairs=share([s.in_class for s in pairs]),
         named_triples=share([s.in_class for s in triples]),
         clean_false=share([bool(s.found) or s.verdict not in ("consistent", "error") for s in clean]),
-        outside_told=share([s.verdict in ("unexplained", "partly_explained") for s in outside]),
+        outside_told=share([s.right for s in outside]),
         coverage95=share(inside),
         at_floor=share([s.floor <= AT_FLOOR for s in explained]),
         side_right=share([bool(s.side_right) for s in single if s.side_right is not None]),

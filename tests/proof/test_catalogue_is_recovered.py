@@ -19,15 +19,11 @@ from harness.proof.write import write_case
 
 SEED = 8101
 VISIBILITY = 50.0
-# Their vibration sets the step of every run, so that a case takes minutes: left to `denoc prove`.
-STIFF = {"joint_flexibility", "backlash", "base_compliance", "link_flexibility"}
 
 
 @pytest.mark.parametrize("index", range(len(CONCEALMENTS)), ids=list(CONCEALMENTS))
 def test_concealed_effect_is_named(index: int, tmp_path: Path) -> None:
     effect = list(CONCEALMENTS)[index]
-    if effect in STIFF:
-        pytest.skip("a case takes minutes; `denoc prove` conceals it")
     case = draw_case("single", SEED, index, effects=(effect,), target=VISIBILITY)
     write_case(case, tmp_path / "case", np.random.default_rng([SEED, index]))
     found = diagnose_folder(tmp_path / "case")
