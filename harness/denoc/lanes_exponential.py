@@ -10,6 +10,7 @@ differencing for stiff systems, J. Comput. Phys. 176 (2002) 430–455.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,9 +20,10 @@ from numpy.typing import NDArray
 from harness.denoc import laws as law
 from harness.denoc.lanes_integrate import present_nodes
 from harness.denoc.lanes_rows import prepare_lane
-from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TIME, Q
+from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
 from harness.denoc.lanes_vector import address_of, call_recursion, choose, load, magnitude, spread, store, vectors
 from harness.denoc.pipeline import Kernel
+from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 
 if TYPE_CHECKING:
@@ -32,6 +34,9 @@ Array = NDArray[np.float64]
 ORDER = 4
 # Share of a coordinate's range that the last term of a step may have; what N does is then too fast for the step.
 LARGEST = 1e-2
+SUDDEN = (
+    "coulomb_torque", "static_torque", "mu_radius", "dahl_torque", "quadratic_drag", "stop_stiffness", "stop_damping",
+)  # fmt: skip
 # Of the linearization [rad, rad/s]; its error goes into N, and so into nothing.
 SMALL = 1e-6
 
@@ -41,9 +46,7 @@ def simulate(model: LaneModel, rows: Array, start: Array, time: Array, step: flo
 
     Raises UnsupportedError where the motion has sudden changes (dry friction, stops), InputError for uneven times.
     """
-    copies, n = len(rows), model.n
-    sudden = ("coulomb_torque", "static_torque", "mu_radius", "dahl_torque", "quadratic_drag", "stop_stiffness")
-    for name in (*sudden, "stop_damping"):
+    for name in SUDDEN:
         for joint in model.system.movable_joints:
             if np.any(rows[:, model.slot(joint.name, name)]):
                 raise UnsupportedError(
@@ -54,37 +57,83 @@ def simulate(model: LaneModel, rows: Array, start: Array, time: Array, step: flo
     if len(time) < 2 or np.abs(interval - interval[0]).max() > 1e-9 * interval[0]:
         raise InputError("the exponential method wants evenly spaced sample times", mend="leave method out")
     inner = max(1, int(np.ceil(interval[0] / step * (1.0 - 1e-9))))
-    h = float(interval[0]) / inner
-    begun = np.empty((copies, ORDER, 2 * n))
-    first = model.simulate(rows, start[:, :n], start[:, n:], time[0] + h * np.arange(ORDER), tolerance=1e-9)
-    begun[:, :, :n], begun[:, :, n:] = first[0], first[1]
-    linear = _linearization(model, rows, start, float(time[0]))
-    carried, driven = _weights(linear, h)
-    shape = (copies, len(time), n)
-    position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
-    worst = np.zeros((copies, n))
-    for tables, recursion, which in model.parts(rows):
-        out = [np.full((len(which), *shape[1:]), np.nan) for _ in range(3)]
-        uncertain = np.zeros((len(which), n))
-        march_groups(
-            rows[which], begun[which], recursion, *tables, model.user,
-            np.ascontiguousarray(linear[which][:, n:]), carried[which], driven[which], float(time[0]), h, inner, *out, uncertain,
-        )  # fmt: skip
-        position[which], velocity[which], acceleration[which] = out
-        worst[which] = uncertain
+    position, velocity, acceleration, worst = march(model, rows, start, time, inner, linearization(model, rows, start))
     reach = np.abs(position).max(axis=1)
     lost = ~(worst <= LARGEST * reach + 1e-12).all(axis=1)
     position[lost, 1:], velocity[lost, 1:], acceleration[lost, 1:] = np.nan, np.nan, np.nan
     return position, velocity, acceleration
 
 
-def _linearization(model: LaneModel, rows: Array, start: Array, time: float) -> Array:
-    """∂f/∂y at the initial positions and rest, (B, 2n, 2n), by central differences."""
+def smooth(model: LaneModel, rows: Array) -> NDArray[np.bool_]:
+    """Which rows (B, P) have no sudden changes, shape (B,)."""
+    slots = [model.slot(joint.name, name) for joint in model.system.movable_joints for name in SUDDEN]
+    return np.asarray(~rows[:, slots].any(axis=1), dtype=np.bool_)
+
+
+def march(
+    model: LaneModel, rows: Array, start: Array, time: Array, inner: int, linear: Array, *, tau: Array | None = None,
+    threads: int = 1,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    """Position, velocity, acceleration (B, T, n) at even times, ``inner`` steps apart, and the last term's size (B, n).
+
+    linear: from ``linearization``; tau: generalized forces at the times, straight between them, (B, T, n).
+    The last term of a step, at its greatest, tells how far the step's order is used up.
+    """
+    copies, n = len(rows), model.n
+    h = float(time[1] - time[0]) / inner
+    begun = np.empty((copies, ORDER, 2 * n))
+    early = time[0] + h * np.arange(ORDER)
+    first = model.simulate(
+        rows, start[:, :n], start[:, n:], early, tau=None if tau is None else _between(tau, inner), tolerance=1e-9,
+        threads=threads,
+    )  # fmt: skip
+    begun[:, :, :n], begun[:, :, n:] = first[0], first[1]
+    carried, driven = _weights(linear, h)
+    shape = (copies, len(time), n)
+    position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
+    worst = np.zeros((copies, n))
+    effort = np.zeros((copies, 1, n)) if tau is None else np.ascontiguousarray(tau)
+
+    def advance(tables: tuple[Any, ...], recursion: int, which: Any) -> None:
+        """Advance some of the copies by the equations that the tables stand for."""
+        given = (
+            rows[which], begun[which], np.ascontiguousarray(linear[which][:, n:]), carried[which], driven[which], effort[which],
+        )  # fmt: skip
+        out = [np.full((len(which), *shape[1:]), np.nan) for _ in range(3)] + [np.zeros((len(which), n))]
+
+        def part(first: int, last: int) -> None:
+            mine, initial, *weights, forces = (array[first:last] for array in given)
+            march_groups(
+                mine, initial, recursion, *tables, model.user, *weights, forces, float(time[0]), h, inner,
+                *(array[first:last] for array in out),
+            )  # fmt: skip
+
+        groups = -(-len(which) // 8)
+        workers = min(threads, groups)
+        edges = np.linspace(0, groups, workers + 1).astype(int) * 8
+        share(part, list(pairwise(edges.tolist())), workers)
+        position[which], velocity[which], acceleration[which], worst[which] = out
+
+    for tables, recursion, which in model.parts(rows):
+        advance(tables, recursion, which)
+    return position, velocity, acceleration, worst
+
+
+def _between(tau: Array, inner: int) -> Array:
+    """Efforts (B, 4, n) at the first steps, ``inner`` of them between two samples (B, T, n)."""
+    place = np.arange(ORDER) / inner
+    k = np.minimum(place.astype(int), tau.shape[1] - 2)
+    share = (place - k)[None, :, None]
+    return np.asarray(tau[:, k] * (1.0 - share) + tau[:, k + 1] * share)
+
+
+def linearization(model: LaneModel, rows: Array, start: Array) -> Array:
+    """∂f/∂y at the initial positions (B, 2n) and rest, (B, 2n, 2n), by central differences."""
     copies, n = len(rows), model.n
     at = np.concatenate([start[:, :n], np.zeros((copies, n))], axis=1)
     moved = at[:, None, None, :] + SMALL * np.array([1.0, -1.0])[:, None, None] * np.eye(2 * n)
     flat = moved.reshape(-1, 2 * n)
-    when = time + np.array([0.0])
+    when = np.array([0.0])
     found = model.simulate(np.repeat(rows, 4 * n, axis=0), flat[:, :n], flat[:, n:], when)[2].reshape(
         copies, 2, 2 * n, n
     )
@@ -133,10 +182,12 @@ def _factorial(k: int) -> float:
 @njit(cache=True, error_model="numpy", nogil=True, pipeline_class=Kernel)
 def march_groups(
     rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
-    user: int, linear: Any, carried: Any, driven: Any, start: float, h: float, inner: int,
+    user: int, linear: Any, carried: Any, driven: Any, effort: Any, start: float, h: float, inner: int,
     position: Any, velocity: Any, acceleration: Any, worst: Any,
 ) -> None:  # fmt: skip
     """March all rows, eight at a time; begun: the first states, (B, 4, 2n); linear: lower half of L, (B, n, 2n).
+
+    effort: generalized forces at the samples, straight between them, (B, T, n), or (B, 1, n) of zeros.
 
     worst: greatest size of the last term of a step in every position, (B, n), written.
     """
@@ -193,6 +244,15 @@ def march_groups(
                 store(ws, (i * JOINT + Q) * 8, load(state, i * 8))
                 store(ws, (i * JOINT + QD) * 8, load(state, (n + i) * 8))
             store(ws, group + TIME * 8, spread(start + s * h))
+            if effort.shape[1] > 1:
+                sample = s // inner
+                after_it = min(sample + 1, effort.shape[1] - 1)
+                share_of_it = (s - sample * inner) / inner
+                for lane in range(8):
+                    source = 8 * g + min(lane, lanes - 1)
+                    for i in range(n):
+                        here = effort[source, sample, i]
+                        ws[(i * JOINT + TAU) * 8 + lane] = here + share_of_it * (effort[source, after_it, i] - here)
             call_recursion(
                 recursion, address_of(present, 0), present.shape[0], address_of(flags, 0), address_of(constants, 0),
                 address_of(beams, 0), address_of(laws, 0), address_of(ws, 0), n, user, shaken, nothing,

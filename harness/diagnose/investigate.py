@@ -176,6 +176,7 @@ def investigate(
         study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states, swing=period)
         study.fit(Hypothesis(), [first.x], first)
         first = study.empty()
+    predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
     groups = horizon_groups(study, first)
     long_study = Study(

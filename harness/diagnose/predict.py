@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled
 from harness.diagnose.problem import Problem, Run
+from harness.diagnose.stiff_runs import StiffRuns
 from harness.diagnose.windows import Window
 from harness.effects.attach import input_chain, sensor_chain
 from harness.effects.directions import sideways
@@ -157,6 +158,11 @@ class Predictor:
         self._rows: dict[tuple[tuple[str, ...], bytes], Array] = {}
         self.threads = threads_allowed()
         self.lanes_run = 0
+        self._stiff: StiffRuns | None = None
+
+    def shorten(self, noise: Array) -> None:
+        """From now on run elastic mechanisms in longer steps where the difference cannot be seen behind noise (C,) [std]."""
+        self._stiff = StiffRuns(self.problem.channels, noise)
 
     # -- parameters ---------------------------------------------------------------------------------------------
 
@@ -307,7 +313,6 @@ class Predictor:
     ) -> None:
         """Run lanes (request, lane) of one mechanism and one grid together and hand their channels to ``out``."""
         mechanism = asked[members[0][0]].mechanism
-        n = len(mechanism.names)
         by_request: dict[int, list[int]] = {}
         for k, lane in members:
             by_request.setdefault(k, []).append(lane)
@@ -334,15 +339,9 @@ class Predictor:
         if not alone:
             every_row, every_state = every_row[first], every_state[first]
             every_tau = None if every_tau is None else every_tau[first]
-        q, qd, qdd = mechanism.model.simulate(
-            every_row,
-            np.ascontiguousarray(every_state[:, :n]),
-            np.ascontiguousarray(every_state[:, n:]),
-            grid_time + start,
-            tau=every_tau,
-            tolerance=max(self.tolerance, requests[members[0][0]].tolerance),
-            threads=self.threads,
-        )
+        tolerance = requests[members[0][0]].tolerance
+        asking = np.array([k for k, _ in members])[first]
+        q, qd, qdd = self.motions(mechanism, every_row, every_state, grid_time + start, every_tau, asking, tolerance)
         place = 0
         for k, own in by_request.items():
             request, ready = requests[k], asked[k]
@@ -373,6 +372,22 @@ class Predictor:
                 for j, channel in zip(places, channels, strict=True):
                     out[k][own[j]] = channel
             place += len(own)
+
+    def motions(
+        self, mechanism: Mechanism, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
+        tolerance: float = 0.0,
+    ) -> tuple[Array, Array, Array]:  # fmt: skip
+        """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
+
+        requests: what belongs together, (B,), and so is run by one method. tolerance: error of one step, if it may be larger than
+        the predictor's own.
+        """
+        model, n = mechanism.model, len(mechanism.names)
+        tolerance = max(self.tolerance, tolerance)
+        if self._stiff is not None and n > len(self.system.movable_joints):
+            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.threads)
+        q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
+        return model.simulate(rows, q, qd, time, tau=tau, tolerance=tolerance, threads=self.threads)
 
     def _sampling(self, hypothesis: Hypothesis, window: Window, margin: float) -> object:
         """What lanes must have in common to be read by the sensors together: the window itself where sensors know the time."""

@@ -73,7 +73,7 @@ class Probe:
 
     def _window(self, window: Window, k: int, histories: Array) -> Array:
         found = self.motions[window]
-        if responsive(self.predictor, self.fitted):
+        if responsive(self.predictor):
             deviations = found.by_force(k, self.torque * histories)
             return np.nan_to_num(to_channels(self.predictor, self.likelihood, self.fitted, found, deviations))
         grid = self.predictor.grid(window, self.predictor.margin(self.fitted.hypothesis))

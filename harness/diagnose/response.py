@@ -17,6 +17,7 @@ from harness.diagnose.fit import Fit
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.windows import Window
+from harness.recording.sensors import observe
 
 Array = NDArray[np.float64]
 
@@ -88,9 +89,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
         tau = predictor.efforts(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], time)
     amplitude = model.slot("base", "excitation_amplitude")
     start = offset if row[amplitude] != 0.0 else 0.0
-    q, qd, qdd = model.simulate(
-        row[None, :], state[None, :n], state[None, n:], time + start, tau=tau, tolerance=predictor.tolerance
-    )
+    q, qd, qdd = predictor.motions(mechanism, row[None, :], state[None], time + start, tau, np.zeros(1))
     points = len(time) - 1
     copies = 1 + 3 * n + 1
     rows = np.tile(row, (points * copies, 1))
@@ -128,33 +127,39 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     )  # fmt: skip
 
 
+LINEAR = ("position", "velocity", "tip_deflection", "root_strain")
+"""Quantities that are linear in the state."""
+
+
 def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found: Response, deviations: Array) -> Array:
-    """Whitened changes of the channels (K, M) that state deviations (G, 2n, K) make; channels of joints only."""
-    names = predictor.mechanism(fitted.hypothesis).names
-    n = len(names)
+    """Whitened changes of the channels (K, M) that state deviations (G, 2n, K) make; of those linear in the state only."""
+    model = predictor.mechanism(fitted.hypothesis).model
+    n = model.n
     grid = predictor.grid(found.window, predictor.margin(fitted.hypothesis))
-    i, s, h = grid.index, grid.weight[:, None], grid.step
     problem = predictor.problem
     size = found.window.size
-    i, s = i[:size], s[:size]
-    signal = np.zeros((deviations.shape[2], len(problem.channels), size))
+    i, s, h = grid.index[:size], grid.weight[:size, None], grid.step
+    count = deviations.shape[2]
+    signal = np.zeros((count, len(problem.channels), size))
+    rows = np.broadcast_to(predictor.row(fitted.hypothesis, fitted.x), (count, model.P))
+    place, speed = (np.moveaxis(part, 2, 0) for part in (deviations[:, :n], deviations[:, n:]))
+    still = np.zeros_like(place)
     for c, channel in enumerate(problem.channels):
-        if channel.quantity not in ("position", "velocity"):
+        if channel.quantity not in LINEAR:
             continue
-        k = names.index(channel.site)
-        if channel.quantity == "position":
-            d, v = deviations[:, k], deviations[:, n + k] * h
+        d = observe(model, rows, channel.site, channel.quantity, (place, speed, still)).T
+        if channel.quantity != "velocity":
+            v = h * observe(model, rows, channel.site, channel.quantity, (speed, still, still)).T
             sampled = d[i] if grid.exact else (
                 d[i] * (1 - s) ** 2 * (1 + 2 * s) + v[i] * s * (1 - s) ** 2
                 + d[i + 1] * s**2 * (3 - 2 * s) + v[i + 1] * s**2 * (s - 1)
             )  # fmt: skip
         else:
-            v = deviations[:, n + k]
-            sampled = v[i] if grid.exact else v[i] * (1 - s) + v[i + 1] * s
+            sampled = d[i] if grid.exact else d[i] * (1 - s) + d[i + 1] * s
         signal[:, c] = sampled.T
     return likelihood.whiten_signal(found.window, np.nan_to_num(signal))
 
 
-def responsive(predictor: Predictor, fitted: Fit) -> bool:
-    """Whether the linear response can speak for the channels: joint angles and velocities, no elastic coordinates."""
-    return all(c.quantity in ("position", "velocity") for c in predictor.problem.channels)
+def responsive(predictor: Predictor) -> bool:
+    """Whether the linear response can speak for all channels."""
+    return all(c.quantity in LINEAR for c in predictor.problem.channels)

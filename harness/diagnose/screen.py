@@ -367,7 +367,7 @@ def _near_changes(
     found: list[Near | None] = [None] * len(candidates)
     near: dict[int, list[Array]] = {}
     for k, (candidate, own) in enumerate(zip(candidates, points, strict=True)):
-        if scanned(candidate) and responsive(predictor, fitted):
+        if scanned(candidate) and responsive(predictor):
             # A wave is linear in its amplitude; a stop in its stiffness, as long as that is small.
             factor = 1.0 if "phase" in candidate.effect.parameter_names else LEAST
             places = [_brought_near(candidate, p, factor) for p in own]

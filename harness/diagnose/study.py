@@ -257,7 +257,11 @@ class Study:
             return known
         self.extended.add(pair)
         own = to_internal(found.candidate, found.start)
-        fitted = self.fit(hypothesis, [np.concatenate([base.x, own])], base, most_steps=most_steps, target=target)
+        starts = [np.concatenate([base.x, own])]
+        calm = calmed(found.candidate, found.start)
+        if calm is not None:
+            starts.append(np.concatenate([base.x, to_internal(found.candidate, calm)]))
+        fitted = self.fit(hypothesis, starts, base, most_steps=most_steps, target=target)
         if not self.stretched(base):
             return fitted
         return self._bent_back(base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
@@ -320,6 +324,21 @@ def _larger(own: Sequence[Score], other: Sequence[Score]) -> list[Score]:
         if known is None or found.gain > known.gain:
             best[found.candidate.key] = found
     return sorted(best.values(), key=lambda s: -s.gain)
+
+
+def calmed(candidate: Candidate, start: Array) -> Array | None:
+    """Starting values whose own vibration dies out quickly; none where there is no such vibration.
+
+    One that goes on has a valley at every phase. What gives without ringing has one, and leads to where the ringing is found.
+    """
+    reshape = candidate.effect.reshape
+    if reshape is None or not reshape.topology:
+        return None
+    out = start.copy()
+    for k, parameter in enumerate(candidate.effect.parameters):
+        if parameter.name in ("damping", "damping_ratio"):
+            out[k] = max(out[k], *parameter.start_values(candidate.references))
+    return None if np.array_equal(out, start) else out
 
 
 def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:

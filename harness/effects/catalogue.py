@@ -98,6 +98,8 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return system.flexible
     if need == "unstiffened":
         return any(link.beam is not None and not link.beam.geometric_stiffening for link in system.links)
+    if need == "exact shapes":
+        return any(link.beam is not None and link.beam.shapes != "samples" for link in system.links)
     if recording is None:
         return True
     if need == "effort":
@@ -123,6 +125,8 @@ def _links(effect: Effect, system: System) -> tuple[str, ...]:
         if ("flexible" in effect.needs and not link.flexible) or ("rigid" in effect.needs and link.flexible):
             continue
         if "unstiffened" in effect.needs and link.beam is not None and link.beam.geometric_stiffening:
+            continue
+        if "exact shapes" in effect.needs and link.beam is not None and link.beam.shapes == "samples":
             continue
         found.append(link.name)
     return tuple(found)

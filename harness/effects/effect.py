@@ -167,9 +167,9 @@ class Effect:
     """A piece of physics that a nominal model may have left out.
 
     signature: how it shows in a recording. shows_in: which recordings can show it. source: where the law is from.
-    needs: what a recording must have: "effort", "motion" (a joint's position, velocity or effort), "flexible" (a
-    beam in
-        the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending).
+    needs: what a recording must have: "effort", "motion" (a joint's position, velocity or effort), "flexible" (a beam in
+        the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending), "exact shapes" (a beam
+        whose modes theory goes on with; samples end where they end).
     expressed_by: how each engine can say it; an engine that is not named cannot.
     simpler: effects that this one contains as a special case. confusable_with: effects that some recordings cannot
     tell from it.

@@ -36,7 +36,7 @@ EFFECT = Effect(
     shows_in="a sample rate above twice the frequency and a sensor on the link",
     source="Meirovitch, Fundamentals of Vibrations (2001), ch. 8: bending vibration of beams.",
     expressed_by={"denoc": "one more mode of the beam", "exudyn": "ANCF cable elements, which have it already"},
-    needs=("flexible", "deflection"),
+    needs=("flexible", "deflection", "exact shapes"),
     confusable_with=("base_compliance", "joint_flexibility"),
     reshape=Reshape(add_mode, topology=True),
 )

@@ -273,26 +273,34 @@ _add(
 )  # fmt: skip
 
 
+# Three hinges that stand for a uniform beam: they give as much under any moment that is at most quadratic along it, and the first
+# frequency of a rod on a free hub, with up to twice its mass at the end, is within half a hundredth of the beam's.
+HINGES = (0.127, 0.5, 0.873)
+GIVE = (0.2995, 0.4010, 0.2995)
+
+
 def _bend(scene: Scene, k: int, p: Parameters) -> None:
     joint = scene.rig.joints[k]
     rate = 2 * np.pi * p["frequency"]
-    at = 0.35
 
-    def element(stiffness: float, damping: float) -> tuple[float, str]:
-        return at, (
-            f'<joint name="{joint}_bend" type="hinge" axis="{_axis(scene)}" stiffness="{float(stiffness)!r}" '
-            f'damping="{float(damping)!r}"/>'
-        )
+    def elements(stiffness: float, damping: float) -> list[tuple[float, str]]:
+        return [
+            (at, f'<joint name="{joint}_bend{i}" type="hinge" axis="{_axis(scene)}" stiffness="{float(stiffness / give)!r}" '
+             f'damping="{float(damping / give)!r}"/>')
+            for i, (at, give) in enumerate(zip(HINGES, GIVE, strict=True))
+        ]  # fmt: skip
 
-    # With the hub free and gravity left out, one frequency remains: ω² = k · (M⁻¹) of the bend.
-    scene.splits[k] = element(0.0, 0.0)
+    # With the hub free and gravity left out, what bends has the frequencies of (M⁻¹ restricted to the bends) times stiffness.
+    scene.splits[k] = elements(0.0, 0.0)
     truth = scene.truth()
     mujoco.mj_forward(truth.model, truth.data)
     mass = np.zeros((truth.n, truth.n))
     mujoco.mj_fullM(truth.model, truth.data, mass)
-    bend = truth.dof[f"{joint}_bend"]
-    mobility = np.linalg.inv(mass)[bend, bend]
-    scene.splits[k] = element(rate**2 / mobility, 2 * p["damping_ratio"] * rate / mobility)
+    bends = [truth.dof[f"{joint}_bend{i}"] for i in range(len(HINGES))]
+    mobility = np.linalg.inv(mass)[np.ix_(bends, bends)]
+    softest = float(np.linalg.eigvals(mobility / np.array(GIVE)).real.min())
+    stiffness = rate**2 / softest
+    scene.splits[k] = elements(stiffness, 2 * p["damping_ratio"] * stiffness / rate)
 
 
 _add(

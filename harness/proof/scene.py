@@ -83,7 +83,7 @@ class Scene:
     inserts: dict[int, str] = field(default_factory=dict)
     base: str = ""
     extra: dict[int, str] = field(default_factory=dict)
-    splits: dict[int, tuple[float, str]] = field(default_factory=dict)
+    splits: dict[int, list[tuple[float, str]]] = field(default_factory=dict)
     signal: dict[str, list[Callable[[Signal], Signal]]] = field(default_factory=dict)
     command: list[Callable[[Signal], Signal]] = field(default_factory=list)
     motions: dict[tuple[object, ...], tuple[Array, Array]] = field(default_factory=dict)
@@ -120,7 +120,7 @@ class Scene:
             if k in self.inserts:
                 order.append(f"{s.joint}_inserted")
             if k in self.splits:
-                order.append(f"{s.joint}_bend")
+                order += [f"{s.joint}_bend{i}" for i in range(len(self.splits[k]))]
             if k in self.extra and "<joint" in self.extra[k]:
                 order.append(f"{s.joint}_extra")
         return order.index(joint)

@@ -8,7 +8,7 @@ of the integrator, so the truth is far more accurate (about 1e-9) than any senso
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -74,14 +74,14 @@ def mechanism_xml(
     inserts: dict[int, str] | None = None,
     base: str = "",
     extra: dict[int, str] | None = None,
-    splits: dict[int, tuple[float, str]] | None = None,
+    splits: Mapping[int, Sequence[tuple[float, str]]] | None = None,
 ) -> str:
     """MJCF of the rig.
 
     inserts: joints put between a segment's hinge and its body (spring hinges), by segment index.
     base: joints of a moving base with its inertia.
     extra: further elements (hidden bodies) inside a segment's body.
-    splits: a joint part-way down a segment, as (fraction of its length, joint element): a link that bends there.
+    splits: joints down a segment, as (fraction of its length, joint element): a link that bends there.
     """
     ax = " ".join(repr(float(a)) for a in rig.axis)
     inserts, extra, splits = inserts or {}, extra or {}, splits or {}
@@ -97,8 +97,7 @@ def mechanism_xml(
         hinge = f'<joint name="{s.joint}" type="hinge" axis="{ax}" damping="{s.damping!r}" armature="{s.armature!r}"/>'
         body = inertial + extra.get(k, "") + inner
         if k in splits:
-            fraction, bend = splits[k]
-            body = _split(s, fraction, bend, extra.get(k, "") + inner)
+            body = _split(s, splits[k], extra.get(k, "") + inner)
         if k in inserts:
             body = (
                 f'{hinge}<inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>'
@@ -116,21 +115,42 @@ def mechanism_xml(
     )
 
 
-def _split(s: Segment, fraction: float, bend: str, rest: str) -> str:
-    """The inside of a segment cut in two: a uniform upper piece and all the rest of its inertia below the bend."""
-    at = fraction * s.length
-    mass = 0.6 * fraction * s.mass
-    below = s.mass - mass
-    com = (s.mass * s.com - mass * at / 2) / below
-    inertia = s.inertia + s.mass * s.com**2 - mass * at**2 / 3 - below * com**2
-    upper = mass * at**2 / 12
-    return (
-        f'<inertial pos="0 0 {-at / 2!r}" mass="{mass!r}" diaginertia="{upper!r} {upper!r} {upper!r}"/>'
-        f'<body name="{s.link}_outer" pos="0 0 {-at!r}">{bend}'
-        f'<inertial pos="0 0 {-(com - at)!r}" mass="{below!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>'
-        f'<body name="{s.link}_end" pos="0 0 {at!r}"><inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>'
-        f"{rest}</body></body>"
-    )
+def _split(s: Segment, bends: Sequence[tuple[float, str]], rest: str) -> str:
+    """The inside of a segment cut in pieces: a rod with a bob at its end, of the segment's mass, centre and inertia.
+
+    What the three numbers leave over after a uniform rod and its bob is shared among the pieces so as to change them least.
+    """
+    edges = np.array([0.0, *(fraction for fraction, _ in bends), 1.0]) * s.length
+    widths = np.diff(edges)
+    places = np.append(edges[:-1] + widths / 2, s.length)
+    own = np.append(widths**2 / 12, 0.0)
+    bob = s.mass * (2.0 * s.com / s.length - 1.0)
+    masses = np.append((s.mass - bob) * widths / s.length, bob)
+    wanted = np.array([s.mass, s.mass * s.com, s.inertia + s.mass * s.com**2])
+    held = np.array([np.ones(len(places)), places, places**2 + own])
+    masses = masses + np.linalg.pinv(held) @ (wanted - held @ masses)
+    inside = rest
+    for k in reversed(range(len(widths))):
+        mass = masses[k] + (masses[-1] if k == len(widths) - 1 else 0.0)
+        tip = masses[-1] if k == len(widths) - 1 else 0.0
+        centre = (masses[k] * widths[k] / 2 + tip * widths[k]) / mass
+        inertia = masses[k] * (own[k] + (widths[k] / 2 - centre) ** 2) + tip * (widths[k] - centre) ** 2
+        inertial = (
+            f'<inertial pos="0 0 {-float(centre)!r}" mass="{float(mass)!r}" '
+            f'diaginertia="{float(inertia)!r} {float(inertia)!r} {float(inertia)!r}"/>'
+        )
+        if k == len(widths) - 1:
+            # What hangs on the segment is placed from its joint.
+            inside = (
+                f'<body name="{s.link}_end" pos="0 0 {float(edges[k])!r}"><inertial pos="0 0 0" mass="1e-9" '
+                f'diaginertia="1e-12 1e-12 1e-12"/>{rest}</body>'
+            )
+        if k == 0:
+            return inertial + inside
+        inside = (
+            f'<body name="{s.link}_{k}" pos="0 0 {-float(widths[k - 1])!r}">{bends[k - 1][1]}{inertial}{inside}</body>'
+        )
+    return inside
 
 
 class Truth:

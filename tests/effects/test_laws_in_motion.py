@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from harness import effects
+from harness.errors import InputError
 from harness.system import Attachment, Joint, JointType, Link, System
 from harness.system.description import constant
 
@@ -181,9 +182,17 @@ def test_a_link_made_flexible_rings_at_its_frequency(pendulum):
 
 
 def test_an_added_mode_has_its_frequency(pendulum):
+    from dataclasses import replace
+
     from harness.effects.bending import mounted_frequency
 
-    system = effects.apply(pendulum, Attachment("link_flexibility", "rod", {"frequency": 20.0, "damping_ratio": 0.01}))
+    bent = effects.apply(pendulum, Attachment("link_flexibility", "rod", {"frequency": 20.0, "damping_ratio": 0.01}))
+    link = bent.link("rod")
+    # One mode of beam theory; the two shapes of the effect itself are samples, which nothing can be added to.
+    plain = replace(link.beam, shapes="auto", shape_samples=None, modes=1, modal_damping=(0.01,), material_damping=0.0)
+    system = bent.replace_link(replace(link, beam=plain))
+    with pytest.raises(InputError, match="samples"):
+        effects.apply(bent, Attachment("higher_mode", "rod", {"frequency": 55.0, "damping_ratio": 0.02}))
     richer = effects.apply(system, Attachment("higher_mode", "rod", {"frequency": 55.0, "damping_ratio": 0.02}))
     assert mounted_frequency(richer, "rod", 0) == pytest.approx(20.0, rel=0.03)  # two shapes bend a little more freely
     assert mounted_frequency(richer, "rod", 1) == pytest.approx(55.0, rel=1e-3)
@@ -198,4 +207,4 @@ def test_rigidity_scales_the_frequency_by_its_root(pendulum):
     assert mounted_frequency(stiffer, "rod") == pytest.approx(24.0, rel=1e-9)
     assert effects.apply(system, Attachment("modal_damping", "rod", {"damping_ratio": 0.2})).link(
         "rod"
-    ).beam.modal_damping == (0.2,)
+    ).beam.modal_damping == (0.2, 0.2)
