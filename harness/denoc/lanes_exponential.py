@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from harness.denoc import laws as law
 from harness.denoc.lanes_integrate import present_nodes
 from harness.denoc.lanes_rows import prepare_lane
-from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
+from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TIME, Q
 from harness.denoc.lanes_vector import address_of, call_recursion, choose, load, magnitude, spread, store, vectors
 from harness.denoc.pipeline import Kernel
 from harness.denoc.threads import share
@@ -71,40 +71,32 @@ def smooth(model: LaneModel, rows: Array) -> NDArray[np.bool_]:
 
 
 def march(
-    model: LaneModel, rows: Array, start: Array, time: Array, inner: int, linear: Array, *, tau: Array | None = None,
-    threads: int = 1,
-) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    model: LaneModel, rows: Array, start: Array, time: Array, inner: int, linear: Array, threads: int = 1
+) -> tuple[Array, Array, Array, Array]:
     """Position, velocity, acceleration (B, T, n) at even times, ``inner`` steps apart, and the last term's size (B, n).
 
-    linear: from ``linearization``; tau: generalized forces at the times, straight between them, (B, T, n).
-    The last term of a step, at its greatest, tells how far the step's order is used up.
+    linear: from ``linearization``. The last term of a step, at its greatest, tells how far the step's order is used up.
     """
     copies, n = len(rows), model.n
     h = float(time[1] - time[0]) / inner
     begun = np.empty((copies, ORDER, 2 * n))
     early = time[0] + h * np.arange(ORDER)
-    first = model.simulate(
-        rows, start[:, :n], start[:, n:], early, tau=None if tau is None else _between(tau, inner), tolerance=1e-9,
-        threads=threads,
-    )  # fmt: skip
+    first = model.simulate(rows, start[:, :n], start[:, n:], early, tolerance=1e-9, threads=threads)
     begun[:, :, :n], begun[:, :, n:] = first[0], first[1]
     carried, driven = _weights(linear, h)
     shape = (copies, len(time), n)
     position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
     worst = np.zeros((copies, n))
-    effort = np.zeros((copies, 1, n)) if tau is None else np.ascontiguousarray(tau)
 
     def advance(tables: tuple[Any, ...], recursion: int, which: Any) -> None:
         """Advance some of the copies by the equations that the tables stand for."""
-        given = (
-            rows[which], begun[which], np.ascontiguousarray(linear[which][:, n:]), carried[which], driven[which], effort[which],
-        )  # fmt: skip
+        given = (rows[which], begun[which], np.ascontiguousarray(linear[which][:, n:]), carried[which], driven[which])
         out = [np.full((len(which), *shape[1:]), np.nan) for _ in range(3)] + [np.zeros((len(which), n))]
 
         def part(first: int, last: int) -> None:
-            mine, initial, *weights, forces = (array[first:last] for array in given)
+            mine, initial, *weights = (array[first:last] for array in given)
             march_groups(
-                mine, initial, recursion, *tables, model.user, *weights, forces, float(time[0]), h, inner,
+                mine, initial, recursion, *tables, model.user, *weights, float(time[0]), h, inner,
                 *(array[first:last] for array in out),
             )  # fmt: skip
 
@@ -117,14 +109,6 @@ def march(
     for tables, recursion, which in model.parts(rows):
         advance(tables, recursion, which)
     return position, velocity, acceleration, worst
-
-
-def _between(tau: Array, inner: int) -> Array:
-    """Efforts (B, 4, n) at the first steps, ``inner`` of them between two samples (B, T, n)."""
-    place = np.arange(ORDER) / inner
-    k = np.minimum(place.astype(int), tau.shape[1] - 2)
-    share = (place - k)[None, :, None]
-    return np.asarray(tau[:, k] * (1.0 - share) + tau[:, k + 1] * share)
 
 
 def linearization(model: LaneModel, rows: Array, start: Array) -> Array:
@@ -150,44 +134,43 @@ def _weights(linear: Array, h: float) -> tuple[Array, Array]:
     """
     size = linear.shape[1]
     n = size // 2
-    # Velocities times the step: then h L is no larger than the vibration's angle in a step.
-    unit = np.concatenate([np.ones(n), np.full(n, h)])
-    z = h * linear * unit[None, :, None] / unit[None, None, :]
+    # Velocities times the step: then h L is no larger than the vibration's angle in a step. In longer numbers, because what is
+    # rounded here, differently for every copy, adds up over all steps, and copies are compared to find their derivatives.
+    unit = np.concatenate([np.ones(n), np.full(n, h)]).astype(np.longdouble)
+    z = h * linear.astype(np.longdouble) * unit[None, :, None] / unit[None, None, :]
     norm = float(np.abs(z).sum(axis=2).max())
     halvings = max(0, int(np.ceil(np.log2(max(norm, 1e-300)))))
-    z = z / 2.0**halvings
-    identity = np.broadcast_to(np.eye(size), z.shape)
-    # φ_k = Σ zⁱ / (i + k)!, by Horner; the terms left out are below 1/22!.
-    phi = []
-    for k in range(ORDER + 1):
-        total = identity / _factorial(18 + k)
-        for i in range(17, -1, -1):
-            total = identity / _factorial(i + k) + z @ total
-        phi.append(total)
+    z = z / 2**halvings
+    identity = np.broadcast_to(np.eye(size, dtype=np.longdouble), z.shape)
+    # φ_k = Σ zⁱ / (i + k)!, by Horner for the last one; the terms left out are below 1/22!. Then φ_(k−1) = 1/(k − 1)! + z φ_k.
+    last = identity / _factorial(18 + ORDER)
+    for i in range(17, -1, -1):
+        last = identity / _factorial(i + ORDER) + z @ last
+    phi = [last]
+    for k in range(ORDER - 1, -1, -1):
+        phi.insert(0, identity / _factorial(k) + z @ phi[0])
     for _ in range(halvings):
         phi = [
-            (phi[0] @ phi[k] + sum((phi[j] / _factorial(k - j) for j in range(1, k + 1)), np.zeros_like(z))) / 2.0**k
+            (phi[0] @ phi[k] + sum((phi[j] / _factorial(k - j) for j in range(1, k + 1)), np.zeros_like(z))) / 2**k
             for k in range(ORDER + 1)
         ]
-    terms = [phi[1], phi[2], phi[3] + phi[2] / 2.0, phi[4] + phi[3] + phi[2] / 3.0]
+    terms = [phi[1], phi[2], phi[3] + phi[2] / 2, phi[4] + phi[3] + phi[2] / 3]
     back = unit[None, None, :] / unit[None, :, None]
     driven = np.stack([h * (term * back)[:, :, n:] for term in terms], axis=1)
-    return np.ascontiguousarray(phi[0] * back), np.ascontiguousarray(driven)
+    return np.ascontiguousarray(phi[0] * back, dtype=np.float64), np.ascontiguousarray(driven, dtype=np.float64)
 
 
-def _factorial(k: int) -> float:
-    return float(np.prod(np.arange(1, k + 1, dtype=float)))
+def _factorial(k: int) -> np.longdouble:
+    return np.longdouble(np.prod(np.arange(1, k + 1), dtype=np.longdouble))
 
 
 @njit(cache=True, error_model="numpy", nogil=True, pipeline_class=Kernel)
 def march_groups(
     rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
-    user: int, linear: Any, carried: Any, driven: Any, effort: Any, start: float, h: float, inner: int,
+    user: int, linear: Any, carried: Any, driven: Any, start: float, h: float, inner: int,
     position: Any, velocity: Any, acceleration: Any, worst: Any,
 ) -> None:  # fmt: skip
     """March all rows, eight at a time; begun: the first states, (B, 4, 2n); linear: lower half of L, (B, n, 2n).
-
-    effort: generalized forces at the samples, straight between them, (B, T, n), or (B, 1, n) of zeros.
 
     worst: greatest size of the last term of a step in every position, (B, n), written.
     """
@@ -244,15 +227,6 @@ def march_groups(
                 store(ws, (i * JOINT + Q) * 8, load(state, i * 8))
                 store(ws, (i * JOINT + QD) * 8, load(state, (n + i) * 8))
             store(ws, group + TIME * 8, spread(start + s * h))
-            if effort.shape[1] > 1:
-                sample = s // inner
-                after_it = min(sample + 1, effort.shape[1] - 1)
-                share_of_it = (s - sample * inner) / inner
-                for lane in range(8):
-                    source = 8 * g + min(lane, lanes - 1)
-                    for i in range(n):
-                        here = effort[source, sample, i]
-                        ws[(i * JOINT + TAU) * 8 + lane] = here + share_of_it * (effort[source, after_it, i] - here)
             call_recursion(
                 recursion, address_of(present, 0), present.shape[0], address_of(flags, 0), address_of(constants, 0),
                 address_of(beams, 0), address_of(laws, 0), address_of(ws, 0), n, user, shaken, nothing,

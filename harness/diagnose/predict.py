@@ -164,6 +164,10 @@ class Predictor:
         """From now on run elastic mechanisms in longer steps where the difference cannot be seen behind noise (C,) [std]."""
         self._stiff = StiffRuns(self.problem.channels, noise)
 
+    def shortened(self, hypothesis: Hypothesis) -> bool:
+        """Whether runs of the hypothesis may be in such steps."""
+        return self._stiff is not None and len(self.mechanism(hypothesis).names) > len(self.system.movable_joints)
+
     # -- parameters ---------------------------------------------------------------------------------------------
 
     def size(self, hypothesis: Hypothesis) -> int:
@@ -384,8 +388,9 @@ class Predictor:
         """
         model, n = mechanism.model, len(mechanism.names)
         tolerance = max(self.tolerance, tolerance)
-        if self._stiff is not None and n > len(self.system.movable_joints):
-            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.threads)
+        # Efforts have a kink at every sample, which the longer steps do not follow well enough.
+        if self._stiff is not None and tau is None and n > len(self.system.movable_joints):
+            return self._stiff.run(model, rows, states, time, requests, tolerance, self.threads)
         q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
         return model.simulate(rows, q, qd, time, tau=tau, tolerance=tolerance, threads=self.threads)
 
