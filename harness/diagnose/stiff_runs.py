@@ -21,7 +21,7 @@ Motion = tuple[Array, Array, Array]
 
 # What half the steps may change in the sum of squares of a run, in variances of the noise; errors of order 4 leave a 256th.
 SHOWN = 1.0
-FINEST = 8  # steps between two states that are handed over
+FINEST = 16  # steps between two states that are handed over
 STIFF = 0.5  # rad that the fastest vibration turns in a step; below, steps that resolve it cost no more
 FEWEST = 16  # states that are worth it
 

@@ -1,0 +1,45 @@
+"""A link made to bend, against the closed forms of a uniform beam."""
+
+import numpy as np
+import pytest
+
+from harness import effects
+from harness.denoc.beam import beam_data
+from harness.system import Attachment, Joint, JointType, Link, System
+from harness.system.description import constant
+
+MASS, LENGTH = 0.2, 0.3
+FREQUENCY = 20.0
+
+
+@pytest.fixture
+def bent() -> System:
+    """A uniform rod on a free hinge, bending at 20 Hz."""
+    inertia = np.diag([MASS * LENGTH**2 / 12.0] * 2 + [0.0])
+    joint = Joint("pivot", JointType.REVOLUTE, "base", "rod", axis=constant([0.0, 1.0, 0.0]))
+    rod = Link("rod", MASS, constant([0, 0, -LENGTH / 2]), constant(inertia))
+    stiff = System("pendulum", (joint,), (rod,))
+    parameters = {"frequency": FREQUENCY, "damping_ratio": 0.01}
+    return effects.apply(stiff, Attachment("link_flexibility", "rod", parameters))
+
+
+def test_its_stiffness_is_that_of_a_beam_with_that_first_frequency(bent: System) -> None:
+    # Pinned-free beam: ω = β² sqrt(EI / ρ) / l², tan β = tanh β, β = 3.926602 (Blevins, Formulas for natural frequency, 1979,
+    # table 8-1). Two shapes are a little stiffer than all: the frequency may be a hundredth too high.
+    root = 3.926602312
+    exact = (2.0 * np.pi * FREQUENCY) ** 2 * (MASS / LENGTH) * LENGTH**4 / root**4
+    stiffness = bent.link("rod").beam.bending_stiffness
+    assert 0.98 * exact < stiffness < exact
+
+
+@pytest.mark.parametrize(("power", "tip"), [(0, 1.0 / 8.0), (1, 11.0 / 120.0)], ids=["even load", "rising load"])
+def test_it_gives_what_a_clamped_beam_gives_under_slow_loads(bent: System, power: int, tip: float) -> None:
+    """Under a load p (x/l)^power the tip of a clamped beam sinks by p l⁴ / EI times 1/8 or 11/120 (Gere and Goodno, table G-1)."""
+    data = beam_data(bent, "rod")
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    stations, weights = 0.5 * LENGTH * (nodes + 1.0), 0.5 * LENGTH * weights
+    shapes = np.array([data.at(x).s for x in stations])
+    load = shapes.T @ (weights * (stations / LENGTH) ** power)
+    sunk = data.tip.s @ np.linalg.solve(data.K, load)
+    stiffness = bent.link("rod").beam.bending_stiffness
+    assert sunk == pytest.approx(tip * LENGTH**4 / stiffness, rel=1e-9)
