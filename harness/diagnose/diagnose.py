@@ -25,7 +25,7 @@ from harness.diagnose.locate import locate, rmse
 from harness.diagnose.problem import pose
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.search import Effort
-from harness.diagnose.uncertainty import Estimate, estimates
+from harness.diagnose.uncertainty import Estimate, as_likely, estimates
 from harness.effects.effect import Effect
 from harness.effects.scale import references
 from harness.effects.user import load_user_effects
@@ -160,8 +160,11 @@ def _tell(
     ]
     side, site = _side_and_site(outcome, conclusion)
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
+    elsewhere = (
+        as_likely(study, conclusion.best) if conclusion.own.hypothesis.keys == conclusion.best.hypothesis.keys else []
+    )
     values = {
-        claim.candidate.key: estimates(outcome.predictor, conclusion.own, claim.index, outcome.training)
+        claim.candidate.key: estimates(outcome.predictor, conclusion.own, claim.index, outcome.training, elsewhere)
         for claim in conclusion.claims
     }
     findings = [_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims]

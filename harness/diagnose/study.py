@@ -34,7 +34,8 @@ class Study:
 
     widened: sets whose member was tried as the general law, or the special case, of this key. extended: sets that a candidate
     was added to. swing: length of the slowest swing [s], if known. hints: score tests on shorter windows of the same recordings,
-    where what had to be bent far is nearer to what it stands for.
+    where what had to be bent far is nearer to what it stands for. ends: where fits of a set have ended, by score, the best one
+    among them.
     """
 
     problem: Problem
@@ -49,6 +50,7 @@ class Study:
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
     swing: float = 0.0
     hints: Mapping[frozenset[str], list[Score]] = field(default_factory=dict)
+    ends: dict[tuple[str, ...], list[tuple[float, Array]]] = field(default_factory=dict)
     _read: dict[tuple[Window, float], Array] = field(default_factory=dict)
 
     @property
@@ -152,6 +154,7 @@ class Study:
                 target=target,
                 others=others,
             )
+            self.ends.setdefault(hypothesis.keys, []).append((found.score, found.x))
             if best is None or found.score < best.score:
                 best = found
         assert best is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,8 +54,20 @@ def whole_interval(study: Study, fitted: Fit, index: int) -> tuple[float, float]
     return ends[0], ends[1]
 
 
-def estimates(predictor: Predictor, fitted: Fit, k: int, study: Study | None = None) -> dict[str, Estimate]:
-    """Estimates of member k's parameters, by name. study: of the fit, to try other whole numbers in."""
+def as_likely(study: Study, best: Fit) -> list[Array]:
+    """Parameter vectors at which other fits of the same hypothesis have ended, no less likely than the ends of an interval."""
+    limit = best.score + float(chi2.ppf(0.95, 1)) * inflation(best)
+    return [x for score, x in study.ends.get(best.hypothesis.keys, ()) if score < limit]
+
+
+def estimates(
+    predictor: Predictor, fitted: Fit, k: int, study: Study | None = None, others: Sequence[Array] = ()
+) -> dict[str, Estimate]:
+    """Estimates of member k's parameters, by name.
+
+    study: of the fit, to try other whole numbers in. others: parameter vectors that are as likely; intervals reach to them, since
+    a curvature knows only the valley that it was taken in (a vibration fits at more than one damping).
+    """
     member = fitted.hypothesis.members[k]
     span = fitted.hypothesis.span(k)
     first = len(predictor.nominal) + span.start
@@ -100,6 +113,12 @@ def estimates(predictor: Predictor, fitted: Fit, k: int, study: Study | None = N
             std = s * float(member.scales[j])
             low, high = value - WIDE * std, value + WIDE * std
         out[parameter.name] = Estimate(value, std, max(low, parameter.lower), min(high, parameter.upper))
+    for j, parameter in enumerate(member.effect.parameters):
+        if whole[j] or parameter.name == "phase":
+            continue
+        there = [float(from_internal(member, x[first : first + member.size])[j]) for x in others]
+        found = out[parameter.name]
+        out[parameter.name] = replace(found, low=min([found.low, *there]), high=max([found.high, *there]))
     return out
 
 

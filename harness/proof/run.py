@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 
@@ -112,25 +113,23 @@ def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
     if sealed.exists():
         # The answer is sealed last, so that all the rest is there.
         return task.name, digest(sealed.read_text(encoding="utf-8"))
-    case = _draw(task, seed)
-    write_case(case, out / "cases" / case.name, np.random.default_rng([seed, task.index, len(task.kind)]))
-    return case.name, seal(case, out / "sealed")
-
-
-def _draw(task: Task, seed: int) -> Case:
-    """The task's case; a rig whose dry friction has no solution (Painlevé's paradox) is drawn again."""
     effect = _shuffled(task, seed)
     for attempt in range(REDRAWS):
         index = task.index + attempt * REDRAW_STRIDE
+        # A rig whose dry friction has no solution (Painlevé's paradox), found at the draw or at the recording, is drawn again.
         try:
-            if task.kind.startswith("flexible"):
-                case = draw_flexible(task.kind.removeprefix("flexible "), seed, index, effect)
-            else:
-                case = draw_case(task.kind, seed, index, effects=(effect,) if effect else ())
+            case = replace(_draw(task.kind, seed, index, effect), name=task.name)
+            write_case(case, out / "cases" / case.name, np.random.default_rng([seed, index, crc32(task.kind.encode())]))
         except NoSolutionError:
             continue
-        return replace(case, name=task.name)
+        return case.name, seal(case, out / "sealed")
     raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution")
+
+
+def _draw(kind: str, seed: int, index: int, effect: str) -> Case:
+    if kind.startswith("flexible"):
+        return draw_flexible(kind.removeprefix("flexible "), seed, index, effect)
+    return draw_case(kind, seed, index, effects=(effect,) if effect else ())
 
 
 def _shuffled(task: Task, seed: int) -> str:

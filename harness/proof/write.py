@@ -16,9 +16,8 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
 
     rng: draws the noise and the jitter of the sampling instants.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "model.toml").write_text(case.nominal.toml(), encoding="utf-8")
     scene = case.scene
+    frames = []
     sensor = scene.sensor
     for index, run in enumerate(scene.runs):
         instants = np.arange(0.0, run.duration, 1.0 / sensor.rate)
@@ -35,5 +34,9 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
             if sensor.step and column.endswith(".position"):
                 noisy = np.round(noisy / sensor.step) * sensor.step
             data[column] = noisy
-        frame = pd.DataFrame(data)
-        frame.to_csv(folder / f"run{index + 1}.csv", index=False, float_format="%.9g")
+        frames.append(pd.DataFrame(data))
+    # Only now, so that a truth which turns out to have no solution leaves nothing behind.
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "model.toml").write_text(case.nominal.toml(), encoding="utf-8")
+    for number, frame in enumerate(frames, 1):
+        frame.to_csv(folder / f"run{number}.csv", index=False, float_format="%.9g")
