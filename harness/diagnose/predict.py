@@ -165,8 +165,9 @@ class Predictor:
         self._stiff = StiffRuns(self.problem.channels, noise)
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
-        """Whether runs of the hypothesis may be in such steps."""
-        return self._stiff is not None and len(self.mechanism(hypothesis).names) > len(self.system.movable_joints)
+        """Whether runs of the hypothesis may be in such steps: free ones of what has coordinates besides its joints."""
+        elastic = len(self.mechanism(hypothesis).names) > len(self.system.movable_joints)
+        return self._stiff is not None and elastic and any(run.effort is None for run in self.runs)
 
     # -- parameters ---------------------------------------------------------------------------------------------
 

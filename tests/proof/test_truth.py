@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
+from harness.proof.concealments import CONCEALMENTS, HINGES
 from harness.proof.rigs import Rig, Segment
+from harness.proof.scene import Run, Scene, Sensor
 from harness.proof.truth import DryFriction, Hidden, Truth, mechanism_xml
 
 LENGTH, MASS = 0.5, 0.8
@@ -89,3 +91,32 @@ def test_load_dependent_friction_holds_against_the_weight() -> None:
     slipped, _ = truth.release(np.array([limit * 1.05]), np.zeros(1), np.linspace(0, 2, 21))
     assert np.ptp(held) == 0.0
     assert np.ptp(slipped) > 1e-3
+
+
+def test_a_concealed_link_bends_like_a_beam() -> None:
+    """A rod that is clamped and held level sinks by m g l³ / (8 EI) (Gere and Goodno, table G-1).
+
+    EI from its first frequency on a free hinge, ω = 3.926602² sqrt(EI / (m l³)) (Blevins 1979, table 8-1).
+    """
+    frequency = 12.0
+    scene = Scene(rod(), (Run((0.0,), (0.0,), 1.0),), Sensor(500.0, 1e-3))
+    CONCEALMENTS["link_flexibility"].plant(scene, 0, {"frequency": frequency, "damping_ratio": 0.01})
+    truth = scene.truth()
+    model, data = truth.model, truth.data
+    clamped = [d for name, d in truth.dof.items() if name != "pivot"]
+    # Level: the gravity of a hanging rod turned across it. Small angles, so that the springs stay linear.
+    model.opt.gravity[:] = [1e-3 * 9.81, 0.0, 0.0]
+    data.qpos[:], data.qvel[:] = 0.0, 0.0
+    mujoco.mj_forward(model, data)
+    stiffness = np.diag(model.jnt_stiffness)[np.ix_(clamped, clamped)]
+    angles = np.linalg.solve(stiffness, -data.qfrc_bias[clamped])
+    data.qpos[clamped] = angles
+    mujoco.mj_forward(model, data)
+    tip = data.xpos[mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "rod_3")] + data.xmat[
+        mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "rod_3")
+    ].reshape(3, 3) @ [0.0, 0.0, -(1.0 - HINGES[-1]) * LENGTH]
+    rigidity = (2 * np.pi * frequency) ** 2 * MASS * LENGTH**3 / 3.926602312**4
+    # Three hinges stand for the beam: its frequency within half a hundredth, so its rigidity within one.
+    assert abs(tip[0]) == pytest.approx(1e-3 * MASS * 9.81 * LENGTH**3 / (8 * rigidity), rel=0.015)
+    assert data.subtree_com[0][2] == pytest.approx(-LENGTH / 2, rel=1e-5)
+    assert sum(model.body_mass) == pytest.approx(MASS, rel=1e-6)
