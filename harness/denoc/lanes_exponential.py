@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from harness.denoc import laws as law
 from harness.denoc.lanes_integrate import present_nodes
 from harness.denoc.lanes_rows import prepare_lane
-from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TIME, Q
+from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
 from harness.denoc.lanes_vector import address_of, call_recursion, choose, load, magnitude, spread, store, vectors
 from harness.denoc.pipeline import Kernel
 from harness.denoc.threads import share
@@ -71,17 +71,26 @@ def smooth(model: LaneModel, rows: Array) -> NDArray[np.bool_]:
 
 
 def march(
-    model: LaneModel, rows: Array, start: Array, time: Array, inner: int, linear: Array, threads: int = 1
-) -> tuple[Array, Array, Array, Array]:
+    model: LaneModel, rows: Array, start: Array, time: Array, inner: int, linear: Array, *, tau: Array | None = None,
+    threads: int = 1,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """Position, velocity, acceleration (B, T, n) at even times, ``inner`` steps apart, and the last term's size (B, n).
 
-    linear: from ``linearization``. The last term of a step, at its greatest, tells how far the step's order is used up.
+    linear: from ``linearization``; tau: generalized forces at the times, straight between them, (B, T, n).
+    The last term of a step, at its greatest, tells how far the step's order is used up.
     """
     copies, n = len(rows), model.n
     h = float(time[1] - time[0]) / inner
     begun = np.empty((copies, ORDER, 2 * n))
     early = time[0] + h * np.arange(ORDER)
-    first = model.simulate(rows, start[:, :n], start[:, n:], early, tolerance=1e-9, threads=threads)
+    forces, known = np.zeros((copies, 1, n)), np.zeros((copies, 1, n))
+    if tau is not None:
+        # What the efforts do to the mechanism as it stands at the start is known over the whole step, kinks at samples and all.
+        forces, known = np.ascontiguousarray(tau), np.einsum("bij,btj->bti", _mobility(model, rows, start), tau)
+    first = model.simulate(
+        rows, start[:, :n], start[:, n:], early, tau=None if tau is None else _between(tau, inner), tolerance=1e-9,
+        threads=threads,
+    )  # fmt: skip
     begun[:, :, :n], begun[:, :, n:] = first[0], first[1]
     carried, driven = _weights(linear, h)
     shape = (copies, len(time), n)
@@ -90,7 +99,10 @@ def march(
 
     def advance(tables: tuple[Any, ...], recursion: int, which: Any) -> None:
         """Advance some of the copies by the equations that the tables stand for."""
-        given = (rows[which], begun[which], np.ascontiguousarray(linear[which][:, n:]), carried[which], driven[which])
+        given = (
+            rows[which], begun[which], np.ascontiguousarray(linear[which][:, n:]), carried[which], driven[which],
+            forces[which], known[which],
+        )  # fmt: skip
         out = [np.full((len(which), *shape[1:]), np.nan) for _ in range(3)] + [np.zeros((len(which), n))]
 
         def part(first: int, last: int) -> None:
@@ -109,6 +121,26 @@ def march(
     for tables, recursion, which in model.parts(rows):
         advance(tables, recursion, which)
     return position, velocity, acceleration, worst
+
+
+def _between(tau: Array, inner: int) -> Array:
+    """Efforts (B, 4, n) at the first steps, ``inner`` of them between two samples (B, T, n)."""
+    place = np.arange(ORDER) / inner
+    k = np.minimum(place.astype(int), tau.shape[1] - 2)
+    share = (place - k)[None, :, None]
+    return np.asarray(tau[:, k] * (1.0 - share) + tau[:, k + 1] * share)
+
+
+def _mobility(model: LaneModel, rows: Array, start: Array) -> Array:
+    """Accelerations by unit forces at the initial positions, the inverse mass matrix (B, n, n)."""
+    copies, n = len(rows), model.n
+    forces = np.concatenate([np.zeros((1, n)), np.eye(n)])
+    q = np.repeat(start[:, :n], n + 1, axis=0)
+    tau = np.repeat(np.tile(forces, (copies, 1))[:, None], 2, axis=1)
+    shortly = np.array([0.0, SMALL])
+    found = model.simulate(np.repeat(rows, n + 1, axis=0), q, np.zeros_like(q), shortly, tau=tau)[2][:, 0]
+    found = found.reshape(copies, n + 1, n)
+    return np.swapaxes(found[:, 1:] - found[:, :1], 1, 2)
 
 
 def linearization(model: LaneModel, rows: Array, start: Array) -> Array:
@@ -167,10 +199,13 @@ def _factorial(k: int) -> np.longdouble:
 @njit(cache=True, error_model="numpy", nogil=True, pipeline_class=Kernel)
 def march_groups(
     rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
-    user: int, linear: Any, carried: Any, driven: Any, start: float, h: float, inner: int,
+    user: int, linear: Any, carried: Any, driven: Any, effort: Any, known: Any, start: float, h: float, inner: int,
     position: Any, velocity: Any, acceleration: Any, worst: Any,
 ) -> None:  # fmt: skip
     """March all rows, eight at a time; begun: the first states, (B, 4, 2n); linear: lower half of L, (B, n, 2n).
+
+    effort: generalized forces at the samples, straight between them, and known: the accelerations that are known to come of
+    them, (B, T, n) or (B, 1, n) of zeros.
 
     worst: greatest size of the last term of a step in every position, (B, n), written.
     """
@@ -189,6 +224,7 @@ def march_groups(
     carry = vectors(width * width)
     drive = vectors(ORDER * width * n)
     uncertain = vectors(n)
+    given = vectors(2 * n)
     flags = np.zeros(n, dtype=np.int64)
     present = tree.copy()
     group = n * JOINT * 8
@@ -227,6 +263,19 @@ def march_groups(
                 store(ws, (i * JOINT + Q) * 8, load(state, i * 8))
                 store(ws, (i * JOINT + QD) * 8, load(state, (n + i) * 8))
             store(ws, group + TIME * 8, spread(start + s * h))
+            if effort.shape[1] > 1:
+                sample = s // inner
+                following = min(sample + 1, effort.shape[1] - 1)
+                part = (s - sample * inner) / inner
+                for lane in range(8):
+                    source = 8 * g + min(lane, lanes - 1)
+                    for i in range(n):
+                        here = effort[source, sample, i]
+                        ws[(i * JOINT + TAU) * 8 + lane] = here + part * (effort[source, following, i] - here)
+                        here = known[source, sample, i]
+                        rise = known[source, following, i] - here
+                        given[i * 8 + lane] = here + part * rise
+                        given[(n + i) * 8 + lane] = rise / inner
             call_recursion(
                 recursion, address_of(present, 0), present.shape[0], address_of(flags, 0), address_of(constants, 0),
                 address_of(beams, 0), address_of(laws, 0), address_of(ws, 0), n, user, shaken, nothing,
@@ -239,7 +288,7 @@ def march_groups(
                         velocity[8 * g + lane, k, i] = state[(n + i) * 8 + lane]
                         acceleration[8 * g + lane, k, i] = ws[(i * JOINT + QDD) * 8 + lane]
             for i in range(n):
-                rest = load(ws, (i * JOINT + QDD) * 8)
+                rest = load(ws, (i * JOINT + QDD) * 8) - load(given, i * 8)
                 for c in range(width):
                     rest = rest - load(slope, (i * width + c) * 8) * load(state, c * 8)
                 for k in range(ORDER):
@@ -257,6 +306,9 @@ def march_groups(
                 last = spread(0.0)
                 for e in range((ORDER - 1) * n, ORDER * n):
                     last = last + load(drive, (r * ORDER * n + e) * 8) * load(differences, e * 8)
+                for c in range(n):
+                    total = total + load(drive, (r * ORDER * n + c) * 8) * load(given, c * 8)
+                    total = total + load(drive, (r * ORDER * n + n + c) * 8) * load(given, (n + c) * 8)
                 store(after, r * 8, total + last)
                 if r < n:
                     most = load(uncertain, r * 8)

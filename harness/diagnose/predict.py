@@ -165,9 +165,8 @@ class Predictor:
         self._stiff = StiffRuns(self.problem.channels, noise)
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
-        """Whether runs of the hypothesis may be in such steps: free ones of what has coordinates besides its joints."""
-        elastic = len(self.mechanism(hypothesis).names) > len(self.system.movable_joints)
-        return self._stiff is not None and elastic and any(run.effort is None for run in self.runs)
+        """Whether runs of the hypothesis may be in such steps: those of what has coordinates besides its joints."""
+        return self._stiff is not None and len(self.mechanism(hypothesis).names) > len(self.system.movable_joints)
 
     # -- parameters ---------------------------------------------------------------------------------------------
 
@@ -389,9 +388,8 @@ class Predictor:
         """
         model, n = mechanism.model, len(mechanism.names)
         tolerance = max(self.tolerance, tolerance)
-        # Efforts have a kink at every sample, which the longer steps do not follow well enough.
-        if self._stiff is not None and tau is None and n > len(self.system.movable_joints):
-            return self._stiff.run(model, rows, states, time, requests, tolerance, self.threads)
+        if self._stiff is not None and n > len(self.system.movable_joints):
+            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.threads)
         q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
         return model.simulate(rows, q, qd, time, tau=tau, tolerance=tolerance, threads=self.threads)
 

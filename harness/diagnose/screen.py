@@ -212,8 +212,11 @@ def change(
         for number, request, lanes_out in zip(sources[first:last], requests[first:last], predicted, strict=True):
             count = len(request.x)
             for w, window in enumerate(fitted.windows):
-                white = likelihood.whiten(window, lanes_out[w * count : (w + 1) * count])
-                pieces[number][w].append(white - fitted.linear.residuals[w])
+                own_lanes = lanes_out[w * count : (w + 1) * count]
+                changes = likelihood.whiten(window, own_lanes) - fitted.linear.residuals[w]
+                # A run that could not be followed says nothing; as no motion at all it would explain whatever is left.
+                changes[[not np.isfinite(lane).all() for lane in own_lanes]] = 0.0
+                pieces[number][w].append(changes)
     return [[np.vstack(parts) for parts in own] for own in pieces]
 
 

@@ -1,4 +1,4 @@
-"""Free runs of elastic mechanisms in steps that the swing needs and the vibration does not, where that shows in no channel.
+"""Runs of elastic mechanisms in steps that the swing needs and the vibration does not, where that shows in no channel.
 
 Every run is made twice, the second time in half the steps; what the first one changes in the channels says how far off the
 second can be. Where that could be seen behind the noise, steps are halved again, and in the end resolve the vibration.
@@ -19,8 +19,9 @@ from harness.recording.sensors import observe
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 
-# What half the steps may change in the sum of squares of a run, in variances of the noise; errors of order 4 leave a 256th.
-SHOWN = 1.0
+# What half the steps may change in the sum of squares of a run, in variances of the noise. Errors of order 4 leave a 225th of
+# it; of order 2, where efforts have kinks and several joints turn, a ninth.
+SHOWN = 0.3
 FINEST = 16  # steps between two states that are handed over
 STIFF = 0.5  # rad that the fastest vibration turns in a step; below, steps that resolve it cost no more
 FEWEST = 16  # states that are worth it
@@ -39,10 +40,10 @@ class StiffRuns:
     _usual: dict[tuple[int, float], int] = field(default_factory=dict, init=False, repr=False)
 
     def run(
-        self, model: LaneModel, rows: Array, states: Array, time: Array, requests: Array,
+        self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
         tolerance: float, threads: int,
     ) -> Motion:  # fmt: skip
-        """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n), free.
+        """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
 
         See ``LaneModel.simulate``. requests: which request a run belongs to, (B,).
         """
@@ -54,7 +55,8 @@ class StiffRuns:
         linear = linearization(model, rows[left], states[left])
 
         def run(steps: int) -> Motion:
-            return march(model, rows[left], states[left], time, steps, linear, threads=threads)[:3]
+            forces = None if tau is None else tau[left]
+            return march(model, rows[left], states[left], time, steps, linear, tau=forces, threads=threads)[:3]
 
         coarse: Motion | None = None
         while len(left) and inner <= FINEST:
@@ -71,7 +73,8 @@ class StiffRuns:
             coarse, linear, left, inner = (fine[0][bad], fine[1][bad], fine[2][bad]), linear[bad], left[bad], 2 * inner
         if slow.any():
             q, qd = np.split(states[slow], 2, axis=1)
-            resolved = model.simulate(rows[slow], q, qd, time, tolerance=tolerance, threads=threads)
+            forces = None if tau is None else tau[slow]
+            resolved = model.simulate(rows[slow], q, qd, time, tau=forces, tolerance=tolerance, threads=threads)
             for array, part in zip(out, resolved, strict=True):
                 array[slow] = part
         return out[0], out[1], out[2]
