@@ -169,9 +169,12 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
     )
     named = [t for t in left.tests if t.places >= 0 and not (lasting and t.name.startswith(SETS_IN))]
 
+    own = smaller.score - best.score
+    there = max(smaller.score - study.samples, own)
+
     def worth(gain: float) -> float:
         # A linear gain that promises more than there is says only that it might do as well.
-        return gain if gain < smaller.score - study.samples else smaller.score - best.score
+        return gain if gain < there else own
 
     prices = [worth(t.gain) - (t.size + t.places) * log_n for t in named]
     prices += [worth(t.together[0]) - t.together[1] * (1 + t.places) * log_n for t in named]
