@@ -129,7 +129,7 @@ def _exponential() -> None:
     from harness.denoc.lanes_exponential import march_groups
 
     _compile(
-        march_groups, _MATRIX, _CUBE, 1, *_LANES, 1, _CUBE, _CUBE, np.zeros((1, 1, 1, 1)), 1.0, 1.0, 1,
+        march_groups, _MATRIX, _CUBE, 1, *_LANES, 1, _CUBE, _CUBE, np.zeros((1, 1, 1, 1)), _CUBE, _CUBE, 1.0, 1.0, 1,
         _CUBE, _CUBE, _CUBE, _MATRIX,
     )  # fmt: skip
 
