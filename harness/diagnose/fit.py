@@ -132,7 +132,8 @@ def linearise(
         vectors[row + 1, k] += step
     lanes: list[tuple[int, Window, Array]] = []
     # Stiff runs choose their steps together: only what has run beside the others may be subtracted from them.
-    first = 0 if known is None or predictor.shortened(hypothesis) else 1
+    beside = known is None or predictor.shortened(hypothesis)
+    first = 0 if beside else 1
     for window in windows:
         s = states[window]
         lanes += [(row, window, s) for row in range(first, len(vectors))]
@@ -149,17 +150,17 @@ def linearise(
     ):
         s = states[window]
         n = len(s)
+        here = white[0] if known is None else known[1][number]
         if known is None:
-            cost += price(white[0], predictions[number * count])
-        r = known[1][number] if known is not None and first else white[0]
-        white = white if first else white[1:]
+            cost += price(here, predictions[number * count])
+        r, white = (white[0], white[1:]) if beside else (here, white)
         # State and shared parameters side by side.
         both = np.zeros((len(r), n + size), order="F")
         for row, k in enumerate(moves):
             np.divide(white[row] - r, steps[row], out=both[:, n + k])
         for j in range(n):
             np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=both[:, j])
-        residuals.append(r if known is None else known[1][number])
+        residuals.append(here)
         bases.append(both[:, :n])
         shared.append(both[:, n:])
     return _eliminated(cost, residuals, bases, shared, state_damping)

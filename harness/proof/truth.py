@@ -129,27 +129,22 @@ def _split(s: Segment, bends: Sequence[tuple[float, str]], rest: str) -> str:
     wanted = np.array([s.mass, s.mass * s.com, s.inertia + s.mass * s.com**2])
     held = np.array([np.ones(len(places)), places, places**2 + own])
     masses = masses + np.linalg.pinv(held) @ (wanted - held @ masses)
-    inside = rest
+    # The bob goes with the last piece; what hangs on the segment is placed from its joint.
+    pieces, tips = masses[:-1], np.append(np.zeros(len(bends)), masses[-1])
+    inside = (
+        f'<body name="{s.link}_end" pos="0 0 {float(edges[-2])!r}"><inertial pos="0 0 0" mass="1e-9" '
+        f'diaginertia="1e-12 1e-12 1e-12"/>{rest}</body>'
+    )
     for k in reversed(range(len(widths))):
-        mass = masses[k] + (masses[-1] if k == len(widths) - 1 else 0.0)
-        tip = masses[-1] if k == len(widths) - 1 else 0.0
-        centre = (masses[k] * widths[k] / 2 + tip * widths[k]) / mass
-        inertia = masses[k] * (own[k] + (widths[k] / 2 - centre) ** 2) + tip * (widths[k] - centre) ** 2
-        inertial = (
-            f'<inertial pos="0 0 {-float(centre)!r}" mass="{float(mass)!r}" '
-            f'diaginertia="{float(inertia)!r} {float(inertia)!r} {float(inertia)!r}"/>'
-        )
-        if k == len(widths) - 1:
-            # What hangs on the segment is placed from its joint.
-            inside = (
-                f'<body name="{s.link}_end" pos="0 0 {float(edges[k])!r}"><inertial pos="0 0 0" mass="1e-9" '
-                f'diaginertia="1e-12 1e-12 1e-12"/>{rest}</body>'
-            )
-        if k == 0:
-            return inertial + inside
+        width, mass = widths[k], pieces[k] + tips[k]
+        centre = (pieces[k] * width / 2 + tips[k] * width) / mass
+        inertia = pieces[k] * (own[k] + (width / 2 - centre) ** 2) + tips[k] * (width - centre) ** 2
         inside = (
-            f'<body name="{s.link}_{k}" pos="0 0 {-float(widths[k - 1])!r}">{bends[k - 1][1]}{inertial}{inside}</body>'
+            f'<inertial pos="0 0 {-float(centre)!r}" mass="{float(mass)!r}" '
+            f'diaginertia="{float(inertia)!r} {float(inertia)!r} {float(inertia)!r}"/>{inside}'
         )
+        if k > 0:
+            inside = f'<body name="{s.link}_{k}" pos="0 0 {-float(widths[k - 1])!r}">{bends[k - 1][1]}{inside}</body>'
     return inside
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -55,6 +57,15 @@ def test_what_is_compiled_ahead_is_what_is_used(tmp_path: Path) -> None:
     claims.mkdir()
     _python(_COMPILE, tmp_path / "cache", "rigid,rigid_others,dop853,rk4", str(claims))
     _python(_USE, tmp_path / "cache")
+
+
+@pytest.mark.parametrize("task", kernels.TASKS)
+def test_kernels_are_compiled_for_as_many_arguments_as_they_take(task: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def counted(kernel: Any, *arguments: Any) -> None:
+        assert len(arguments) == len(inspect.signature(kernel.py_func).parameters), kernel.py_func.__name__
+
+    monkeypatch.setattr(kernels, "_compile", counted)
+    kernels.TASKS[task].compile()
 
 
 def test_every_command_names_tasks_that_there_are() -> None:
