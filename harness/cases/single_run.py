@@ -12,9 +12,10 @@ from harness.cases.case import NATIVE, Array
 from harness.cases.checks.trajectory import initial_state
 from harness.effects import input_chain, sensor_chain
 from harness.engines import registry
+from harness.engines.expressed import realised
 from harness.engines.protocol import EngineError
 from harness.errors import InputError, UnsupportedError
-from harness.system import Attachment, System
+from harness.system import System
 from harness.system.suggest import did_you_mean
 
 # Eight columns of doubles of this length are half a gigabyte.
@@ -135,16 +136,17 @@ def run_once(
         raise InputError(f"no engine is named {engine!r}", mend=did_you_mean(engine, registry.names()))
     adapter = registry.engine(engine)
     version = adapter.version()
-    inner = _without_chain(system)
-    reason = adapter.refuses(inner)
+    # Effects may add coordinates of their own (a base that slides, a link that bends); these start at rest, undriven.
+    whole = realised(system)
+    reason = adapter.refuses(whole)
     if reason is not None:
         raise UnsupportedError(
             f"{engine} cannot run it: {reason}", source=system.source, mend="choose another --engine"
         )
-    model = adapter.build(inner)
+    model = adapter.build(whole)
     names = list(system.coordinate_names)
-    q0, qd0 = initial_state(system, dict(position), dict(velocity))
-    arriving = None if tau is None else _through_inputs(system, tau, time)
+    q0, qd0 = initial_state(whole, dict(position), dict(velocity))
+    arriving = None if tau is None else _arriving(system, whole, tau, time)
     try:
         run = model.simulate(q0, qd0, time, tau=arriving, step=step)
     except EngineError as error:
@@ -167,17 +169,13 @@ def run_once(
     return SingleRun(engine, version, seen, _energy_change(system, model, run, tau))
 
 
-def _chained(attachment: Attachment) -> bool:
-    from harness.effects import effect
-
-    kind = effect(attachment.effect)
-    return kind.sensor is not None or kind.input is not None
-
-
-def _without_chain(system: System) -> System:
-    from dataclasses import replace
-
-    return replace(system, attachments=tuple(a for a in system.attachments if not _chained(a)))
+def _arriving(system: System, whole: System, tau: Array, time: Array) -> Array:
+    """What arrives of recorded efforts at the coordinates of the system with its effects in it, (T, n) to (T, m)."""
+    through = _through_inputs(system, tau, time)
+    arriving = np.zeros((len(time), len(whole.coordinate_names)))
+    for column, name in enumerate(system.coordinate_names):
+        arriving[:, whole.coordinate_names.index(name)] = through[:, column]
+    return arriving
 
 
 def _through_inputs(system: System, tau: Array, time: Array) -> Array:

@@ -9,6 +9,7 @@ from harness.cases.case import Case, Check
 from harness.cases.checks import StateAgreement
 from harness.cases.tolerances import acceleration_allowed
 from harness.cases.user_beams import beam_checks, comparable, straight_checks
+from harness.engines.expressed import realised
 from harness.errors import InputError
 from harness.system import System, load
 
@@ -43,7 +44,7 @@ def names_of(paths: Sequence[Path]) -> dict[str, Path]:
 
 def case_of(name: str, path: Path, *, physical: bool = True) -> Case:
     """The case of one model file."""
-    system, left_out = comparable(read(path, physical=physical))
+    system, left_out = comparable(realised(read(path, physical=physical)))
     return Case(
         name=name,
         title=f"{system.name} ({path.name})" + (f", {left_out}" if left_out else ""),

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.diagnosis import Diagnosis
-from harness.effects.attach import apply
+from harness.effects import effect
+from harness.engines.expressed import realised
 from harness.engines.registry import availability, engine
 from harness.errors import EngineUnavailableError, InputError
 from harness.system import System
@@ -42,7 +43,7 @@ def write_augmented(diagnosis: Diagnosis, folder: str | Path) -> tuple[Written, 
     for ending in ENDINGS:
         path = target / f"augmented{ending}"
         try:
-            system = diagnosis.augmented if ending == ".toml" else realised(diagnosis.augmented)
+            system = diagnosis.augmented if ending == ".toml" else described(diagnosis.augmented)
             out.append(Written(path, tuple(write(system, path))))
         except InputError as error:
             if ending == ".toml":
@@ -51,15 +52,11 @@ def write_augmented(diagnosis: Diagnosis, folder: str | Path) -> tuple[Written, 
     return tuple(out)
 
 
-def realised(system: System) -> System:
-    """The system with its attachments turned into fields of the description where there are such."""
-    found = replace(system, attachments=())
-    for attachment in system.attachments:
-        try:
-            found = apply(found, attachment)
-        except (InputError, NotImplementedError):
-            found = replace(found, attachments=(*found.attachments, attachment))
-    return found
+def described(system: System) -> System:
+    """The system with its effects turned into fields of the description where there are such, the others attached."""
+    found = realised(system)
+    outside = tuple(a for a in system.attachments if effect(a.effect).side != "dynamics")
+    return replace(found, attachments=(*found.attachments, *outside))
 
 
 def replay(system: System, state: Mapping[str, tuple[float, float]]) -> tuple[dict[str, Any], ...]:

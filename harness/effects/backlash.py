@@ -29,7 +29,8 @@ EFFECT = Effect(
     source="Nordin and Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38 (2002) 1633–1649.",
     expressed_by={
         "denoc": "a joint with play between drive side and link",
-        "exudyn": "a further body and a connector with dead zone in a user function",
+        "mujoco": "a further joint and passive forces with a dead zone",
+        "exudyn": "a further body and a dead zone in a user function",
     },
     needs=("motion",),
     confusable_with=("joint_flexibility", "dahl_friction", "sensor_nonlinearity"),

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from harness.engines.checked import held_forces, sample_times, vector, vectors
-from harness.engines.expressed import express, refusal
+from harness.engines.expressed import bends, express, refusal
 from harness.engines.folded import bodies
 from harness.engines.oscillator import oscillate
 from harness.engines.pendulum import swing
@@ -135,7 +135,7 @@ class Analytic:
         return f"scipy {scipy.__version__}"
 
     def refuses(self, system: System) -> str | None:
-        if system.flexible:
+        if bends(system):
             return "closed forms here have no elastic links"
         reason = refusal("the closed form", system, forces=False)
         if reason:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -76,21 +76,20 @@ class NativeModel:
         return trajectory
 
     def _simulate_laws(self, q0: Array, qd0: Array, time: Array, tau: Array | None, step: float | None) -> Trajectory:
-        from harness.denoc.lanes import LaneModel
+        from harness.denoc.channels import channels
+        from harness.effects.lanes import lane_model, lane_row
 
-        lanes = LaneModel(self.system)
-        row = lanes.row(self.system)[None]
-        for attachment in self.expressed.laws:
-            law = effect(attachment.effect)
-            assert law.law is not None  # `refuses` lets nothing else pass
-            law.law.write(row, lanes, attachment.site, law.values(attachment.parameters)[None])
+        attached = replace(self.system, attachments=self.expressed.laws)
+        lanes = lane_model(attached)
+        row = lane_row(lanes, attached)[None]
         if self.expressed.shaking is not None:
             for axis, part in zip("xyz", self.expressed.shaking.direction, strict=True):
                 row[0, lanes.slot("base", f"excitation_{axis}")] = part
-        position, velocity, _ = lanes.simulate(row, q0, qd0, time - time[0], tau=tau, hold="zero", step=step)
+        position, velocity, acceleration = lanes.simulate(row, q0, qd0, time - time[0], tau=tau, hold="zero", step=step)
         if not np.all(np.isfinite(position)):
             raise EngineError("denoc: the motion is not finite any more")
-        return Trajectory(time=time, names=self.names, position=position[0], velocity=velocity[0])
+        signals = channels(self.model, position[0], velocity[0], acceleration[0]) if self.system.flexible else {}
+        return Trajectory(time, self.names, position[0], velocity[0], channels=signals)
 
     def frequencies(self, q: Array) -> Array:
         return np.asarray(self.model.frequencies(vector("q", q, len(self.names))))

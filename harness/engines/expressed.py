@@ -18,7 +18,7 @@ from harness.errors import InputError
 from harness.system import Attachment, System
 
 # Joint laws that are a function of position and velocity, so that any engine can be handed them as a force.
-FORCES = ("quadratic_drag", "cubic_stiffness", "constant_torque", "cogging_torque", "end_stop")
+FORCES = ("quadratic_drag", "cubic_stiffness", "constant_torque", "cogging_torque", "end_stop", "backlash")
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class JointForces:
     """Joint laws of position and velocity, each array of shape (n,) in the order of the joints, zero where absent.
 
     drag [N·m·s²/rad²], cubic [N·m/rad³], constant [N·m], cogging amplitude [N·m], periods [1/rev] and phase [rad],
-    stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad].
+    stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad]; whole gap [rad] of teeth, their stiffness and damping.
     """
 
     drag: Array
@@ -38,6 +38,9 @@ class JointForces:
     stop_angle: Array
     stop_stiffness: Array
     stop_damping: Array
+    teeth_gap: Array
+    teeth_stiffness: Array
+    teeth_damping: Array
 
     @property
     def any(self) -> bool:
@@ -45,8 +48,9 @@ class JointForces:
 
     @property
     def irregular(self) -> bool:
-        """Whether there is more than polynomials of position and velocity: cogging or a stop."""
-        return bool(np.any(self.cogging_amplitude) or np.any(self.stop_stiffness) or np.any(self.stop_damping))
+        """Whether there is more than polynomials of position and velocity: cogging, a stop or teeth with play."""
+        kinds = (self.cogging_amplitude, self.stop_stiffness, self.stop_damping, self.teeth_stiffness)
+        return any(bool(np.any(kind)) for kind in kinds)
 
     def __call__(self, q: Array, qd: Array) -> Array:
         """Generalized forces on the right-hand side, shape (n,)."""
@@ -57,12 +61,22 @@ class JointForces:
         return np.asarray(self.constant - self.drag * qd * np.abs(qd) - self.cubic * q**3)
 
     def rest(self, q: Array, qd: Array) -> Array:
-        """Cogging and end stops, shape (n,). A stop pushes and never pulls."""
+        """Cogging, end stops and teeth, shape (n,). A stop or a tooth pushes and never pulls."""
         side = np.where(self.stop_angle < 0.0, -1.0, 1.0)
         depth = side * (q - self.stop_angle)
         contact = np.maximum(self.stop_stiffness * depth + self.stop_damping * side * qd, 0.0)
         push = np.where(depth > 0.0, side * contact, 0.0)
-        return np.asarray(self.cogging_amplitude * np.sin(self.cogging_periods * q + self.cogging_phase) - push)
+        cogging = self.cogging_amplitude * np.sin(self.cogging_periods * q + self.cogging_phase)
+        return np.asarray(cogging - push + self._teeth(q, qd))
+
+    def _teeth(self, q: Array, qd: Array) -> Array:
+        """Nothing within half the gap either way, beyond it a spring and a damper, shape (n,)."""
+        half = 0.5 * self.teeth_gap
+        beyond = np.maximum(np.abs(q) - half, 0.0)
+        # Damping sets in over half a hundredth of half the gap: no jump for an integrator to stumble over.
+        share = np.minimum(beyond / np.maximum(0.005 * half, 1e-6), 1.0)
+        push = self.teeth_stiffness * beyond + self.teeth_damping * share * np.sign(q) * qd
+        return np.asarray(-np.sign(q) * np.maximum(push, 0.0))
 
 
 @dataclass(frozen=True)
@@ -135,6 +149,23 @@ def express(system: System) -> Expressed:
     return Expressed(plain, JointForces(**table), shaking, laws, tuple(beyond))
 
 
+def realised(system: System) -> System:
+    """The system with every effect of the dynamics in it: as description where that has words, else as attached law.
+
+    Effects of sensors and inputs are left out. Raises InputError for an effect, site or parameter that does not exist.
+    """
+    found = express(system)
+    return replace(found.system, attachments=found.laws)
+
+
+def bends(system: System) -> bool:
+    """Whether the system has elastic links, its own or by an effect attached to it."""
+    try:
+        return express(system).system.flexible
+    except InputError:  # said by ``refusal``
+        return system.flexible
+
+
 def refusal(engine: str, system: System, *, forces: bool = True, shaking: bool = False) -> str | None:
     """Why an engine cannot express the system's effects, or None; a wrong effect is a reason too."""
     try:
@@ -148,5 +179,6 @@ _PLACES = {
     "cubic_stiffness": {"cubic": "stiffness"},
     "constant_torque": {"constant": "torque"},
     "cogging_torque": {"cogging_amplitude": "amplitude", "cogging_periods": "periods", "cogging_phase": "phase"},
+    "backlash": {"teeth_gap": "gap", "teeth_stiffness": "stiffness", "teeth_damping": "damping"},
     "end_stop": {"stop_angle": "angle", "stop_stiffness": "stiffness", "stop_damping": "damping"},
 }

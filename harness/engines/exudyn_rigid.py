@@ -5,7 +5,8 @@ Its own time integration is RK4. Exudyn has no dry friction that sticks, so syst
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from harness.engines.checked import (
     vector,
     vectors,
 )
-from harness.engines.expressed import JointForces, express, refusal
+from harness.engines.expressed import JointForces, bends, express, refusal
 from harness.engines.exudyn_run import exudyn_package, quiet, settings
 from harness.engines.folded import bodies
 from harness.engines.protocol import Array, EngineError
@@ -101,7 +102,15 @@ class ExudynModel:
 
     def bias(self, q: Array, qd: Array) -> Array:
         q, qd = vectors(len(self.names), q=q, qd=qd)
-        return self._passive(q, qd) - self._terms(q, qd)[1]
+        return -self._free._terms(q, qd)[1]
+
+    @cached_property
+    def _free(self) -> ExudynModel:
+        """The system without passive forces, which a stiff spring would leave nothing but rounding of to take off again."""
+        if not (self.forces.any or self.damping.any() or self.stiffness.any()):
+            return self
+        joints = tuple(replace(j, damping=0.0, stiffness=0.0, rest_position=0.0) for j in self.system.joints)
+        return Exudyn().build(replace(self.system, joints=joints))
 
     def gravity(self, q: Array) -> Array:
         return self.bias(q, np.zeros(len(self.names)))
@@ -251,7 +260,7 @@ class Exudyn:
         return installed_version("exudyn", "Exudyn")
 
     def refuses(self, system: System) -> str | None:
-        if system.flexible:
+        if bends(system):
             return "Exudyn's kinematic trees have no elastic links; its beams are exudyn_ancf and exudyn_ffrf"
         n = len(system.joint_names)
         if n == 0:

@@ -26,7 +26,7 @@ from harness.engines.checked import (
     sample_times,
     vector,
 )
-from harness.engines.expressed import JointForces, Shaking, express, refusal
+from harness.engines.expressed import JointForces, Shaking, bends, express, refusal
 from harness.engines.folded import bodies
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
@@ -325,7 +325,7 @@ class Mujoco:
         return installed_version("mujoco", "MuJoCo")
 
     def refuses(self, system: System) -> str | None:
-        if system.flexible:
+        if bends(system):
             return "MuJoCo has no elastic links"
         if not system.joint_names:
             return "the system has no movable joint"

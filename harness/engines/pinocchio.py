@@ -22,7 +22,7 @@ from harness.engines.checked import (
     vector,
     vectors,
 )
-from harness.engines.expressed import JointForces, express, refusal
+from harness.engines.expressed import JointForces, bends, express, refusal
 from harness.engines.march import march
 from harness.engines.protocol import Array
 from harness.engines.small_motion import frequencies, jacobian
@@ -189,7 +189,7 @@ class Pinocchio:
         return installed_version("pin", "Pinocchio")
 
     def refuses(self, system: System) -> str | None:
-        if system.flexible:
+        if bends(system):
             return "Pinocchio has no elastic links"
         n = len(system.joint_names)
         if n == 0:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -167,3 +169,10 @@ def test_the_shipped_reference_knows_every_case_and_no_other():
     reference = read_accepted(Path(__file__).parents[2] / "reference" / "accepted.json")
     assert {key.rsplit("/", 2)[0] for key in reference.rows} == set(built_in())
     assert all(entry["why"] and entry["date"] and entry["versions"] for entry in reference.history)
+
+
+def test_the_suite_passes_the_gate_it_ships():
+    # What a user's first `denoc gate` does.
+    run = subprocess.run([sys.executable, "-m", "harness", "gate"], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "rows hold" in run.stdout
