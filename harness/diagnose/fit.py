@@ -320,10 +320,16 @@ def _descend(
     # one into lanes that run anyway are made at once.
     together = max(1, LANES * -(-len(windows) // LANES) // len(windows))
     tried: dict[float, tuple[Trial, Residuals]] = {}
-    mended = False
+    mended, loosened = False, False
     for _ in range(most_steps):
         if damping not in tried:
             trials = [_trial(here, windows, x, current, prior_weight, lower, upper, held, damping)]
+            if trials[0].predicted < enough and damping > SOFTEST and not loosened:
+                # Along a valley with steep sides a damped step promises little, however far there is to go.
+                loosened = True
+                loose = _trial(here, windows, x, current, prior_weight, lower, upper, held, SOFTEST)
+                if loose.predicted >= enough:
+                    damping, trials = SOFTEST, [loose]
             while len(trials) < together and trials[-1].predicted >= enough and trials[-1].damping <= HARDEST:
                 trials.append(
                     _trial(here, windows, x, current, prior_weight, lower, upper, held, _harder(trials[-1].damping))
@@ -362,7 +368,7 @@ def _descend(
             here = linearise(
                 predictor, likelihood, hypothesis, windows, x, current, upper=upper, fixed=held, known=found
             )
-            tried, mixed, mended = {}, mended, False
+            tried, mixed, mended, loosened = {}, mended, False, False
             # Quickly where the linear view holds: along a valley whose sides are steep, little damping is much.
             damping = max(
                 damping * (0.01 if gain > 0.9 * predicted else 0.1 if gain > 0.5 * predicted else 0.5), SOFTEST

@@ -19,6 +19,7 @@ from harness.diagnose.problem import Problem
 from harness.diagnose.screen import carry_state
 from harness.diagnose.search import Effort, grow, polish, transfer
 from harness.diagnose.study import HOPELESS, Study, measured_state
+from harness.diagnose.vibration_windows import stages
 from harness.diagnose.windows import Window, cut
 
 Array = NDArray[np.float64]
@@ -169,8 +170,7 @@ def investigate(
     period = 1.0 / frequency
     likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
     short = cut(problem.runs, every, SWINGS * period)
-    study = Study(problem, predictor, likelihood, tuple(candidates), short, swing=period)
-    first = study.empty()
+    first = _led_in(problem, predictor, likelihood, short, period)
     for _ in range(2):
         likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
         study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states, swing=period)
@@ -218,6 +218,20 @@ def investigate(
     return Outcome(
         problem, predictor, final, training, nominal, empty, ordered[0], ordered, held, motion_hz, period
     )  # fmt: skip
+
+
+def _led_in(
+    problem: Problem, predictor: Predictor, likelihood: Likelihood, windows: Sequence[Window], period: float
+) -> Fit:
+    """The nominal model fitted on short windows, by way of shorter ones where its vibrations could slip by a cycle."""
+    near: Fit | None = None
+    x = np.zeros(len(predictor.nominal))
+    for cuts in [*stages(problem, windows), tuple(windows)]:
+        study = Study(problem, predictor, likelihood, (), cuts, swing=period)
+        near = study.fit(Hypothesis(), [x], None if near is None else _restated(near, cuts, Hypothesis()))
+        x = near.x
+    assert near is not None
+    return near
 
 
 def _differ(before: Sequence[Colour], after: Sequence[Colour]) -> bool:

@@ -301,7 +301,7 @@ def carry_state(predictor: Predictor, before: Hypothesis, after: Hypothesis, sta
     return out
 
 
-SMALL = 0.02  # of the channels' extents: deviations up to here count as linear
+SMALL = 0.02  # of a channel's extent: deviations up to here count as linear
 LEAST = 1e-4  # by which a starting point is brought nearer to absence at most
 FIRST_TRY = 0.1
 SOFTEST = 0.3  # times the spring that a torque at rest asks for with its rest at a typical angle
@@ -391,7 +391,8 @@ def _near_changes(
         wide: dict[int, list[int]] = {}
         for k in sorted(moved):
             starts, changes, factors = found[k] or ([], [], [])
-            sizes = np.sqrt(sum(np.sum(np.nan_to_num(c, nan=1e6) ** 2, axis=1) for c in changes)) / extent
+            squares = sum(_by_channel(np.nan_to_num(c, nan=1e6), len(extent)) for c in changes)
+            sizes = np.max(np.sqrt(squares) / extent, axis=1)
             own_wide = [i for i in range(len(starts)) if sizes[i] > SMALL and factors[i] > LEAST]
             for i in own_wide:
                 factors[i] = max(LEAST, factors[i] * 0.5 * SMALL / float(sizes[i]))
@@ -411,14 +412,19 @@ def _near_changes(
     return [item for item in found if item is not None]
 
 
-def _extents(predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> float:
-    """Norm of the channels' own variation over all windows, in standard deviations of noise."""
-    total = 0.0
+def _by_channel(change: Array, channels: int) -> Array:
+    """Squares of whitened changes (K, C·T), summed over each channel, (K, C)."""
+    return np.asarray(np.sum(change.reshape(len(change), channels, -1) ** 2, axis=2))
+
+
+def _extents(predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> Array:
+    """Norm of every channel's own variation over all windows, in standard deviations of noise, shape (C,)."""
+    total = np.full(len(likelihood.colours), 1e-300)
     for window in fitted.windows:
         values = predictor.runs[window.run].values[:, window.first : window.last]
         for c, colour in enumerate(likelihood.colours):
-            total += float(np.nanvar(values[c])) * values.shape[1] / colour.std**2
-    return float(np.sqrt(max(total, 1e-300)))
+            total[c] += float(np.nanvar(values[c])) * values.shape[1] / colour.std**2
+    return np.sqrt(total)
 
 
 def _best_ray(

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.fit import Fit, fit
+from harness.diagnose.fit import Fit, fit, residuals_at
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor, is_logarithmic, to_internal
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
 from harness.diagnose.windows import Window, local_state
+from harness.system import System
 
 Array = NDArray[np.float64]
 
@@ -264,6 +265,10 @@ class Study:
         calm = calmed(found.candidate, found.start)
         if calm is not None:
             starts.append(np.concatenate([base.x, to_internal(found.candidate, calm)]))
+        likely = foretold(found.candidate, self.problem.system, found.start)
+        if likely is not None:
+            own = to_internal(found.candidate, likely)
+            starts.append(np.concatenate([base.x, own]))
         fitted = self.fit(hypothesis, starts, base, most_steps=most_steps, target=target)
         if not self.stretched(base):
             return fitted
@@ -297,9 +302,10 @@ class Study:
         """The fit without member ``k``, from where the larger one stands."""
         hypothesis = base.hypothesis.without(k)
         known = self.fits.get(hypothesis.identity)
-        if known is not None:
-            return known
         others = self.without(base, k)
+        if known is not None:
+            # Where the larger set stands may be nearer to the best fit than where the smaller one has ended.
+            return self.fit(hypothesis, [others], base) if self._at(hypothesis, others, base) < known.score else known
         found = self.fit(hypothesis, [others], base)
         nested = min(
             (f for key, f in self.fits.items() if key < hypothesis.identity), key=lambda f: f.score, default=found
@@ -311,6 +317,12 @@ class Study:
         if hypothesis.members and self.stretched(found) and found.cost < HOPELESS * self.samples:
             found = self._bent_back(base, found.x, hypothesis, most_steps=25)
         return found
+
+    def _at(self, hypothesis: Hypothesis, x: Array, near: Fit) -> float:
+        """Score of a point with the initial states of a fit nearby."""
+        problem = self.predictor, self.likelihood, hypothesis, self.windows
+        ((cost, _),) = residuals_at(*problem, [(x, self.states_for(hypothesis, near))])
+        return cost + float(np.sum(x[: len(self.predictor.nominal)] ** 2))
 
     def without(self, base: Fit, k: int) -> Array:
         """The parameter vector without those of member ``k``."""
@@ -342,6 +354,15 @@ def calmed(candidate: Candidate, start: Array) -> Array | None:
         if parameter.name in ("damping", "damping_ratio"):
             out[k] = max(out[k], *parameter.start_values(candidate.references))
     return None if np.array_equal(out, start) else out
+
+
+def foretold(candidate: Candidate, system: System, start: Array) -> Array | None:
+    """Starting values with what theory foretells of them in their place; none where it does not."""
+    reshape = candidate.effect.reshape
+    if reshape is None or reshape.expected is None:
+        return None
+    values = candidate.effect.named(start) | dict(reshape.expected(system, candidate.site))
+    return np.array([values[name] for name in candidate.effect.parameter_names])
 
 
 def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:

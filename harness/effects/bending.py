@@ -94,12 +94,30 @@ def add_mode(system: System, site: str, parameters: Mapping[str, float]) -> Syst
             f"link {site!r} has sampled shapes, which do not say what the next mode is", mend="add it to the samples"
         )
     modes = link.beam.modes
-    ratios = (*link.beam.modal_damping, *(0.0,) * (modes - len(link.beam.modal_damping)), parameters["damping_ratio"])
-    factors = (*link.beam.mode_stiffness, *(1.0,) * (modes - len(link.beam.mode_stiffness)), 1.0)
-    richer = replace(link.beam, modes=modes + 1, modal_damping=ratios, mode_stiffness=factors)
+    richer = _richer(link.beam)
+    ratios = (*richer.modal_damping[:-1], parameters["damping_ratio"])
     reached = mounted_frequency(system.replace_link(replace(link, beam=richer)), site, modes)
-    scaled = (*factors[:-1], (parameters["frequency"] / reached) ** 2)
-    return system.replace_link(replace(link, beam=replace(richer, mode_stiffness=scaled)))
+    scaled = (*richer.mode_stiffness[:-1], (parameters["frequency"] / reached) ** 2)
+    return system.replace_link(replace(link, beam=replace(richer, modal_damping=ratios, mode_stiffness=scaled)))
+
+
+def next_mode(system: System, site: str) -> dict[str, float]:
+    """What beam theory foretells of the first bending mode that the flexible link ``site`` lacks: ``frequency`` [Hz] as mounted."""
+    link = system.link(site)
+    assert link.beam is not None
+    richer = system.replace_link(replace(link, beam=_richer(link.beam)))
+    return {"frequency": mounted_frequency(richer, site, link.beam.modes)}
+
+
+def _richer(beam: Beam) -> Beam:
+    """The beam with one more mode, undamped and as stiff as theory has it."""
+    missing = beam.modes - len(beam.modal_damping), beam.modes - len(beam.mode_stiffness)
+    return replace(
+        beam,
+        modes=beam.modes + 1,
+        modal_damping=(*beam.modal_damping, *(0.0,) * missing[0], 0.0),
+        mode_stiffness=(*beam.mode_stiffness, *(1.0,) * missing[1], 1.0),
+    )
 
 
 def bending_direction(system: System, site: str, direction: Array) -> Array:

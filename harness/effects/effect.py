@@ -120,10 +120,12 @@ class Reshape:
 
     change: (system, site, parameters by name) -> System; raises InputError if the system cannot have it.
     topology: whether it adds or removes coordinates; otherwise the rows of the same compiled model will do.
+    expected: (system, site) -> the parameters that theory foretells, by name, if it does.
     """
 
     change: Callable[[System, str, Mapping[str, float]], System]
     topology: bool = False
+    expected: Callable[[System, str], Mapping[str, float]] | None = None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from harness.effects.bending import add_mode
+from harness.effects.bending import add_mode, next_mode
 from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
 from harness.effects.scale import Scale
 
@@ -38,5 +38,5 @@ EFFECT = Effect(
     expressed_by={"denoc": "one more mode of the beam", "exudyn": "ANCF cable elements, which have it already"},
     needs=("flexible", "deflection", "exact shapes"),
     confusable_with=("base_compliance", "joint_flexibility"),
-    reshape=Reshape(add_mode, topology=True),
+    reshape=Reshape(add_mode, topology=True, expected=next_mode),
 )
