@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 
-from harness import cases as package
 from harness.cases.case import GROUPS, Case
 from harness.errors import InputError
 from harness.system.suggest import did_you_mean
@@ -19,10 +18,11 @@ def built_in() -> dict[str, Case]:
     Raises RuntimeError if two cases have one name: the second would silently take the first one's accepted figures.
     """
     found: dict[str, Case] = {}
-    for module_info in pkgutil.iter_modules(package.__path__):
+    package = "harness.cases"
+    for module_info in pkgutil.iter_modules(import_module(package).__path__):
         if module_info.ispkg:
             continue
-        module = import_module(f"{package.__name__}.{module_info.name}")
+        module = import_module(f"{package}.{module_info.name}")
         for case in _of(module):
             if case.name in found:
                 raise RuntimeError(f"two cases are named {case.name}")

@@ -66,12 +66,12 @@ def diagnose(
             fit_effort=fit_effort,
             effects=effects_files,
             progress=step,
-        )
+        ).replayed()
     document = found.to_json()
     screen = console(json_file)
     print_diagnosis(document, screen)
     if out is not None:
-        for path in write_diagnosis(found, out):
+        for path in write_diagnosis(found, out, said=lambda line: screen.print(line, markup=False)):
             screen.print(f"wrote {path}", markup=False)
     write_json(json_text(document), json_file)
     return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0

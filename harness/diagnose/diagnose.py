@@ -23,6 +23,7 @@ from harness.diagnose.hypothesis import Hypothesis, scaled
 from harness.diagnose.investigate import Outcome, investigate, judge, trained
 from harness.diagnose.locate import locate, rmse
 from harness.diagnose.problem import pose
+from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.search import Effort
 from harness.diagnose.uncertainty import Estimate, as_likely, estimates
@@ -254,9 +255,29 @@ def _tell(
         quality=quality,
         augmented=augmented(outcome, conclusion, values),
         curves=curves(outcome, conclusion.own, conclusion.held),
+        opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
         levelled=levels.system if levels else None,
     )  # fmt: skip
+
+
+def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) -> Opening:
+    """The start of the recording held out, as the model that is told was fitted to it."""
+    window = outcome.held_windows[0]
+    run = outcome.problem.runs[window.run]
+    names = outcome.predictor.mechanism(conclusion.own.hypothesis).names
+    state = conclusion.held.states[window]
+    count = int(min(LONGEST, run.time[window.last - 1] - run.time[window.first]) / run.interval)
+    time = np.arange(count + 1, dtype=np.float64) * run.interval
+    tau = None
+    if run.effort is not None:
+        coordinates = outcome.problem.system.coordinate_names
+        tau = np.zeros((len(time), len(coordinates)))
+        stamps = run.time - run.time[window.first]
+        for column, joint in enumerate(outcome.problem.system.joint_names):
+            tau[:, coordinates.index(joint)] = np.interp(time, stamps, run.effort[:, column])
+    position, velocity = (dict(zip(names, part.tolist(), strict=True)) for part in np.split(state, 2))
+    return Opening(run.name, position, velocity, time, tau, noise)
 
 
 def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from harness.diagnose.curves import Curves
+from harness.diagnose.replay import Opening, replay, replayable
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
@@ -19,7 +20,8 @@ class Diagnosis:
     """What a diagnosis found; fields as in ``denoc.diagnosis/1``.
 
     verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
-    curves: what the plots are drawn from. levels, levelled: dry friction that differs from recording to recording, and the model
+    curves: what the plots are drawn from. opening: from where the augmented model runs again; replay: how it does so in other
+    engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
     with its laws fitted beside such levels, where recordings ask for them.
     """
 
@@ -37,6 +39,14 @@ class Diagnosis:
     curves: Curves | None = None
     levels: Mapping[str, Any] | None = None
     levelled: System | None = None
+    opening: Opening | None = None
+    replay: Sequence[Mapping[str, Any]] = ()
+
+    def replayed(self) -> Diagnosis:
+        """The same answer with the augmented model run in every installed engine that can express what was found."""
+        if self.augmented is None or self.opening is None or not replayable(self.augmented):
+            return self
+        return replace(self, replay=replay(self.augmented, self.opening))
 
     def to_json(self) -> dict[str, Any]:
         """The document ``denoc.diagnosis/1`` as plain data; numbers that are not finite become null."""
@@ -53,6 +63,8 @@ class Diagnosis:
             "next_experiment": dict(self.next_experiment),
             "quality": list(self.quality),
         }
+        if self.replay:
+            document["replay"] = list(self.replay)
         if self.levels is not None:
             document["levels"] = dict(self.levels)
         plain = _plain(document)

@@ -158,6 +158,13 @@ def realised(system: System) -> System:
     return replace(found.system, attachments=found.laws)
 
 
+def described(system: System) -> System:
+    """The system with its effects turned into fields of the description where there are such, all others attached."""
+    found = realised(system)
+    outside = tuple(a for a in system.attachments if effect(a.effect).side != "dynamics")
+    return replace(found, attachments=(*found.attachments, *outside))
+
+
 def bends(system: System) -> bool:
     """Whether the system has elastic links, its own or by an effect attached to it."""
     try:

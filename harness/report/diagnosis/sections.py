@@ -62,6 +62,17 @@ class Levels:
 
 
 @dataclass(frozen=True)
+class Replay:
+    anchor: str = "replay"
+    title: str = "The augmented model in other engines"
+    template: str = "diagnosis_replay.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        replay = document.get("replay")
+        return {"replay": replay, "figure": figure} if replay else None
+
+
+@dataclass(frozen=True)
 class Where:
     anchor: str = "where"
     title: str = "Where the model leaves the recordings"

@@ -27,6 +27,8 @@ def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
     ranking = document.get("ranking") or []
     if len(ranking) > 1:
         console.print(_ranking(ranking[:6]))
+    if document.get("replay"):
+        console.print(_replay(document["replay"]))
     following = document.get("next_experiment") or {}
     if following.get("what"):
         separates = ", ".join(following.get("separates", ()))
@@ -79,6 +81,15 @@ def _ranking(ranking: list[Mapping[str, Any]]) -> Table:
     for row in ranking:
         table.add_row(
             " + ".join(row["effects"]) or "nothing", _figure(row.get("bic")), _figure(row.get("heldout_rmse"))
+        )
+    return table
+
+
+def _replay(replay: list[Mapping[str, Any]]) -> Table:
+    table = _table("augmented model in", "differs most in", "RMS difference", "noise", "")
+    for row in replay:
+        table.add_row(
+            row["engine"], row["channel"] or "–", _figure(row["difference"]), _figure(row["noise"]), row["note"]
         )
     return table
 

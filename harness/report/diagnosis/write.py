@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,15 +12,22 @@ from harness.report.files import staged, write_folder
 
 if TYPE_CHECKING:
     from harness.diagnose.diagnosis import Diagnosis
+    from harness.system import System
 
 
-def write_diagnosis(found: Diagnosis, folder: str | Path) -> list[Path]:
-    """Write ``diagnosis.json``, ``report.html`` and the augmented model (``augmented.toml``); returns their paths.
+MODELS = ("augmented.toml", "augmented.urdf", "augmented.xml", "levelled.toml")
 
-    Where dry friction differs from recording to recording, the model at the last training recording's level is ``levelled.toml``.
+
+def write_diagnosis(
+    found: Diagnosis, folder: str | Path, *, said: Callable[[str], None] = lambda line: None
+) -> list[Path]:
+    """Write ``diagnosis.json``, ``report.html`` and the augmented model; returns their paths.
+
+    The model is ``augmented.toml``, and ``augmented.urdf`` and ``augmented.xml`` (MJCF) as far as these can say it; ``said`` is
+    told what they leave out. Where dry friction differs from recording to recording, the model at the last training
+    recording's level is ``levelled.toml``.
     """
     from harness.report.diagnosis.page import diagnosis_html
-    from harness.system.write import write
 
     document = found.to_json()
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
@@ -29,9 +37,39 @@ def write_diagnosis(found: Diagnosis, folder: str | Path) -> list[Path]:
             continue
         target = Path(folder) / f"{name}.toml"
         try:
-            with staged(target) as temporary:
-                write(model, temporary)
+            _write_model(model, target)
         except InputError as error:
             raise InputError(f"the {name} model: {error.what}", source=target, mend=error.mend) from error
         written.append(target)
+    if found.augmented is not None and found.findings:
+        written += _in_other_words(found.augmented, Path(folder), said)
+    # Models of an earlier diagnosis in the same folder would be taken for this one's.
+    for name in MODELS:
+        if Path(folder) / name not in written:
+            (Path(folder) / name).unlink(missing_ok=True)
     return written
+
+
+def _in_other_words(model: System, folder: Path, said: Callable[[str], None]) -> list[Path]:
+    """The model in formats that do not know effects, as far as their own words go."""
+    from harness.engines.expressed import described
+
+    written = []
+    for ending in (".urdf", ".xml"):
+        target = folder / f"augmented{ending}"
+        try:
+            left_out = _write_model(described(model), target)
+        except InputError as error:
+            said(f"no {target.name}: {error.what}")
+            continue
+        for line in left_out:
+            said(f"{target.name} leaves out {line}")
+        written.append(target)
+    return written
+
+
+def _write_model(model: System, target: Path) -> tuple[str, ...]:
+    from harness.system.write import write
+
+    with staged(target) as temporary:
+        return write(model, temporary)
