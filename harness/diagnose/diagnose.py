@@ -22,6 +22,7 @@ from harness.diagnose.free_motion import free_part
 from harness.diagnose.hypothesis import Hypothesis, scaled
 from harness.diagnose.investigate import Outcome, investigate, judge, trained
 from harness.diagnose.locate import locate, rmse
+from harness.diagnose.lost import why_lost
 from harness.diagnose.problem import pose
 from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
@@ -196,12 +197,13 @@ def _tell(
     ranking = []
     log_n = float(np.log(study.samples))
     for fitted in likeliest(outcome, conclusion.best, SHOWN):
-        held = judge(outcome, fitted)
+        error = rmse(outcome, judge(outcome, fitted), 0)
         ranking.append(
             {
                 "effects": list(fitted.hypothesis.keys),
                 "bic": fitted.score + fitted.hypothesis.size * log_n,
-                "heldout_rmse": rmse(outcome, held, 0),
+                "heldout_rmse": error,
+                "lost": why_lost(study, conclusion.best, fitted, error, rmse(outcome, conclusion.held, 0)),
             }
         )
     titles = [

@@ -35,7 +35,10 @@ def stages(problem: Problem, windows: Sequence[Window]) -> list[tuple[Window, ..
     out: list[tuple[Window, ...]] = []
     parts = GROWTH
     while longest / (parts / GROWTH) > SLIP / slipping:
-        out.append(tuple(piece for window in windows for piece in _split(window, parts)))
+        cuts = tuple(piece for window in windows for piece in _split(window, parts))
+        if out and cuts == out[-1]:  # samples are too few to go on
+            break
+        out.append(cuts)
         parts *= GROWTH
     return out[::-1]
 

@@ -5,8 +5,13 @@ import pytest
 
 from harness import effects
 from harness.denoc.beam import beam_data
-from harness.system import Attachment, Joint, JointType, Link, System
+from harness.diagnose.hypothesis import Candidate
+from harness.diagnose.study import foretold as foretold_start
+from harness.effects.bending import add_mode, mounted_frequency, next_mode
+from harness.effects.scale import references
+from harness.system import Attachment, Beam, Joint, JointType, Link, System
 from harness.system.description import constant
+from harness.system.flexible_link import flexible_link
 
 MASS, LENGTH = 0.2, 0.3
 FREQUENCY = 20.0
@@ -43,3 +48,21 @@ def test_it_gives_what_a_clamped_beam_gives_under_slow_loads(bent: System, power
     sunk = data.tip.s @ np.linalg.solve(data.K, load)
     stiffness = bent.link("rod").beam.bending_stiffness
     assert sunk == pytest.approx(tip * LENGTH**4 / stiffness, rel=1e-9)
+
+
+def test_the_next_mode_is_where_beam_theory_has_it() -> None:
+    # A pinned-free beam's modes are as β² with β = 3.9266, 7.0686, 10.210 (Blevins, table 8-1).
+    beam = Beam(
+        length=LENGTH, mass=MASS, bending_stiffness=1.0, modes=1,
+        direction=constant([0.0, 0.0, -1.0]), bending=constant([1.0, 0.0, 0.0]),
+    )  # fmt: skip
+    joint = Joint("pivot", JointType.REVOLUTE, "base", "rod", axis=constant([0.0, 1.0, 0.0]))
+    system = System("strip", (joint,), (flexible_link("rod", beam),))
+    foretold = next_mode(system, "rod")["frequency"]
+    assert foretold / mounted_frequency(system, "rod") == pytest.approx((7.068583 / 3.926602) ** 2, rel=1e-4)
+    # The effect with what theory foretells is the beam with one mode more; a search begins there.
+    added = add_mode(system, "rod", {"frequency": foretold, "damping_ratio": 0.0}).link("rod").beam
+    assert added is not None and added.mode_stiffness == pytest.approx((1.0, 1.0))
+    mode = effects.effect("higher_mode")
+    start = foretold_start(Candidate(mode, "rod", references(system, "rod")), system, np.array([3.0, 0.02]))
+    assert start == pytest.approx([foretold, 0.02])

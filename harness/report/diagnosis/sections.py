@@ -111,7 +111,8 @@ class Rivals:
         if not ranking:
             return None
         known = [row["bic"] for row in ranking if row.get("bic") is not None]
-        return {"ranking": ranking, "best": min(known) if known else 0.0, "figure": figure}
+        reasons = any(row.get("lost") for row in ranking)
+        return {"ranking": ranking, "best": min(known) if known else 0.0, "reasons": reasons, "figure": figure}
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,16 @@ from rich.text import Text
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
+MOST_FOUND = 8  # remarks on recordings shown on the terminal
+
 
 def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
     """Print a ``denoc.diagnosis/1`` document."""
     verdict = document["verdict"]
     console.print(Text(verdict.replace("_", " "), style=COLOURS.get(verdict, "bold red")))
     console.print(Text(document["summary"]))
+    if document.get("quality"):
+        console.print(_quality(document["quality"]))
     if document["findings"]:
         console.print(_findings(document["findings"]))
     if document["fit"]:
@@ -77,11 +81,25 @@ def _levels(levels: Mapping[str, Any]) -> Table:
 
 
 def _ranking(ranking: list[Mapping[str, Any]]) -> Table:
-    table = _table("hypothesis", "BIC", "held out")
+    table = _table("hypothesis", "ΔBIC", "held out", "why it lost")
+    least = min((row["bic"] for row in ranking if row.get("bic") is not None), default=0.0)
     for row in ranking:
+        bic = row.get("bic")
         table.add_row(
-            " + ".join(row["effects"]) or "nothing", _figure(row.get("bic")), _figure(row.get("heldout_rmse"))
+            " + ".join(row["effects"]) or "nothing",
+            "–" if bic is None else f"{bic - least:.0f}",
+            _figure(row.get("heldout_rmse")),
+            row.get("lost") or "",
         )
+    return table
+
+
+def _quality(quality: list[Mapping[str, Any]]) -> Table:
+    table = _table("recording", "column", "what was found", "what was done")
+    for row in quality[:MOST_FOUND]:
+        table.add_row(row["recording"], row.get("channel") or "", row["what"], row.get("done") or "")
+    if len(quality) > MOST_FOUND:
+        table.add_row("…", "", f"{len(quality) - MOST_FOUND} more in the report", "")
     return table
 
 

@@ -1,0 +1,41 @@
+"""Why a set of effects lost to the one that is told."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.diagnose.fit import Fit
+from harness.diagnose.study import Study
+
+WORSE = 1.02  # times the error on data held out, from which on it is worth saying
+
+
+def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float) -> str:
+    """A few words; empty for the best itself.
+
+    error, least: errors on the data held out, of the other and of the best.
+    """
+    if other.hypothesis.identity == best.hypothesis.identity:
+        return ""
+    further = other.hypothesis.size - best.hypothesis.size
+    price = further * float(np.log(study.samples))
+    parts = {
+        _bent(study, other): other.prior - best.prior,
+        f"fits the recordings worse (χ² by {other.cost - best.cost:.0f})": other.cost - best.cost,
+        f"fits no better with {further} more parameter{'s' * (further > 1)}": price,
+    }
+    said = max(parts, key=lambda words: parts[words])
+    if parts[said] <= 0.0:
+        return "as good"
+    if error > WORSE * least > 0.0:
+        said += f", predicts the data held out {error / least:.2g} times worse"
+    return said
+
+
+def _bent(study: Study, fitted: Fit) -> str:
+    z = fitted.x[: len(study.predictor.nominal)]
+    if not len(z):
+        return "bends the nominal model"
+    worst = int(np.argmax(np.abs(z)))
+    quantity = study.predictor.nominal[worst]
+    return f"bends the nominal model: {quantity.kind} of {quantity.name} by {z[worst]:+.1f} σ of its tolerance"
