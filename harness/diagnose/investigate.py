@@ -191,7 +191,7 @@ def investigate(
         # bent beyond its tolerance is far from the truth too, however well it fits.
         ordered = grow(study, [first], effort, progress)
         seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
-    if empty.score > NONLINEAR * long_study.samples:
+    if min(f.score for f in seeds) > NONLINEAR * long_study.samples:
         seeds += ordinary(long_study, empty)
         progress("friction and drag together")
     ordered = grow(long_study, seeds, effort, progress)

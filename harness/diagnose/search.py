@@ -17,6 +17,7 @@ from harness.diagnose.study import HOPELESS, Study, compatible
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 NEAR = 60.0  # in the criterion
+FAR = 3.0  # times what the best set leaves
 ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
 
@@ -52,6 +53,9 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
             expanded.add(base.hypothesis.identity)
             # Beside a set at the noise floor, only one that is nearly as good can still become better.
             if lowest < FLOOR * study.samples and study.criterion(base) > best + NEAR:
+                continue
+            # What leaves far more than a set near the noise does would need an effect that the other has no use for.
+            if lowest < HOPELESS * study.samples and base.score > FAR * lowest:
                 continue
             members = len(base.hypothesis.members)
             if members >= effort.largest or _needless(study, base) or any(_alike(base, done) for done in finished):

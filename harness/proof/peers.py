@@ -216,6 +216,18 @@ def ask(folder: Path, peer: str) -> dict[str, Any]:
         return {"error": f"{type(error).__name__}: {error}"}
 
 
+def to_ask(scores: Sequence[CaseScore], most: int) -> list[CaseScore]:
+    """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, tilted and late ones first.
+
+    Tilts, late and shifted readings are what peers that fit damping and dry friction alone take for these.
+    """
+    told = {"base_tilt": 0, "sensor_delay": 1, "sensor_offset": 2}
+    single = sorted((s for s in scores if s.kind == "single"), key=lambda s: told.get(s.planted[0][0], len(told)))
+    clean = [s for s in scores if s.kind == "clean"]
+    kept = clean[: max(most // 2, most - len(single))]
+    return kept + single[: most - len(kept)]
+
+
 def compare_peers(
     out: Path,
     scores: Sequence[CaseScore],
@@ -227,14 +239,9 @@ def compare_peers(
 ) -> dict[str, Any]:
     """What each peer claims on clean cases and on those with one effect: shares right and wrong, and where.
 
-    most: cases asked of each peer (all clean ones come first, then tilted and delayed ones, then the rest).
+    most: cases asked of each peer, see ``to_ask``.
     """
-    first = {"clean": 0, "single": 1}
-    told = {"base_tilt": 0, "sensor_delay": 1, "sensor_offset": 2}
-    chosen = sorted(
-        (s for s in scores if s.kind in first),
-        key=lambda s: (first[s.kind], told.get(s.planted[0][0], 9) if s.planted else 0),
-    )[:most]
+    chosen = to_ask(scores, most)
     result: dict[str, Any] = {}
     for peer in PEERS:
         saved = out / "peers" / f"{peer.replace(' ', '_')}.json"

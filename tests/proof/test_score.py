@@ -10,6 +10,7 @@ from harness.errors import InputError
 from harness.proof.concealments import CONCEALMENTS
 from harness.proof.draw import draw_case
 from harness.proof.outside import OUTSIDE
+from harness.proof.peers import to_ask
 from harness.proof.run import FULL, QUICK, tasks
 from harness.proof.score import Share, score_case, summarise
 from harness.proof.seal import seal, unseal
@@ -134,3 +135,14 @@ def test_the_mix_of_cases_is_what_is_promised() -> None:
     full = tasks(FULL)
     assert {t.effect for t in full if t.kind == "single"} == set(CONCEALMENTS)
     assert {t.effect for t in full if t.kind == "outside"} == set(OUTSIDE)
+
+
+def test_peers_are_asked_about_clean_cases_and_about_single_effects() -> None:
+    clean = [score_case(f"clean-{k}", hidden(kind="clean"), told(verdict="consistent")) for k in range(100)]
+    single = [score_case(f"single-{k}", hidden("coulomb_friction"), told("coulomb_friction")) for k in range(30)]
+    tilted = score_case("tilted", hidden("base_tilt"), told("base_tilt"))
+    asked = to_ask([*clean, *single, tilted], 40)
+    assert [s.kind for s in asked] == ["clean"] * 20 + ["single"] * 20
+    assert asked[20] is tilted
+    # Where there are few single effects, clean cases take the room.
+    assert len([s for s in to_ask([*clean, tilted], 40) if s.kind == "clean"]) == 39
