@@ -339,6 +339,11 @@ def _descend(
                 break
             if trials[0].predicted >= 1e-3 * enough:
                 at = residuals_at(predictor, likelihood, hypothesis, windows, [(t.x, t.states) for t in trials])
+                if trials[0].predicted >= enough and _worse(here, prior, prior_weight, trials[0], at[0]):
+                    curved = _along_the_curve(here, windows, trials[0], at[0], prior_weight, lower, upper, held)
+                    (there,) = residuals_at(predictor, likelihood, hypothesis, windows, [(curved.x, curved.states)])
+                    if not _worse(here, prior, prior_weight, curved, there):
+                        trials[0], at[0] = curved, there
             else:
                 at = [(np.inf, ())] * len(trials)
             tried = {t.damping: (t, found) for t, found in zip(trials, at, strict=True)}
@@ -392,6 +397,43 @@ class Trial:
     states: dict[Window, Array]
     predicted: float
     free: NDArray[np.bool_]
+    step: Array
+    state_steps: Array
+
+
+def _worse(here: Linearisation, prior: float, weight: Array, trial: Trial, found: Residuals) -> bool:
+    """Whether a trial costs no less than where it began."""
+    return bool(found[0] + float(np.sum(weight * trial.x**2)) >= here.cost + prior)
+
+
+def _along_the_curve(
+    here: Linearisation,
+    windows: Sequence[Window],
+    trial: Trial,
+    found: Residuals,
+    prior_weight: Array,
+    lower: Array,
+    upper: Array,
+    held: NDArray[np.bool_],
+) -> Trial:
+    """A trial brought back into the valley by what its residuals have beyond the linear view.
+
+    The second-order correction of sequential quadratic programming (Fletcher, Practical Methods of Optimization, 1987, §14.4),
+    here as in the geodesic acceleration of Transtrum and Sethna (arXiv:1201.5885).
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        beyond = [
+            np.nan_to_num(after - before - basis @ moved - shared @ trial.step)
+            for after, before, basis, shared, moved in zip(
+                found[1], here.residuals, here.bases, here.shared, trial.state_steps, strict=True
+            )
+        ]
+    curve = _eliminated(0.0, beyond, here.bases, here.shared)
+    zero = np.zeros(len(trial.x))
+    step, _ = _step(curve, zero, prior_weight, lower - trial.x, upper - trial.x, held, trial.damping)
+    steps = _state_steps(curve.triangles, step, trial.damping)
+    moved = {w: trial.states[w] + s for w, s in zip(windows, steps, strict=True)}
+    return replace(trial, x=np.clip(trial.x + step, lower, upper), states=moved)
 
 
 def _hindered(here: Linearisation, found: Residuals) -> float:
@@ -427,9 +469,10 @@ def _trial(
 ) -> Trial:
     """The step that the linear model proposes under a damping."""
     step, free = _step(here, x, prior_weight, lower, upper, held, damping)
-    moved = {w: states[w] + s for w, s in zip(windows, _state_steps(here.triangles, step, damping), strict=True)}
+    state_steps = _state_steps(here.triangles, step, damping)
+    moved = {w: states[w] + s for w, s in zip(windows, state_steps, strict=True)}
     predicted = _predicted_gain(here, prior_weight, x, step)
-    return Trial(damping, np.clip(x + step, lower, upper), moved, predicted, free)
+    return Trial(damping, np.clip(x + step, lower, upper), moved, predicted, free, step, state_steps)
 
 
 def _step(

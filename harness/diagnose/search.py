@@ -17,6 +17,9 @@ from harness.diagnose.study import HOPELESS, Study, compatible
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 NEAR = 60.0  # in the criterion
+UNDER_WAY = 200.0  # in the criterion
+MOST_CARRIED = 4
+CARRIED_STEPS = 40
 FAR = 3.0  # times what the best set leaves
 ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
@@ -218,10 +221,28 @@ def pruned(study: Study, fitted: Fit) -> Fit:
     return fitted
 
 
+def finished(study: Study, ordered: Sequence[Fit]) -> list[Fit]:
+    """The fits with the best ones carried to their end where they were still under way, best first.
+
+    A contender that walks along a narrow valley would else lose to one that had a shorter way.
+    """
+    best = study.criterion(ordered[0])
+    if ordered[0].score > HOPELESS * study.samples:
+        return list(ordered)
+    open_ones = [f for f in ordered if not f.converged and study.criterion(f) < best + UNDER_WAY]
+    for fitted in open_ones[:MOST_CARRIED]:
+        if fitted.hypothesis.identity not in study.carried:
+            study.carried.add(fitted.hypothesis.identity)
+            study.fit(fitted.hypothesis, [fitted.x], fitted, most_steps=CARRIED_STEPS)
+    known = {f.hypothesis.identity: study.fits.get(f.hypothesis.identity, f) for f in ordered}
+    return sorted(known.values(), key=study.criterion)
+
+
 def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress) -> list[Fit]:
     """Swap members of the best set for alternatives until nothing improves; all fits known then, best first."""
     # Far above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
     for _ in range(3 if ordered[0].score < HOPELESS * study.samples else 1):
+        ordered = finished(study, ordered)
         before = study.criterion(ordered[0])
         best = pruned(study, ordered[0])
         if len(study.fits) >= effort.most_fits:

@@ -34,7 +34,8 @@ class Study:
     """Fits of hypotheses on one set of training windows under one likelihood.
 
     widened: sets whose member was tried as the general law, or the special case, of this key. extended: sets that a candidate
-    was added to. swing: length of the slowest swing [s], if known. hints: score tests on shorter windows of the same recordings,
+    was added to. carried: sets whose fit was carried on to its end. swing: length of the slowest swing [s], if known. hints: score
+    tests on shorter windows of the same recordings,
     where what had to be bent far is nearer to what it stands for. ends: where fits of a set have ended, by score, the best one
     among them.
     """
@@ -49,6 +50,7 @@ class Study:
     first_states: Mapping[Window, Array] = field(default_factory=dict)
     widened: set[tuple[frozenset[str], str]] = field(default_factory=set)
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
+    carried: set[frozenset[str]] = field(default_factory=set)
     swing: float = 0.0
     hints: Mapping[frozenset[str], list[Score]] = field(default_factory=dict)
     ends: dict[tuple[str, ...], list[tuple[float, Array]]] = field(default_factory=dict)
