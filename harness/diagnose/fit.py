@@ -31,6 +31,7 @@ UNCHANGED = 3e-3  # a last step no longer than this (relative, at least to one) 
 ROUNDS = 3  # of bringing windows to better states and going on from there
 SLOW = 1e-3  # of the cost, below which a step's gain by mixing states is not worth going on
 CLEARLY = 0.8  # times its cost, below which a window is brought to another initial state
+CURVED = 30.0  # times a step's length, beyond which what is added for its curvature is no correction
 LANES = 8  # that run together at the price of one
 
 
@@ -341,9 +342,10 @@ def _descend(
                 at = residuals_at(predictor, likelihood, hypothesis, windows, [(t.x, t.states) for t in trials])
                 if trials[0].predicted >= enough and _worse(here, prior, prior_weight, trials[0], at[0]):
                     curved = _along_the_curve(here, windows, trials[0], at[0], prior_weight, lower, upper, held)
-                    (there,) = residuals_at(predictor, likelihood, hypothesis, windows, [(curved.x, curved.states)])
-                    if not _worse(here, prior, prior_weight, curved, there):
-                        trials[0], at[0] = curved, there
+                    if curved is not None:
+                        (there,) = residuals_at(predictor, likelihood, hypothesis, windows, [(curved.x, curved.states)])
+                        if not _worse(here, prior, prior_weight, curved, there):
+                            trials[0], at[0] = curved, there
             else:
                 at = [(np.inf, ())] * len(trials)
             tried = {t.damping: (t, found) for t, found in zip(trials, at, strict=True)}
@@ -415,8 +417,8 @@ def _along_the_curve(
     lower: Array,
     upper: Array,
     held: NDArray[np.bool_],
-) -> Trial:
-    """A trial brought back into the valley by what its residuals have beyond the linear view.
+) -> Trial | None:
+    """A trial brought back into the valley by what its residuals have beyond the linear view; none where that is no correction.
 
     The second-order correction of sequential quadratic programming (Fletcher, Practical Methods of Optimization, 1987, §14.4),
     here as in the geodesic acceleration of Transtrum and Sethna (arXiv:1201.5885).
@@ -432,8 +434,15 @@ def _along_the_curve(
     zero = np.zeros(len(trial.x))
     step, _ = _step(curve, zero, prior_weight, lower - trial.x, upper - trial.x, held, trial.damping)
     steps = _state_steps(curve.triangles, step, trial.damping)
+    if not (_length(step) <= CURVED * _length(trial.step) and _length(steps) <= CURVED * _length(trial.state_steps)):
+        return None
     moved = {w: trial.states[w] + s for w, s in zip(windows, steps, strict=True)}
     return replace(trial, x=np.clip(trial.x + step, lower, upper), states=moved)
+
+
+def _length(step: Array) -> float:
+    with np.errstate(over="ignore"):
+        return float(np.sqrt(np.sum(step**2)))
 
 
 def _hindered(here: Linearisation, found: Residuals) -> float:

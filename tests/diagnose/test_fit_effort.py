@@ -177,7 +177,8 @@ def test_written_answer_can_be_read_again(system: System, tmp_path: Path) -> Non
 
     found = diagnose([recorded(14, friction=0.11)], system, fit_effort=True)
     paths = write_diagnosis(found, tmp_path / "out")
-    assert {p.name for p in paths} == {"diagnosis.json", "report.html", "augmented.toml"}
+    models = {"augmented.toml", "augmented.urdf", "augmented.xml"}
+    assert {p.name for p in paths} == {"diagnosis.json", "report.html"} | models
     again = load(tmp_path / "out" / "augmented.toml")
     assert any(a.effect == "coulomb_friction" for a in again.attachments)
 
