@@ -12,6 +12,7 @@ and is turned, to first order, by  n Σ s_k' b_k - e Σ s_k' b_k + d Σ s_k b_k.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import scipy.linalg
@@ -110,8 +111,10 @@ class BeamData:
         return _station(self.shapes, self.plane, x)
 
 
+# Rows of parameters and the sensors that read their motion ask for the same beam one after the other.
+@lru_cache(maxsize=256)
 def beam_data(system: System, link_name: str) -> BeamData:
-    """Shapes and integrals of a flexible link where it stands in its system.
+    """Shapes and integrals of a flexible link where it stands in its system; not to be written to.
 
     Raises KeyError if there is no such link, InputError if it is rigid or its beam is not sound.
     """

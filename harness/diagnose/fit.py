@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
+from harness.diagnose.coordinates import internal_bounds
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor, internal_bounds
+from harness.diagnose.predict import Predictor
 from harness.diagnose.window_states import LOST, Residuals, best_states, price, settled, suspects
 from harness.diagnose.windows import Window
 

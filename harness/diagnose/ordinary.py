@@ -11,9 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.coordinates import start_vector, to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
-from harness.diagnose.predict import start_vector, to_internal
 from harness.diagnose.study import Study
 
 Array = NDArray[np.float64]

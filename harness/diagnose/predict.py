@@ -9,107 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.lanes import LaneModel
-from harness.diagnose.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled
+from harness.diagnose.coordinates import CLOCK_MARGIN
+from harness.diagnose.grid import Grid, hermite, make_grid, window_stamps
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.mechanisms import Mechanism, Mechanisms
 from harness.diagnose.problem import Problem, Run
 from harness.diagnose.stiff_runs import StiffRuns
 from harness.diagnose.windows import Window
 from harness.effects.attach import input_chain, sensor_chain
-from harness.effects.directions import sideways
-from harness.effects.effect import Parameter
-from harness.effects.lanes import lane_model, lane_row, write_attachment
-from harness.effects.room import STATED
 from harness.parallel import threads_allowed
 from harness.recording.sensors import observe
-from harness.system import Attachment, System
+from harness.system import System
 
 Array = NDArray[np.float64]
 
 FINEST_STEP = 0.004  # s between the states that a free run hands over, unless the recording itself is coarser or finer
 TOLERANCE = 1e-10  # error of a free run in one step [rad, rad/s]; thousands of steps stay far below any sensor's noise
-EVENLY = 8  # points of a grid are a multiple of this
-CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
-
-
-@dataclass(frozen=True, eq=False)
-class Mechanism:
-    """A system compiled for lanes, with the places of the original coordinates among its own."""
-
-    model: LaneModel
-    names: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Even times at which lanes hand over states, and how a window's samples lie among them.
-
-    time: [s] from the window's first sample, shape (G,); index, weight: sample = grid[index] + weight · step, shape (T,).
-    exact: every sample is a grid point; stride: and they are this many points apart, from the first point on (0 if not).
-    """
-
-    time: Array
-    index: NDArray[np.intp]
-    weight: Array
-    exact: bool
-    stride: int = 0
-
-    @property
-    def step(self) -> float:
-        return float(self.time[1] - self.time[0])
-
-    @property
-    def own(self) -> Array:
-        """The times that the samples need, without those that only let other windows run along."""
-        return self.time[: int(self.index[-1]) + 2]
-
-
-def window_stamps(run: Run, window: Window, margin: float) -> Array:
-    """Times of the window's samples from its first one [s], carried on beyond its end by ``margin`` seconds."""
-    stamps = run.time[window.first : window.last] - run.time[window.first]
-    beyond = int(np.ceil(margin * stamps[-1] / run.interval)) if margin > 0.0 else 0
-    return np.concatenate([stamps, stamps[-1] + run.interval * np.arange(1, beyond + 1)])
-
-
-def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> Grid:
-    """The coarsest even grid of at most ``finest`` seconds that samples of the window can be taken from."""
-    stamps = window_stamps(run, window, margin)
-    spacing = np.diff(stamps)
-    even = bool(np.all(np.abs(spacing - run.interval) < 1e-6 * run.interval + 2e-7))
-    step = run.interval / max(1, int(np.ceil(run.interval / finest - 1e-9))) if even else min(finest, run.interval)
-    count = int(np.ceil(stamps[-1] / step - 1e-9)) + 1
-    # Windows that differ by a sample or two run on the same times, and so together.
-    time = step * np.arange(-(-(count + 1) // EVENLY) * EVENLY)
-    place = stamps / step
-    index = np.minimum(np.floor(place + 1e-6).astype(np.intp), count - 1)
-    weight = np.clip(place - index, 0.0, 1.0)
-    exact = bool(np.all(np.abs(place - np.round(place)) < 1e-3)) and even
-    stride = 0
-    if exact:
-        index, weight = np.round(place).astype(np.intp), np.zeros(len(stamps))
-        stride = int(index[1] - index[0]) if len(index) > 1 else 1
-        if stride <= 0 or not np.array_equal(index, stride * np.arange(len(index))):
-            stride = 0
-    return Grid(np.asarray(time, dtype=np.float64), index, weight, exact, stride)
-
-
-def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-    """Positions, velocities, accelerations (B, G, n) at the window's samples, by quintic Hermite interpolation."""
-    if grid.stride > 0:
-        part = slice(0, grid.stride * (len(grid.index) - 1) + 1, grid.stride)
-        return position[:, part], velocity[:, part], acceleration[:, part]
-    if grid.exact:
-        return position[:, grid.index], velocity[:, grid.index], acceleration[:, grid.index]
-    i, s, h = grid.index, grid.weight[None, :, None], grid.step
-    p0, v0, a0 = position[:, i], velocity[:, i] * h, acceleration[:, i] * (h * h)
-    p1, v1, a1 = position[:, i + 1], velocity[:, i + 1] * h, acceleration[:, i + 1] * (h * h)
-    d = p1 - p0
-    # p(s) = p0 + v0 s + a0/2 s² + c3 s³ + c4 s⁴ + c5 s⁵ matching value, slope and curvature at both ends
-    c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
-    c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
-    c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * (a0 - a1)
-    q = p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
-    qd = (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h
-    qdd = (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h)
-    return q, qd, qdd
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,11 +40,12 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """What lanes of a request need before they run: rows (K, P) of the mechanism, how far beyond their windows, and whether
-    something in them knows the date."""
+    """What lanes of a request need before they run: rows (K, P) of the mechanism and the systems that they stand for, how far
+    beyond their windows, and whether something in them knows the date."""
 
     mechanism: Mechanism
     rows: Array
+    systems: tuple[System, ...]
     margin: float
     dated: bool
 
@@ -142,20 +58,16 @@ def taken(array: Array, places: Sequence[int]) -> Array:
     return array[places]
 
 
-class Predictor:
+class Predictor(Mechanisms):
     """Predictions of hypotheses for windows of a problem's runs; compiled systems and grids are kept."""
 
     def __init__(self, problem: Problem, *, finest_step: float = FINEST_STEP) -> None:
+        super().__init__(problem.system)
         self.problem = problem
         self.runs = problem.runs
-        self.system = problem.system
-        self.nominal: tuple[Nominal, ...] = nominal_quantities(problem.system)
         self.finest_step = finest_step
         self.tolerance = TOLERANCE
-        self._shaking = sideways(problem.system)
-        self._mechanisms: dict[tuple[str, ...], Mechanism] = {}
         self._grids: dict[tuple[Window, float], Grid] = {}
-        self._rows: dict[tuple[tuple[str, ...], bytes], Array] = {}
         self.threads = threads_allowed()
         self.lanes_run = 0
         self._stiff: StiffRuns | None = None
@@ -167,79 +79,6 @@ class Predictor:
     def shortened(self, hypothesis: Hypothesis) -> bool:
         """Whether runs of the hypothesis may be in such steps: those of what has coordinates besides its joints."""
         return self._stiff is not None and len(self.mechanism(hypothesis).names) > len(self.system.movable_joints)
-
-    # -- parameters ---------------------------------------------------------------------------------------------
-
-    def size(self, hypothesis: Hypothesis) -> int:
-        """Number of parameters that all windows share: nominal quantities, then those of the effects."""
-        return len(self.nominal) + hypothesis.size
-
-    def state_size(self, hypothesis: Hypothesis) -> int:
-        return 2 * len(self.mechanism(hypothesis).names)
-
-    def effect_values(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
-        """SI values of member k's parameters from the parameter vector (or vectors, last axis)."""
-        span = hypothesis.span(k)
-        offset = len(self.nominal)
-        return from_internal(hypothesis.members[k], x[..., offset + span.start : offset + span.stop])
-
-    # -- mechanisms ---------------------------------------------------------------------------------------------
-
-    def altered(self, hypothesis: Hypothesis, x: Array) -> System:
-        """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""
-        factors = np.exp(self.system.tolerance * x[: len(self.nominal)]).tolist()
-        system = scaled(self.system, self.nominal, factors)
-        reshaping = [(k, m.effect.reshape, m) for k, m in enumerate(hypothesis.members) if m.effect.reshape is not None]
-        # What adds coordinates comes first: its directions are those of the upright system.
-        for k, reshape, member in sorted(reshaping, key=lambda item: not item[1].topology):
-            values = self.effect_values(hypothesis, k, x)
-            system = reshape.change(system, member.site, member.effect.named(values))
-        return system
-
-    def mechanism(self, hypothesis: Hypothesis) -> Mechanism:
-        """The compiled system of the hypothesis' topology."""
-        compiled = [m for m in hypothesis.members if m.effect.user or (m.effect.reshape and m.effect.reshape.topology)]
-        key = tuple(sorted(m.key for m in compiled))
-        if key not in self._mechanisms:
-            start = np.concatenate([np.zeros(len(self.nominal)), *(start_vector(m) for m in hypothesis.members)])
-            system = self.altered(hypothesis, start)
-            own = [m.effect for m in hypothesis.members if m.effect.user is not None]
-            self._mechanisms[key] = Mechanism(lane_model(system, own), system.coordinate_names)
-        return self._mechanisms[key]
-
-    def row(self, hypothesis: Hypothesis, x: Array) -> Array:
-        """Parameter row of one lane."""
-        return self.rows(hypothesis, x[None])[0]
-
-    def rows(self, hypothesis: Hypothesis, x: Array) -> Array:
-        """Parameter rows of lanes with parameter vectors ``x``, shape (K, size)."""
-        mechanism = self.mechanism(hypothesis)
-        model = mechanism.model
-        values = [self.effect_values(hypothesis, k, x) for k in range(len(hypothesis.members))]
-        structural = tuple(m.key for m in hypothesis.members if m.effect.reshape is not None)
-        shaping = [v for m, v in zip(hypothesis.members, values, strict=True) if m.effect.reshape is not None]
-        shapes = np.ascontiguousarray(np.concatenate([x[:, : len(self.nominal)], *shaping], axis=1))
-        rows = np.empty((len(x), model.P))
-        for place, shape in enumerate(shapes):
-            key = (structural, shape.tobytes())
-            found = self._rows.get(key)
-            if found is None:
-                found = lane_row(model, self.altered(hypothesis, x[place]))
-                if len(self._rows) > 20_000:
-                    self._rows.clear()
-                self._rows[key] = found
-            rows[place] = found
-        rows[:, [model.slot("base", f"excitation_{a}") for a in "xyz"]] = self._shaking
-        for member, own in zip(hypothesis.members, values, strict=True):
-            if member.effect.law is not None:
-                write_law(rows, model, member, own)
-            elif member.effect.user is not None:
-                for row, one in zip(rows, own, strict=True):
-                    attached = Attachment(member.effect.name, member.site, member.effect.named(one))
-                    write_attachment(row, model, attached, {member.effect.name: member.effect})
-        return rows
-
-    # -- predictions --------------------------------------------------------------------------------------------
 
     def margin(self, hypothesis: Hypothesis) -> float:
         """Share of a window that has to be simulated beyond its end."""
@@ -302,9 +141,9 @@ class Predictor:
     def _prepare(self, request: Request) -> Prepared:
         """What lanes of a request need before they run."""
         hypothesis = request.hypothesis
-        rows = self.rows(hypothesis, request.x)
+        rows, systems = self.made(hypothesis, request.x)
         dated = bool(self.system.attachments) or any(m.effect.user is not None for m in hypothesis.members)
-        return Prepared(self.mechanism(hypothesis), rows, self.margin(hypothesis), dated)
+        return Prepared(self.mechanism(hypothesis), rows, systems, self.margin(hypothesis), dated)
 
     def _run(
         self,
@@ -367,6 +206,7 @@ class Predictor:
                     request.hypothesis,
                     request.x[which],
                     ready.rows[which],
+                    [ready.systems[i] for i in which],
                     mechanism,
                     self.runs[window.run],
                     window,
@@ -463,6 +303,7 @@ class Predictor:
         hypothesis: Hypothesis,
         x: Array,
         rows: Array,
+        systems: Sequence[System],
         mechanism: Mechanism,
         run: Run,
         window: Window,
@@ -477,7 +318,7 @@ class Predictor:
             (run.averaged**2 - 1) / 24.0 * (run.interval / run.averaged) ** 2
         )  # half the variance of time in a block
         for c, channel in enumerate(self.problem.channels):
-            signal = observe(mechanism.model, rows, channel.site, channel.quantity, sampled).copy()
+            signal = observe(mechanism.model, rows, channel.site, channel.quantity, sampled, systems).copy()
             if run.averaged > 1:
                 if channel.quantity == "position":
                     signal = signal + spread * sampled[2][:, :, mechanism.names.index(channel.site)]
@@ -515,44 +356,6 @@ def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int],
     return first, again
 
 
-DECADE = 10.0
-REACH = 5.0
-
-
-def is_logarithmic(candidate: Candidate) -> Array:
-    """Which parameters are fitted as logarithms, shape (k,).
-
-    Positive ones whose absence lies at infinity, that cannot be zero, or whose starting values span a decade.
-    """
-
-    def spans(parameter: Parameter) -> bool:
-        positive = [s for s in parameter.starts if s > 0.0]
-        return len(positive) > 1 and max(positive) >= DECADE * min(positive)
-
-    return np.array(
-        [
-            p.lower >= 0.0 and (not np.isfinite(p.neutral) or p.lower > 0.0 or (k > 0 and spans(p)))
-            for k, p in enumerate(candidate.effect.parameters)
-        ],
-        dtype=bool,
-    )
-
-
-def from_internal(candidate: Candidate, u: Array) -> Array:
-    """SI values from the fit's own coordinates: in units of the typical scale, or its logarithm."""
-    log = is_logarithmic(candidate)
-    scales = candidate.scales
-    # What is fitted as a logarithm may run away before a bound stops it; e^±40 is far beyond either.
-    return np.where(log, scales * np.exp(np.clip(np.where(log, u, 0.0), -40.0, 40.0)), scales * u)
-
-
-def to_internal(candidate: Candidate, values: Array) -> Array:
-    """The inverse of ``from_internal``."""
-    log = is_logarithmic(candidate)
-    ratio = np.asarray(values, dtype=np.float64) / candidate.scales
-    return np.where(log, np.log(np.maximum(ratio, 1e-300)), ratio)
-
-
 def _between_samples(time: Array, signal: Array) -> Array:
     """Samples (B, T) whose straight connection acts on a mechanism as the smooth signal through the given ones does.
 
@@ -565,67 +368,3 @@ def _between_samples(time: Array, signal: Array) -> Array:
     out = signal.astype(np.float64, copy=True)
     out[..., 1:-1] -= np.diff(slopes, axis=-1) * 2.0 / (before + after) * before * after / 12.0
     return out
-
-
-def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
-    """Physical bounds in the fit's own coordinates."""
-    log = is_logarithmic(candidate)
-    with np.errstate(divide="ignore"):
-        lower = np.where(
-            log,
-            np.log(np.maximum(candidate.effect.lower, 0.0) / candidate.scales),
-            candidate.effect.lower / candidate.scales,
-        )
-        upper = np.where(
-            log,
-            np.log(np.maximum(candidate.effect.upper, 0.0) / candidate.scales),
-            candidate.effect.upper / candidate.scales,
-        )
-    if candidate.effect.sensor is not None and candidate.effect.sensor.clock:
-        slowest = 1.0 / (1.0 + CLOCK_MARGIN) / candidate.scales
-        lower = np.maximum(lower, np.where(log, np.log(slowest), slowest))
-    reshape = candidate.effect.reshape
-    if reshape is not None and reshape.topology:
-        # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
-        least = np.array(
-            [min((s for s in p.starts if s > 0.0), default=0.0) / REACH**2 for p in candidate.effect.parameters]
-        )
-        lower = np.where(candidate.effect.lower >= 0.0, np.maximum(lower, np.where(log, lower, least)), lower)
-    reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters]).reshape(
-        -1, 2
-    )
-    return np.where(log, np.maximum(lower, reach[:, 0]), lower), np.where(log, np.minimum(upper, reach[:, 1]), upper)
-
-
-def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:
-    """How far a logarithm may go from the starting values: beyond, the effect is as good as absent or as good as rigid."""
-    if np.isfinite(parameter.neutral) and parameter.neutral != 0.0:
-        return -np.inf, np.inf  # starting values are counted from there, and physics sets the bounds
-    positive = [s for s in parameter.starts if s > 0.0] or [1.0]
-    # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff.
-    highest = max(positive) / 3.0 if nested and parameter.name == "stiffness" else max(positive) * REACH
-    return float(np.log(min(positive) / REACH)), float(np.log(highest))
-
-
-def start_vector(candidate: Candidate) -> Array:
-    """First of the effect's own starting values, in the fit's coordinates."""
-    values = np.array([p.start_values(candidate.references)[0] for p in candidate.effect.parameters])
-    return to_internal(candidate, values)
-
-
-def write_law(rows: Array, model: LaneModel, candidate: Candidate, values: Array) -> None:
-    """Put a joint law's parameters (K, k) into rows (K, P); what the nominal model has in the same slot is added to, not
-    replaced."""
-    law = candidate.effect.law
-    assert law is not None
-    added = [
-        model.slot(candidate.site, slot)
-        for slot, parameter in zip(law.slots, candidate.effect.parameters, strict=True)
-        if parameter.neutral == 0.0
-    ]
-    before = rows[:, added]
-    law.write(rows, model, candidate.site, values)
-    rows[:, added] += before
-    if candidate.effect.name in STATED:
-        # What is stated is uncertain too: less than stated may be all of it, but never more, or friction would drive.
-        rows[:, added] = np.maximum(rows[:, added], np.minimum(before, 0.0))

@@ -141,15 +141,16 @@ def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found
     i, s, h = grid.index[:size], grid.weight[:size, None], grid.step
     count = deviations.shape[2]
     signal = np.zeros((count, len(problem.channels), size))
-    rows = np.broadcast_to(predictor.row(fitted.hypothesis, fitted.x), (count, model.P))
+    (row,), (system,) = predictor.made(fitted.hypothesis, fitted.x[None])
+    rows, systems = np.broadcast_to(row, (count, model.P)), [system] * count
     place, speed = (np.moveaxis(part, 2, 0) for part in (deviations[:, :n], deviations[:, n:]))
     still = np.zeros_like(place)
     for c, channel in enumerate(problem.channels):
         if channel.quantity not in LINEAR:
             continue
-        d = observe(model, rows, channel.site, channel.quantity, (place, speed, still)).T
+        d = observe(model, rows, channel.site, channel.quantity, (place, speed, still), systems).T
         if channel.quantity != "velocity":
-            v = h * observe(model, rows, channel.site, channel.quantity, (speed, still, still)).T
+            v = h * observe(model, rows, channel.site, channel.quantity, (speed, still, still), systems).T
             sampled = d[i] if grid.exact else (
                 d[i] * (1 - s) ** 2 * (1 + 2 * s) + v[i] * s * (1 - s) ** 2
                 + d[i + 1] * s**2 * (3 - 2 * s) + v[i + 1] * s**2 * (s - 1)

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome
-from harness.diagnose.predict import to_internal
 from harness.diagnose.search import generalized, like, pruned
 from harness.diagnose.study import compatible, whole_numbers
 from harness.diagnose.window_states import LOST

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor, Request, to_internal
+from harness.diagnose.predict import Predictor, Request
 from harness.diagnose.problem import Problem
 from harness.diagnose.response import Response, respond, responsive, to_channels
 from harness.diagnose.starts import Ray, rays

@@ -9,9 +9,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
-from harness.diagnose.predict import to_internal
 from harness.diagnose.study import HOPELESS, Study, compatible
 
 Progress = Callable[[str], None]

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.coordinates import is_logarithmic, to_internal
 from harness.diagnose.fit import Fit, fit, residuals_at
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor, is_logarithmic, to_internal
+from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
 from harness.diagnose.windows import Window, local_state

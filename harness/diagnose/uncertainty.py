@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
+from harness.diagnose.coordinates import from_internal, is_logarithmic
 from harness.diagnose.fit import Fit, covariance
-from harness.diagnose.predict import Predictor, from_internal, is_logarithmic
+from harness.diagnose.predict import Predictor
 from harness.diagnose.study import Study, whole_numbers
 
 Array = NDArray[np.float64]

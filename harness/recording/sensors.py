@@ -5,7 +5,7 @@ What a real sensor then does to the signal (offset, delay, filters, …) are eff
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -32,15 +32,29 @@ class Compiled(Protocol):
     def slot(self, site: str, name: str) -> int: ...
 
 
-def observe(model: Compiled, rows: Array, site: str, quantity: str, states: States) -> Array:
+def observe(
+    model: Compiled, rows: Array, site: str, quantity: str, states: States, systems: Sequence[System] = ()
+) -> Array:
     """One channel of many lanes, shape (B, T).
 
     rows: parameter rows (B, P), of which gravity is taken. states: position, velocity, acceleration of the coordinates
-    ``model.names``, each (B, T, n). site, quantity: as in a recording's columns.
+    ``model.names``, each (B, T, n). site, quantity: as in a recording's columns. systems: what each row was made of (B), of which
+    lengths and mode shapes are taken; by default the model's own.
     Raises InputError for a channel that the system has not.
     """
     gravity = rows[:, [model.slot("base", f"gravity_{axis}") for axis in "xyz"]]
-    return read_channel(model.system, model.names, gravity, site, quantity, states)
+    if quantity not in LINK_QUANTITIES or not systems:
+        return read_channel(model.system, model.names, gravity, site, quantity, states)
+    alike: dict[int, list[int]] = {}
+    for lane, system in enumerate(systems):
+        alike.setdefault(id(system), []).append(lane)
+    if len(alike) == 1:
+        return read_channel(systems[0], model.names, gravity, site, quantity, states)
+    out = np.empty(states[0].shape[:2])
+    for lanes in alike.values():
+        q, qd, qdd = (array[lanes] for array in states)
+        out[lanes] = read_channel(systems[lanes[0]], model.names, gravity[lanes], site, quantity, (q, qd, qdd))
+    return out
 
 
 def measure(trajectory: Trajectory, system: System, channels: tuple[str, ...]) -> dict[str, Array]:
@@ -81,7 +95,7 @@ def read_channel(
         if quantity != "tip_acceleration":
             return np.zeros(position.shape[:2])
         return _specific_force(system, names, gravity, site, states)
-    data = _beam(system, site)
+    data = beam_data(system, site)
     shape = data.tip.s if quantity == "tip_deflection" else data.at(0.0).curvature * data.half_depth
     if quantity == "tip_acceleration":
         return _specific_force(system, names, gravity, site, states)
@@ -92,11 +106,6 @@ def read_channel(
         )
     modes, columns = _bending_modes(data, names, site)
     return np.asarray(position[:, :, columns] @ shape[modes])
-
-
-@lru_cache(maxsize=64)
-def _beam(system: System, link: str) -> BeamData:
-    return beam_data(system, link)
 
 
 def _bending_modes(data: BeamData, names: tuple[str, ...], site: str) -> tuple[list[int], list[int]]:
@@ -158,7 +167,7 @@ def _specific_force(system: System, names: tuple[str, ...], gravity: Array, site
         along = turn @ bending_direction(system, site, tip / np.linalg.norm(tip))
         felt = origin + carried(arm) - gravity[:, None, :]
         return np.asarray(np.sum(felt * along, axis=2))
-    data = _beam(system, site)
+    data = beam_data(system, site)
     modes, columns = _bending_modes(data, names, site)
     s, slope, stiffening = data.tip.s[modes], data.tip.slope[modes], data.tip.H[np.ix_(modes, modes)]
     b, bd, bdd = position[:, :, columns], velocity[:, :, columns], acceleration[:, :, columns]

@@ -8,11 +8,12 @@ import numpy as np
 from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, releases
 
 from harness.diagnose.candidates import candidates
+from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import fit
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.investigate import crude_colours
 from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor, to_internal
+from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
 from harness.diagnose.study import measured_state
 from harness.diagnose.windows import whole

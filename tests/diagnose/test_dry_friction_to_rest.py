@@ -11,10 +11,11 @@ from simulated_recordings import Rig, nominal, releases
 import harness
 from harness.diagnose.candidates import candidates
 from harness.diagnose.colour import Colour
+from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import fit
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor, to_internal
+from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
 from harness.diagnose.study import measured_state
 from harness.diagnose.windows import cut

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.diagnose.coordinates import internal_bounds, start_vector
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.predict import internal_bounds, start_vector
 from harness.diagnose.screen import _brought_near, _may_reverse
 from harness.effects.catalogue import effect
 from harness.effects.scale import references

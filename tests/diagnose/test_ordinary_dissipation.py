@@ -7,9 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from harness.diagnose.candidates import candidates
+from harness.diagnose.coordinates import to_internal
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.predict import Predictor, to_internal
+from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
 from harness.recording import Recording
 from harness.recording.recording import Channel

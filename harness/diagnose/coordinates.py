@@ -1,0 +1,95 @@
+"""The coordinates in which a fit moves the parameters of effects: in units of their natural sizes, or as logarithms."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.hypothesis import Candidate
+from harness.effects.effect import Parameter
+
+Array = NDArray[np.float64]
+
+DECADE = 10.0
+REACH = 5.0
+CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
+
+
+def is_logarithmic(candidate: Candidate) -> Array:
+    """Which parameters are fitted as logarithms, shape (k,).
+
+    Positive ones whose absence lies at infinity, that cannot be zero, or whose starting values span a decade.
+    """
+
+    def spans(parameter: Parameter) -> bool:
+        positive = [s for s in parameter.starts if s > 0.0]
+        return len(positive) > 1 and max(positive) >= DECADE * min(positive)
+
+    return np.array(
+        [
+            p.lower >= 0.0 and (not np.isfinite(p.neutral) or p.lower > 0.0 or (k > 0 and spans(p)))
+            for k, p in enumerate(candidate.effect.parameters)
+        ],
+        dtype=bool,
+    )
+
+
+def from_internal(candidate: Candidate, u: Array) -> Array:
+    """SI values from the fit's own coordinates: in units of the typical scale, or its logarithm."""
+    log = is_logarithmic(candidate)
+    scales = candidate.scales
+    # What is fitted as a logarithm may run away before a bound stops it; e^±40 is far beyond either.
+    return np.where(log, scales * np.exp(np.clip(np.where(log, u, 0.0), -40.0, 40.0)), scales * u)
+
+
+def to_internal(candidate: Candidate, values: Array) -> Array:
+    """The inverse of ``from_internal``."""
+    log = is_logarithmic(candidate)
+    ratio = np.asarray(values, dtype=np.float64) / candidate.scales
+    return np.where(log, np.log(np.maximum(ratio, 1e-300)), ratio)
+
+
+def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
+    """Physical bounds in the fit's own coordinates."""
+    log = is_logarithmic(candidate)
+    with np.errstate(divide="ignore"):
+        lower = np.where(
+            log,
+            np.log(np.maximum(candidate.effect.lower, 0.0) / candidate.scales),
+            candidate.effect.lower / candidate.scales,
+        )
+        upper = np.where(
+            log,
+            np.log(np.maximum(candidate.effect.upper, 0.0) / candidate.scales),
+            candidate.effect.upper / candidate.scales,
+        )
+    if candidate.effect.sensor is not None and candidate.effect.sensor.clock:
+        slowest = 1.0 / (1.0 + CLOCK_MARGIN) / candidate.scales
+        lower = np.maximum(lower, np.where(log, np.log(slowest), slowest))
+    reshape = candidate.effect.reshape
+    if reshape is not None and reshape.topology:
+        # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
+        least = np.array(
+            [min((s for s in p.starts if s > 0.0), default=0.0) / REACH**2 for p in candidate.effect.parameters]
+        )
+        lower = np.where(candidate.effect.lower >= 0.0, np.maximum(lower, np.where(log, lower, least)), lower)
+    reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters]).reshape(
+        -1, 2
+    )
+    return np.where(log, np.maximum(lower, reach[:, 0]), lower), np.where(log, np.minimum(upper, reach[:, 1]), upper)
+
+
+def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:
+    """How far a logarithm may go from the starting values: beyond, the effect is as good as absent or as good as rigid."""
+    if np.isfinite(parameter.neutral) and parameter.neutral != 0.0:
+        return -np.inf, np.inf  # starting values are counted from there, and physics sets the bounds
+    positive = [s for s in parameter.starts if s > 0.0] or [1.0]
+    # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff.
+    highest = max(positive) / 3.0 if nested and parameter.name == "stiffness" else max(positive) * REACH
+    return float(np.log(min(positive) / REACH)), float(np.log(highest))
+
+
+def start_vector(candidate: Candidate) -> Array:
+    """First of the effect's own starting values, in the fit's coordinates."""
+    values = np.array([p.start_values(candidate.references)[0] for p in candidate.effect.parameters])
+    return to_internal(candidate, values)
