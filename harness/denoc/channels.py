@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.denoc.beam import BENDING, BENDING2, TORSION
 from harness.denoc.elastic import AXES
+from harness.denoc.left_out import left_out
 from harness.denoc.rows import BEAM, FIRST, FIXED, KIND
 
 if TYPE_CHECKING:
@@ -18,9 +19,10 @@ if TYPE_CHECKING:
 def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array) -> dict[str, Array]:
     """Channels of every flexible link; position, velocity, acceleration (T, n), result by column name, each (T,).
 
-    ``<link>.tip_deflection`` [m]: along the bending direction, from the line that leaves the joint along the
-    undeformed link. ``<link>.root_strain`` [1]: half depth times curvature at the root, positive where the beam bends
-    towards positive deflection (what a gauge on the side away from it reads); left out if the depth is unknown.
+    ``<link>.tip_deflection`` [m]: along the bending direction, from the line that leaves the joint along the undeformed link,
+    with what the modes leave out of it (see ``left_out``). ``<link>.root_strain`` [1]: half depth times curvature at the
+    root, positive where the beam bends towards positive deflection (what a gauge on the side away from it reads); left out
+    if the depth is unknown.
     ``<link>.tip_acceleration`` [m/s²]: specific force (acceleration less gravity) of the tip along the bending
     direction of the tip's own, turned section.
     """
@@ -29,21 +31,34 @@ def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array
         first = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
         b = position[:, first : first + data.coordinates]
         bends = data.plane == BENDING
-        found[f"{data.link}.tip_deflection"] = b[:, bends] @ data.tip.s[bends]
+        rest = left_out(model.system, data)
+        _, spin, angular, linear = _root_motion(model, body, position, velocity, acceleration)
+        second = acceleration[:, first : first + data.coordinates][:, bends]
+        root, turning = linear[:, 1], angular[:, 2] + spin[:, 0] * spin[:, 1]
+        tip = b[:, bends] @ data.tip.s[bends] + rest.read(rest.tip, root, turning, second)
+        found[f"{data.link}.tip_deflection"] = tip
         if np.isfinite(data.half_depth):
-            found[f"{data.link}.root_strain"] = data.half_depth * (b[:, bends] @ data.at(0.0).curvature[bends])
+            curvature = b[:, bends] @ data.at(0.0).curvature[bends] + rest.read(rest.curvature, root, turning, second)
+            found[f"{data.link}.root_strain"] = data.half_depth * curvature
         found[f"{data.link}.tip_acceleration"] = tip_acceleration(model, body, position, velocity, acceleration)
     return found
+
+
+def _root_motion(
+    model: Denoc, body: int, position: Array, velocity: Array, acceleration: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Axes f, h, n of a beam's root as rows (T, 3, 3); in them angular velocity and acceleration, and acceleration less gravity."""
+    axes = model.packed_beams[model.tree.topology[body, BEAM] + AXES :][:9].reshape(3, 3)
+    hub = model.hub_motion(body, position, velocity, acceleration)
+    turn = hub[:, :9].reshape(-1, 3, 3) @ axes
+    spin, angular, linear = (np.einsum("tij,ti->tj", turn, hub[:, k : k + 3]) for k in (9, 12, 15))
+    return turn, spin, angular, linear
 
 
 def tip_acceleration(model: Denoc, body: int, position: Array, velocity: Array, acceleration: Array) -> Array:
     """Specific force of a beam's tip along its section's bending direction [m/s²]; arguments (T, n), result (T,)."""
     data = model.beams[body]
-    axes = model.packed_beams[model.tree.topology[body, BEAM] + AXES :][:9].reshape(3, 3)
-    hub = model.hub_motion(body, position, velocity, acceleration)
-    # All in the beam's axes f, h, n.
-    turn = hub[:, :9].reshape(-1, 3, 3) @ axes
-    spin, angular, linear = (np.einsum("tij,ti->tj", turn, hub[:, k : k + 3]) for k in (9, 12, 15))
+    _, spin, angular, linear = _root_motion(model, body, position, velocity, acceleration)
     first = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
     b, bd, bdd = (x[:, first : first + data.coordinates] for x in (position, velocity, acceleration))
     s, slope = data.tip.s, data.tip.slope

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from harness.diagnose.fit import Fit, fit
+from harness.diagnose.fit import Fit, fit, residuals_at
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained
 from harness.diagnose.locate import rmse
@@ -23,6 +23,7 @@ from harness.effects.scale import references
 
 Array = NDArray[np.float64]
 
+INEXACT = 1e-3  # of what an effect does, to which its law may be wrong; less than that beside it is no effect
 PRACTICAL = 0.05  # an effect must change the prediction by this share of the noise at least
 HELD_OUT = 1.5  # standard deviations by which it must improve data held out
 BLIND = (
@@ -88,7 +89,8 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
     for k, member in enumerate(fitted.hypothesis.members):
         smaller = study.below(fitted, k)
         gain = smaller.score - fitted.score
-        enough = gain > study.price(member, len(fitted.hypothesis.members) - 1)
+        price = study.price(member, len(fitted.hypothesis.members) - 1)
+        enough = gain > price and (gain > AMPLE * price or gain > (INEXACT * _largest_beside(outcome, fitted, k)) ** 2)
         visible = gain > PRACTICAL**2 * study.samples
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
@@ -96,11 +98,24 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         needed = HELD_OUT
         if enough and visible and _straightens(outcome, smaller, fitted, member):
             needed = -WORSE
-        elif enough and visible and gain > AMPLE * study.price(member, len(fitted.hypothesis.members) - 1):
+        elif enough and visible and gain > AMPLE * price:
             needed = min(needed, _contrary(outcome, smaller, fitted))
         if not (z > needed) and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
+
+
+def _largest_beside(outcome: Outcome, fitted: Fit, k: int) -> float:
+    """How far the strongest other member moves the predictions [noise standard deviations]."""
+    study = outcome.study
+    states = {window: fitted.states[window] for window in fitted.windows}
+    others = [j for j in range(len(fitted.hypothesis.members)) if j != k]
+    points = [fitted.x, *(study.absent(fitted.hypothesis, j, fitted.x) for j in others)]
+    here, *without = residuals_at(
+        outcome.predictor, study.likelihood, fitted.hypothesis, fitted.windows, [(x, states) for x in points]
+    )
+    moved = [sum(float(np.sum((a - b) ** 2)) for a, b in zip(here[1], r, strict=True)) for _, r in without]
+    return float(np.sqrt(max(moved, default=0.0)))
 
 
 def _contrary(outcome: Outcome, smaller: Fit, larger: Fit) -> float:

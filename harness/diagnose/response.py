@@ -148,9 +148,9 @@ def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found
     for c, channel in enumerate(problem.channels):
         if channel.quantity not in LINEAR:
             continue
-        d = observe(model, rows, channel.site, channel.quantity, (place, speed, still), systems).T
+        d = observe(model, rows, channel.site, channel.quantity, (place, speed, still), systems, linear=True).T
         if channel.quantity != "velocity":
-            v = h * observe(model, rows, channel.site, channel.quantity, (speed, still, still), systems).T
+            v = h * observe(model, rows, channel.site, channel.quantity, (speed, still, still), systems, linear=True).T
             sampled = d[i] if grid.exact else (
                 d[i] * (1 - s) ** 2 * (1 + 2 * s) + v[i] * s * (1 - s) ** 2
                 + d[i + 1] * s**2 * (3 - 2 * s) + v[i + 1] * s**2 * (s - 1)

@@ -49,8 +49,8 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
     best = min(study.criterion(f) for f in seeds)
     for _ in range(effort.largest + 2):
         fresh: list[Fit] = []
-        lowest = min(f.score for f in known.values())
         for base in frontier:
+            lowest = min(f.score for f in known.values())
             if base.hypothesis.identity in expanded or len(study.fits) >= effort.most_fits:
                 continue
             expanded.add(base.hypothesis.identity)
@@ -67,6 +67,10 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
             if not promising:
                 finished.append(base)
             for found in _diverse(promising, effort.tries):
+                lowest = min(f.score for f in known.values())
+                # Beside a set near the noise, what promises to leave far more is left to the search for its alternatives.
+                if lowest < HOPELESS * study.samples and base.score - found.gain > FAR * lowest:
+                    continue
                 grown = study.extend(base, found)
                 if grown.hypothesis.identity not in known:
                     known[grown.hypothesis.identity] = grown

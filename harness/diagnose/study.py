@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
+FAR_WORSE = 2.0  # times the cost of the fit that a start extends
+SHARES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # of the promised size
 SHORTLY = 0.03  # s
 SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
 WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
@@ -272,10 +274,36 @@ class Study:
         if likely is not None:
             own = to_internal(found.candidate, likely)
             starts.append(np.concatenate([base.x, own]))
+        starts[0] = self._brought_back(base, hypothesis, starts[0])
         fitted = self.fit(hypothesis, starts, base, most_steps=most_steps, target=target)
         if not self.stretched(base):
             return fitted
         return self._bent_back(base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
+
+    def absent(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
+        """The parameter vector with member ``k`` at its neutral values, where those are within reach."""
+        member, span = hypothesis.members[k], hypothesis.span(k)
+        own = slice(len(self.predictor.nominal) + span.start, len(self.predictor.nominal) + span.stop)
+        away = to_internal(member, np.array([p.neutral for p in member.effect.parameters], dtype=np.float64))
+        out = x.copy()
+        out[own] = np.where(np.isfinite(away) & np.logical_not(is_logarithmic(member)), away, x[own])
+        return out
+
+    def _brought_back(self, base: Fit, hypothesis: Hypothesis, start: Array) -> Array:
+        """A start that is far worse than the fit it extends, moved towards that fit until it is better.
+
+        A score test is linear: where a motion slips by half a vibration before the promised size is reached, the way there
+        leads through wrong valleys, and begins with a share of it.
+        """
+        neutral = self.absent(hypothesis, len(hypothesis.members) - 1, start)
+        if np.array_equal(neutral, start):
+            return start
+        points = [neutral + share * (start - neutral) for share in SHARES]
+        states = self.states_for(hypothesis, base)
+        found = residuals_at(self.predictor, self.likelihood, hypothesis, self.windows, [(x, states) for x in points])
+        if found[0][0] < FAR_WORSE * base.linear.cost:
+            return start
+        return points[int(np.argmin([cost for cost, _ in found]))]
 
     def _bent_back(self, near: Fit, x: Array, hypothesis: Hypothesis, most_steps: int, target: float = -np.inf) -> Fit:
         """The fit of a hypothesis from a point with the nominal quantities as stated, and those freed only in the end.

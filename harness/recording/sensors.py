@@ -6,11 +6,13 @@ What a real sensor then does to the signal (offset, delay, filters, …) are eff
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from harness.denoc.beam import BENDING, BeamData, beam_data
+from harness.denoc.left_out import left_out
 from harness.effects.bending import bending_direction
 from harness.effects.scale import tip_of
 from harness.errors import InputError, UnsupportedError
@@ -33,27 +35,36 @@ class Compiled(Protocol):
 
 
 def observe(
-    model: Compiled, rows: Array, site: str, quantity: str, states: States, systems: Sequence[System] = ()
+    model: Compiled,
+    rows: Array,
+    site: str,
+    quantity: str,
+    states: States,
+    systems: Sequence[System] = (),
+    *,
+    linear: bool = False,
 ) -> Array:
     """One channel of many lanes, shape (B, T).
 
     rows: parameter rows (B, P), of which gravity is taken. states: position, velocity, acceleration of the coordinates
     ``model.names``, each (B, T, n). site, quantity: as in a recording's columns. systems: what each row was made of (B), of which
-    lengths and mode shapes are taken; by default the model's own.
+    lengths and mode shapes are taken; by default the model's own. linear: leave out of deflection and strain what the beam's
+    modes leave out (``harness.denoc.left_out``), which makes them linear in the state.
     Raises InputError for a channel that the system has not.
     """
     gravity = rows[:, [model.slot("base", f"gravity_{axis}") for axis in "xyz"]]
     if quantity not in LINK_QUANTITIES or not systems:
-        return read_channel(model.system, model.names, gravity, site, quantity, states)
+        return read_channel(model.system, model.names, gravity, site, quantity, states, linear=linear)
     alike: dict[int, list[int]] = {}
     for lane, system in enumerate(systems):
         alike.setdefault(id(system), []).append(lane)
     if len(alike) == 1:
-        return read_channel(systems[0], model.names, gravity, site, quantity, states)
+        return read_channel(systems[0], model.names, gravity, site, quantity, states, linear=linear)
     out = np.empty(states[0].shape[:2])
     for lanes in alike.values():
         q, qd, qdd = (array[lanes] for array in states)
-        out[lanes] = read_channel(systems[lanes[0]], model.names, gravity[lanes], site, quantity, (q, qd, qdd))
+        own = systems[lanes[0]]
+        out[lanes] = read_channel(own, model.names, gravity[lanes], site, quantity, (q, qd, qdd), linear=linear)
     return out
 
 
@@ -77,9 +88,16 @@ def measure(trajectory: Trajectory, system: System, channels: tuple[str, ...]) -
 
 
 def read_channel(
-    system: System, names: tuple[str, ...], gravity: Array, site: str, quantity: str, states: States
+    system: System,
+    names: tuple[str, ...],
+    gravity: Array,
+    site: str,
+    quantity: str,
+    states: States,
+    *,
+    linear: bool = False,
 ) -> Array:
-    """One channel (B, T) from states (B, T, n) of the coordinates ``names``; gravity (B, 3) or (1, 3)."""
+    """One channel (B, T) from states (B, T, n) of the coordinates ``names``; gravity (B, 3) or (1, 3); linear: see ``observe``."""
     if quantity not in QUANTITIES:
         raise InputError(f"{quantity!r} is no quantity of a recording", mend=did_you_mean(quantity, QUANTITIES))
     position, velocity, _ = states
@@ -95,17 +113,26 @@ def read_channel(
         if quantity != "tip_acceleration":
             return np.zeros(position.shape[:2])
         return _specific_force(system, names, gravity, site, states)
-    data = beam_data(system, site)
-    shape = data.tip.s if quantity == "tip_deflection" else data.at(0.0).curvature * data.half_depth
     if quantity == "tip_acceleration":
         return _specific_force(system, names, gravity, site, states)
+    data = beam_data(system, site)
     if quantity == "root_strain" and not np.isfinite(data.half_depth):
         raise InputError(
             f"link {site!r} does not say how deep it is, so strain cannot be told",
             mend="give its section by width and thickness",
         )
     modes, columns = _bending_modes(data, names, site)
-    return np.asarray(position[:, :, columns] @ shape[modes])
+    deflects = quantity == "tip_deflection"
+    shape = data.tip.s if deflects else data.at(0.0).curvature
+    read = position[:, :, columns] @ shape[modes]
+    if not linear and all(j.parent == system.base or not system.link(j.parent).flexible for j in _chain(system, site)):
+        rest = left_out(system, data)
+        at = _frame(system, names, gravity, site, states)
+        along, across = at.turn @ data.direction, at.turn @ data.bending
+        root = np.sum(at.felt * across, axis=2)
+        turning = np.sum(at.carried(along) * across, axis=2)
+        read = read + rest.read(rest.tip if deflects else rest.curvature, root, turning, states[2][:, :, columns])
+    return np.asarray(read if deflects else data.half_depth * read)
 
 
 def _bending_modes(data: BeamData, names: tuple[str, ...], site: str) -> tuple[list[int], list[int]]:
@@ -125,37 +152,55 @@ def _chain(system: System, site: str) -> list[Joint]:
     return chain[::-1]
 
 
-def _specific_force(system: System, names: tuple[str, ...], gravity: Array, site: str, states: States) -> Array:
-    """Acceleration of the tip less gravity, along the bending direction of the section there [m/s²], shape (B, T)."""
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """A link's frame along a motion: its axes as columns (B, T, 3, 3); angular velocity and acceleration, and acceleration of its
+    origin less gravity, in base axes, (B, T, 3)."""
+
+    turn: Array
+    spin: Array
+    spin_rate: Array
+    felt: Array
+
+    def carried(self, arm: Array) -> Array:
+        """Acceleration that the frame's turning gives a point at ``arm`` (B, T, 3) from its origin, base axes."""
+        return np.asarray(np.cross(self.spin_rate, arm) + np.cross(self.spin, np.cross(self.spin, arm)))
+
+
+def _frame(system: System, names: tuple[str, ...], gravity: Array, site: str, states: States) -> _Frame:
     position, velocity, acceleration = states
     shape = position.shape[:2]
+    zero = np.zeros((*shape, 3))
     turn = np.broadcast_to(np.eye(3), (*shape, 3, 3))
-    spin, spin_rate, origin = (np.zeros((*shape, 3)) for _ in range(3))
-
-    def carried(arm: Array) -> Array:
-        """Acceleration that the body's turning gives a point at ``arm`` from its origin, base axes."""
-        return np.asarray(np.cross(spin_rate, arm) + np.cross(spin, np.cross(spin, arm)))
-
-    chain = _chain(system, site)
-    for joint in chain:
+    at = _Frame(turn, zero, zero, np.broadcast_to(-gravity[:, None, :], (*shape, 3)))
+    for joint in _chain(system, site):
         if joint.parent != system.base and system.link(joint.parent).flexible:
             raise UnsupportedError(
                 f"tip acceleration of {site!r}, which rides on the flexible link {joint.parent!r}",
                 mend="measure another link",
             )
-        origin = origin + carried(turn @ joint.xyz)
-        turn = turn @ joint.rotation
-        if not joint.movable:
-            continue
-        k = names.index(joint.name)
-        axis = turn @ joint.axis
-        speed, rate = velocity[:, :, k, None], acceleration[:, :, k, None]
-        if joint.prismatic:
-            origin = origin + carried(axis * position[:, :, k, None]) + 2.0 * np.cross(spin, axis * speed) + axis * rate
-        else:
-            turn = turn @ _turns(joint.axis, position[:, :, k])
-            spin_rate = spin_rate + axis * rate + np.cross(spin, axis * speed)
-            spin = spin + axis * speed
+        felt = at.felt + at.carried(at.turn @ joint.xyz)
+        turn, spin, spin_rate = at.turn @ joint.rotation, at.spin, at.spin_rate
+        if joint.movable:
+            k = names.index(joint.name)
+            axis = turn @ joint.axis
+            speed, rate = velocity[:, :, k, None], acceleration[:, :, k, None]
+            if joint.prismatic:
+                felt = felt + at.carried(axis * position[:, :, k, None])
+                felt = felt + 2.0 * np.cross(spin, axis * speed) + axis * rate
+            else:
+                turn = turn @ _turns(joint.axis, position[:, :, k])
+                spin_rate = spin_rate + axis * rate + np.cross(spin, axis * speed)
+                spin = spin + axis * speed
+        at = _Frame(turn, spin, spin_rate, felt)
+    return at
+
+
+def _specific_force(system: System, names: tuple[str, ...], gravity: Array, site: str, states: States) -> Array:
+    """Acceleration of the tip less gravity, along the bending direction of the section there [m/s²], shape (B, T)."""
+    position, velocity, acceleration = states
+    at = _frame(system, names, gravity, site, states)
+    shape, turn = position.shape[:2], at.turn
     link = system.link(site)
     if link.beam is None:
         tip = tip_of(link, system)
@@ -165,7 +210,7 @@ def _specific_force(system: System, names: tuple[str, ...], gravity: Array, site
             )
         arm = np.broadcast_to(turn @ tip, (*shape, 3))
         along = turn @ bending_direction(system, site, tip / np.linalg.norm(tip))
-        felt = origin + carried(arm) - gravity[:, None, :]
+        felt = at.felt + at.carried(arm)
         return np.asarray(np.sum(felt * along, axis=2))
     data = beam_data(system, site)
     modes, columns = _bending_modes(data, names, site)
@@ -185,7 +230,7 @@ def _specific_force(system: System, names: tuple[str, ...], gravity: Array, site
     def to_base(vector: Array) -> Array:
         return np.asarray(np.einsum("...ij,...j->...i", turn, vector))
 
-    felt = origin + carried(to_base(u)) + 2.0 * np.cross(spin, to_base(ud)) + to_base(udd) - gravity[:, None, :]
+    felt = at.felt + at.carried(to_base(u)) + 2.0 * np.cross(at.spin, to_base(ud)) + to_base(udd)
     angle = b @ slope
     along = to_base(np.cos(angle)[..., None] * e - np.sin(angle)[..., None] * d)
     return np.asarray(np.sum(felt * along, axis=2))

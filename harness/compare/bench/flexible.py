@@ -13,10 +13,10 @@ import numpy as np
 from harness.compare.bench.measure import Timing, side_by_side
 from harness.compare.bench.peers import Array, Options, native, or_skipped
 from harness.compare.bench.row import Row
-from harness.denoc.beam import beam_data
 from harness.denoc.lanes import LaneModel
 from harness.engines.exudyn_ancf import Ancf
 from harness.engines.protocol import EngineError
+from harness.recording.sensors import observe
 from harness.system import Beam, Joint, JointType, System
 from harness.system.description import constant
 from harness.system.flexible_link import flexible_link
@@ -75,13 +75,10 @@ def exudyn_deflection(system: System, time: Array, elements: int, step: float) -
     return np.asarray(model.simulate(*start(len(model.names)), time, step=step).channels[CHANNEL])
 
 
-def native_deflection(model: LaneModel, rows: Array, shape: Array, time: Array, step: float) -> Array:
-    """Tip deflection [m] of the first of some copies with parameter rows (B, P), by the exponential method, shape (T,).
-
-    shape: deflection of the tip by the modes, (modes,).
-    """
-    position, _, _ = model.simulate(rows, *start(model.n), time, method="exponential", step=step)
-    return np.asarray(position[0, :, 1:] @ shape)
+def native_deflection(model: LaneModel, rows: Array, time: Array, step: float) -> Array:
+    """Tip deflection [m] of the first of some copies with parameter rows (B, P), by the exponential method, shape (T,)."""
+    q, qd, qdd = model.simulate(rows, *start(model.n), time, method="exponential", step=step)
+    return np.asarray(observe(model, rows[:1], "rod", "tip_deflection", (q[:1], qd[:1], qdd[:1]))[0])
 
 
 def error(deflection: Array, truth: Array) -> float:
@@ -147,11 +144,11 @@ def _cheapest_native(time: Array, truth: Array, rounds: int) -> list[_Setting]:
         building = perf_counter() - begun
         begun = perf_counter()
         lanes = LaneModel(system)
-        row, shape = lanes.row(), beam_data(system, "rod").tip.s
+        row = lanes.row()
         preparing = perf_counter() - begun
         for step in EXPONENTIAL_STEPS:
             for copies in (1, COPIES):
-                fast = partial(native_deflection, lanes, np.repeat(row[None], copies, axis=0), shape, time, step)
+                fast = partial(native_deflection, lanes, np.repeat(row[None], copies, axis=0), time, step)
                 off = error(fast(), truth)
                 tried.append(f"{modes} modes {100 * off:.2f} %")
                 if off <= ACCURACY:
