@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from harness.diagnose.fit import Fit, fit, residuals_at
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained
 from harness.diagnose.locate import rmse
@@ -90,7 +90,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         smaller = study.below(fitted, k)
         gain = smaller.score - fitted.score
         price = study.price(member, len(fitted.hypothesis.members) - 1)
-        enough = gain > price and (gain > AMPLE * price or gain > (INEXACT * _largest_beside(outcome, fitted, k)) ** 2)
+        enough = gain > max(price, (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2)
         visible = gain > PRACTICAL**2 * study.samples
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
@@ -105,17 +105,13 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
     return worst < 0, worst
 
 
-def _largest_beside(outcome: Outcome, fitted: Fit, k: int) -> float:
-    """How far the strongest other member moves the predictions [noise standard deviations]."""
-    study = outcome.study
-    states = {window: fitted.states[window] for window in fitted.windows}
-    others = [j for j in range(len(fitted.hypothesis.members)) if j != k]
-    points = [fitted.x, *(study.absent(fitted.hypothesis, j, fitted.x) for j in others)]
-    here, *without = residuals_at(
-        outcome.predictor, study.likelihood, fitted.hypothesis, fitted.windows, [(x, states) for x in points]
-    )
-    moved = [sum(float(np.sum((a - b) ** 2)) for a, b in zip(here[1], r, strict=True)) for _, r in without]
-    return float(np.sqrt(max(moved, default=0.0)))
+def _strongest_beside(outcome: Outcome, fitted: Fit, k: int) -> float:
+    """What the strongest other member explains by itself [noise standard deviations]."""
+    fits = outcome.study.fits
+    nothing = outcome.study.empty().score
+    alone = [fits.get(frozenset({key})) for j, key in enumerate(fitted.hypothesis.keys) if j != k]
+    explained = [nothing - one.score for one in alone if one is not None]
+    return float(np.sqrt(max([0.0, *explained])))
 
 
 def _contrary(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
