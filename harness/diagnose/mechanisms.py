@@ -17,6 +17,7 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
+FARTHEST = 40.0  # powers of e that a nominal quantity may be tried away from its stated value
 MOST_KEPT = 4000  # rows, with the systems that they were made of
 
 
@@ -53,7 +54,8 @@ class Mechanisms:
 
     def altered(self, hypothesis: Hypothesis, x: Array) -> System:
         """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""
-        factors = np.exp(self.system.tolerance * x[: len(self.nominal)]).tolist()
+        # A step that is tried may be absurd; its run is followed no more than its numbers can be held.
+        factors = np.exp(np.clip(self.system.tolerance * x[: len(self.nominal)], -FARTHEST, FARTHEST)).tolist()
         system = scaled(self.system, self.nominal, factors)
         reshaping = [(k, m.effect.reshape, m) for k, m in enumerate(hypothesis.members) if m.effect.reshape is not None]
         # What adds coordinates comes first: its directions are those of the upright system.
