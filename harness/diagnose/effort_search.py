@@ -153,7 +153,7 @@ def starts_of(candidate: Candidate) -> list[Array]:
         # Periods are whole numbers that no slope leads to.
         phases = (-np.pi / 2.0, 0.0)
         amplitude = each[0][0]
-        return [np.array([amplitude, float(n), phase]) for n in range(1, 13) for phase in phases]
+        return [np.array([amplitude, float(n), phase]) for n in range(2, 13) for phase in phases]
     return combinations[::step]
 
 

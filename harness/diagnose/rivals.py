@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome
-from harness.diagnose.search import generalized, like, pruned
+from harness.diagnose.search import generalized, like, pruned, related, relatives
 from harness.diagnose.study import compatible, whole_numbers
 from harness.diagnose.window_states import LOST
 
@@ -22,7 +19,6 @@ WORTH_FITTING = (
 )
 HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
 MOST_WIDENED = 3
-LEAST_SHARE = 0.05  # the same for a relative, whose law may be far from linear
 APART = 6.0  # difference in the criterion (odds of twenty to one) below which hypotheses cannot be told apart
 
 
@@ -32,40 +28,18 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
     own = without.score - best.score
-    found: list[Fit] = []
-    ranked = [s for s in study.ranked(without) if s.candidate.key != member.key]
-    for scored in ranked:
-        if len(study.fits) >= ENOUGH_FITS:
+    found = relatives(study, best, k, ENOUGH_FITS)
+    for scored in study.ranked(without):
+        if len(study.fits) >= ENOUGH_FITS or len(found) >= MOST or scored.gain < WORTH_FITTING * own:
             break
-        related = _related(member, scored.candidate)
-        if not related and (len(found) >= MOST or scored.gain < WORTH_FITTING * own):
-            continue
-        if related and _same_units(member, scored.candidate):
-            # What is measured in the same units is likely to be as large.
-            alike = study.predictor.effect_values(best.hypothesis, k, best.x)
-            scored = replace(scored, start=np.clip(alike, scored.candidate.effect.lower, scored.candidate.effect.upper))
-        elif related and scored.gain <= LEAST_SHARE * own:
-            continue
-        found.append(study.extend(without, scored))
+        if scored.candidate.key != member.key and not related(member, scored.candidate):
+            found.append(study.extend(without, scored))
     # A general law in the place of another member helps only what comes near already.
     hopeful = sorted((f for f in found if f.score - best.score < HOPEFUL * max(own, 0.0)), key=lambda f: f.score)
     for base in (best, *hopeful[:MOST_WIDENED]):
         generalized(study, base)
     kept = best.hypothesis.identity - {member.key}
     return [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
-
-
-def _same_units(member: Candidate, other: Candidate) -> bool:
-    """Whether the numbers of two candidates may be compared one by one."""
-    return [p.unit for p in member.effect.parameters] == [p.unit for p in other.effect.parameters]
-
-
-def _related(member: Candidate, other: Candidate) -> bool:
-    """Whether two candidates are forms of one thing, or known for being taken for one another."""
-    a, b = member.effect, other.effect
-    if a.name in b.simpler or b.name in a.simpler:
-        return member.site == other.site
-    return a.name in b.confusable_with or b.name in a.confusable_with
 
 
 def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:

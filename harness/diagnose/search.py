@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -21,6 +21,7 @@ UNDER_WAY = 200.0  # in the criterion
 MOST_CARRIED = 4
 CARRIED_STEPS = 40
 FAR = 3.0  # times what the best set leaves
+LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
 
@@ -46,6 +47,7 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
     frontier = list(seeds)
     expanded: set[frozenset[str]] = set()
     finished: list[Fit] = []
+    swapped: set[frozenset[str]] = set()
     best = min(study.criterion(f) for f in seeds)
     for _ in range(effort.largest + 2):
         fresh: list[Fit] = []
@@ -85,6 +87,16 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
                     known[smaller.hypothesis.identity] = smaller
                     fresh.append(smaller)
         ordered = sorted(known.values(), key=study.criterion)
+        complete = ordered[0].score < study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples))
+        if complete and len(ordered[0].hypothesis.members) > 1 and ordered[0].hypothesis.identity not in swapped:
+            # Nothing more is needed, so before more is added, the members' relatives get their turn.
+            swapped.add(ordered[0].hypothesis.identity)
+            for k in range(len(ordered[0].hypothesis.members)):
+                for other in relatives(study, ordered[0], k, effort.most_fits):
+                    if other.hypothesis.identity not in known:
+                        known[other.hypothesis.identity] = other
+                        fresh.append(other)
+            ordered = sorted(known.values(), key=study.criterion)
         if ordered[0].score > study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples)):
             for wider in generalized(study, ordered[0]):
                 if wider.hypothesis.identity not in known:
@@ -193,6 +205,43 @@ def _diverse(promising: Sequence[object], count: int) -> list:
         if len(chosen) == count:
             break
     return chosen
+
+
+def related(member: Candidate, other: Candidate) -> bool:
+    """Whether two candidates are forms of one thing, or known for being taken for one another."""
+    a, b = member.effect, other.effect
+    if a.name in b.simpler or b.name in a.simpler:
+        return member.site == other.site
+    return a.name in b.confusable_with or b.name in a.confusable_with
+
+
+def _same_units(member: Candidate, other: Candidate) -> bool:
+    """Whether the numbers of two candidates may be compared one by one."""
+    return [p.unit for p in member.effect.parameters] == [p.unit for p in other.effect.parameters]
+
+
+def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
+    """Fits with member ``k`` replaced by what it is related to, as long as the study has fewer than ``most_fits``.
+
+    A law that acts alike may be far from linear, so that a score test says little of it.
+    """
+    without = study.reduce(best, k)
+    member = best.hypothesis.members[k]
+    own = without.score - best.score
+    found = []
+    for scored in study.ranked(without):
+        if scored.candidate.key == member.key or not related(member, scored.candidate):
+            continue
+        if len(study.fits) >= most_fits:
+            break
+        if _same_units(member, scored.candidate):
+            # What is measured in the same units is likely to be as large.
+            alike = study.predictor.effect_values(best.hypothesis, k, best.x)
+            law = scored.candidate.effect
+            found.append(study.extend(without, replace(scored, start=np.clip(alike, law.lower, law.upper))))
+        elif scored.gain > LEAST_SHARE * own:
+            found.append(study.extend(without, scored))
+    return found
 
 
 def alternatives(study: Study, best: Fit, k: int, effort: Effort) -> list[Fit]:

@@ -48,7 +48,7 @@ def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
         if parameter.name == "phase":
             values = (0.0,)
         elif parameter.name == "periods":
-            values = tuple(np.arange(1.0, MOST_PERIODS + 1.0))
+            values = tuple(np.arange(max(parameter.lower, 1.0), MOST_PERIODS + 1.0))
         elif parameter.name == "frequency" and quarter is not None:
             values = tuple(_frequencies(problem))
         elif parameter.name == "angle" and parameter.search == "range":

@@ -26,6 +26,9 @@ HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
 FAR_WORSE = 2.0  # times the cost of the fit that a start extends
+LED = 0.01  # share of a nominal quantity by which it is bent back at a time
+FEWEST_LED, MOST_LED, LED_STEPS = 4, 16, 8
+FOLLOWING = 5  # steps in which everything else follows a new effect
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # of the promised size
 SHORTLY = 0.03  # s
 SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
@@ -191,9 +194,11 @@ class Study:
 
     def _counted(self, best: Fit, whole: NDArray[np.bool_], most_steps: int) -> Fit:
         """The same fit with whole numbers that the search by steepest gain may have missed by one or two put right."""
+        parameters = [p for member in best.hypothesis.members for p in member.effect.parameters]
         for index in np.flatnonzero(whole):
+            least = max(parameters[index - len(self.predictor.nominal)].lower, 1.0)
             for sense in (1.0, -1.0):
-                while self.counted(best, int(index)) + sense >= 1.0:
+                while self.counted(best, int(index)) + sense >= least:
                     other = self.neighbour(best, int(index), sense, most_steps)
                     if other.score > best.score - 1e-6:
                         break
@@ -274,36 +279,51 @@ class Study:
         if likely is not None:
             own = to_internal(found.candidate, likely)
             starts.append(np.concatenate([base.x, own]))
-        starts[0] = self._brought_back(base, hypothesis, starts[0])
+        nearer = self._brought_back(base, hypothesis, starts[0])
+        if nearer is not None:
+            self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
+            del starts[0]
         fitted = self.fit(hypothesis, starts, base, most_steps=most_steps, target=target)
         if not self.stretched(base):
             return fitted
         return self._bent_back(base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
 
     def absent(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
-        """The parameter vector with member ``k`` at its neutral values, where those are within reach."""
+        """The parameter vector with member ``k`` at its neutral values, where those are within reach; angles stay as they are."""
         member, span = hypothesis.members[k], hypothesis.span(k)
         own = slice(len(self.predictor.nominal) + span.start, len(self.predictor.nominal) + span.stop)
-        away = to_internal(member, np.array([p.neutral for p in member.effect.parameters], dtype=np.float64))
+        parameters = member.effect.parameters
+        away = to_internal(member, np.array([p.neutral for p in parameters], dtype=np.float64))
+        sized = np.array([k == 0 or p.unit != "rad" for k, p in enumerate(parameters)], dtype=bool)
         out = x.copy()
-        out[own] = np.where(np.isfinite(away) & np.logical_not(is_logarithmic(member)), away, x[own])
+        out[own] = np.where(sized & np.isfinite(away) & np.logical_not(is_logarithmic(member)), away, x[own])
         return out
 
-    def _brought_back(self, base: Fit, hypothesis: Hypothesis, start: Array) -> Array:
-        """A start that is far worse than the fit it extends, moved towards that fit until it is better.
+    def _brought_back(self, base: Fit, hypothesis: Hypothesis, start: Array) -> Fit | None:
+        """A fit to go on from instead of a start that is far worse than the fit it extends; None if the start will do.
 
-        A score test is linear: where a motion slips by half a vibration before the promised size is reached, the way there
-        leads through wrong valleys, and begins with a share of it.
+        A score test is linear, and lets everything else follow. So everything else follows first, with the new effect held at its
+        promised size; where a swing slips out of its cycle on the way there, at a share of it.
         """
         neutral = self.absent(hypothesis, len(hypothesis.members) - 1, start)
         if np.array_equal(neutral, start):
-            return start
+            return None
         points = [neutral + share * (start - neutral) for share in SHARES]
         states = self.states_for(hypothesis, base)
-        found = residuals_at(self.predictor, self.likelihood, hypothesis, self.windows, [(x, states) for x in points])
-        if found[0][0] < FAR_WORSE * base.linear.cost:
-            return start
-        return points[int(np.argmin([cost for cost, _ in found]))]
+        problem = self.predictor, self.likelihood, hypothesis, self.windows
+        costs = [cost for cost, _ in residuals_at(*problem, [(x, states) for x in points])]
+        if costs[0] < FAR_WORSE * base.linear.cost:
+            return None
+        held = np.concatenate(
+            [np.zeros(len(self.predictor.nominal), bool), *(whole_numbers(m) for m in hypothesis.members)]
+        )
+        held[len(start) - hypothesis.members[-1].size :] = True
+        found = []
+        for x in (points[0], points[int(np.argmin(costs))]):
+            found.append(fit(*problem, x, states, most_steps=FOLLOWING, enough=0.2, fixed=held))
+            if found[-1].score < base.score:
+                break
+        return min(found, key=lambda f: f.score)
 
     def _bent_back(self, near: Fit, x: Array, hypothesis: Hypothesis, most_steps: int, target: float = -np.inf) -> Fit:
         """The fit of a hypothesis from a point with the nominal quantities as stated, and those freed only in the end.
@@ -318,7 +338,36 @@ class Study:
             self.predictor, self.likelihood, hypothesis, self.windows, start, self.states_for(hypothesis, near),
             most_steps=most_steps, enough=0.2, fixed=held, others=self.others(hypothesis),
         )  # fmt: skip
+        if straight.cost > FAR_WORSE * near.cost:
+            straight = self._led_back(near, hypothesis, held) or straight
         return self.fit(hypothesis, [straight.x], straight, most_steps=most_steps, target=target)
+
+    def _led_back(self, near: Fit, hypothesis: Hypothesis, held: NDArray[np.bool_]) -> Fit | None:
+        """The fit with the nominal quantities as stated, reached along the valley from where they are bent and an effect is absent.
+
+        They are bent back a little at a time and the effects fitted again, which keeps every swing in its cycle. None where the way
+        is lost.
+        """
+        k = len(self.predictor.nominal)
+        bent = near.x[:k]
+        if hypothesis.without(len(hypothesis.members) - 1).keys != near.hypothesis.keys:
+            return None
+        x = self.absent(
+            hypothesis, len(hypothesis.members) - 1, np.concatenate([near.x, np.ones(len(held) - len(near.x))])
+        )
+        last, states, found = x, self.states_for(hypothesis, near), None
+        stages = int(np.clip(np.ceil(np.abs(bent).max() * self.problem.system.tolerance / LED), FEWEST_LED, MOST_LED))
+        for stage in range(stages):
+            # As much further as the last step went.
+            ahead = np.concatenate([bent * (1.0 - (stage + 1) / stages), 2.0 * x[k:] - last[k:]])
+            found = fit(
+                self.predictor, self.likelihood, hypothesis, self.windows, ahead, states,
+                most_steps=LED_STEPS, enough=0.2, fixed=held,
+            )  # fmt: skip
+            if found.cost > FAR_WORSE * near.cost:
+                return None
+            last, x, states = x, found.x, dict(found.states)
+        return found
 
     def below(self, base: Fit, k: int) -> Fit:
         """The best fit known without member ``k`` and without anything that ``base`` does not have.

@@ -23,8 +23,8 @@ EFFECT = Effect(
         Parameter(
             "periods",
             "1/rev",
-            "periods in one turn",
-            lower=1.0,
+            "periods in one turn; one would be an imbalance (``com_offset``, ``com_side_offset``)",
+            lower=2.0,
             upper=200.0,
             scale=Scale(1.0),
             starts=(4.0, 7.0, 12.0, 24.0),

@@ -441,28 +441,30 @@ _add(
 )  # fmt: skip
 
 
-def _filtered(g: Signal, cutoff: float, high: bool) -> Signal:
-    """First-order filter by the trapezoidal rule on the fine grid.
+def filtered(g: Signal, cutoff: float, high: bool) -> Signal:
+    """First-order filter of straight lines between the points of the fine grid, exact for them at any cutoff.
 
     A low-pass has settled on the first value when the recording starts; a high-pass on zero, the hanging link.
     """
     grid = np.arange(0.0, 200.0, FINE_STEP)
     grid = grid[grid <= getattr(g, "x", np.array([60.0]))[-1]]
     x = g(grid)
-    w = np.tan(np.pi * cutoff * FINE_STEP)
+    # y' = ω (x − y) over a step h: y₁ = a y₀ + b₀ x₀ + b₁ x₁ with a = exp(−ω h).
+    turn = 2.0 * np.pi * cutoff * FINE_STEP
+    a, mean = np.exp(-turn), -np.expm1(-turn) / turn
     rest = 0.0 if high else x[0]
-    low = lfilter([w, w], [1.0 + w, w - 1.0], x - rest, zi=[0.0])[0] + rest
+    low = lfilter([1.0 - mean, mean - a], [1.0, -a], x - rest, zi=[(mean - 1.0) * (x[0] - rest)])[0] + rest
     y = x - low if high else low
     return lambda t: np.interp(t, grid, y)
 
 
 _add(
     "sensor_lowpass", "channel", _nothing, lambda f, d, s, a: {"cutoff": _rate(s) / (2 * np.pi) / (0.1 * f)},
-    lambda scene, k, p: _sense(scene, k, lambda g: _filtered(g, p["cutoff"], high=False)),
+    lambda scene, k, p: _sense(scene, k, lambda g: filtered(g, p["cutoff"], high=False)),
 )  # fmt: skip
 _add(
     "sensor_highpass", "channel", _nothing, lambda f, d, s, a: {"cutoff": 0.03 * f * _rate(s) / (2 * np.pi)},
-    lambda scene, k, p: _sense(scene, k, lambda g: _filtered(g, p["cutoff"], high=True)),
+    lambda scene, k, p: _sense(scene, k, lambda g: filtered(g, p["cutoff"], high=True)),
 )  # fmt: skip
 
 

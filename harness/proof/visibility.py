@@ -121,7 +121,11 @@ def profiled(
 
 
 def distance(difference: Array, sensitivities: Array, sigma: Array) -> float:
-    """Norm of the whitened difference after the best change of the nuisances, their priors included."""
+    """Norm of the whitened difference after the best change of the nuisances, their priors included.
+
+    What cannot be simulated (nan) counts as far away, so that it is not mistaken for a size of an effect.
+    """
+    difference = np.clip(np.nan_to_num(difference, nan=FAR, posinf=FAR, neginf=-FAR), -FAR, FAR)
     scale = np.linalg.norm(sensitivities, axis=0)
     scale[scale == 0.0] = 1.0
     prior = np.where(np.isfinite(sigma), 1.0 / (sigma * scale), 0.0)

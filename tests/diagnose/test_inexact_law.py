@@ -2,7 +2,7 @@
 
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose import diagnose
+from harness.diagnose.diagnose import diagnose
 
 VISCOUS = 2e-3
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from harness.proof.concealments import CONCEALMENTS, HINGES
+from harness.proof.concealments import CONCEALMENTS, HINGES, filtered
 from harness.proof.rigs import Rig, Segment
 from harness.proof.scene import Run, Scene, Sensor
 from harness.proof.truth import DryFriction, Hidden, Truth, mechanism_xml
@@ -120,3 +120,17 @@ def test_a_concealed_link_bends_like_a_beam() -> None:
     assert abs(tip[0]) == pytest.approx(1e-3 * MASS * 9.81 * LENGTH**3 / (8 * rigidity), rel=0.015)
     assert data.subtree_com[0][2] == pytest.approx(-LENGTH / 2, rel=1e-5)
     assert sum(model.body_mass) == pytest.approx(MASS, rel=1e-6)
+
+
+@pytest.mark.parametrize("cutoff", [0.5, 165.0, 8e4])
+def test_filters_answer_a_ramp_as_theory_has_it(cutoff: float) -> None:
+    # y' = ω (x − y), x = 1 + t from rest at x(0), or at zero for what is high-passed.
+    time = np.linspace(0.0, 3.0, 700)
+    rate = 2.0 * np.pi * cutoff
+    low = filtered(lambda t: 1.0 + t, cutoff, high=False)(time)
+    high = filtered(lambda t: t, cutoff, high=True)(time)
+    lag = -np.expm1(-rate * time) / rate
+    # Between the points of a grid of 1 ms the answer is a straight line.
+    bound = 1e-6 + min(rate, 1e3) * 1e-3**2 / 4.0
+    assert np.abs(low - (1.0 + time - lag)).max() < bound
+    assert np.abs(high - lag).max() < bound
