@@ -125,19 +125,14 @@ class Scene:
                 order.append(f"{s.joint}_extra")
         return order.index(joint)
 
-    def record(
-        self, index: int, instants: Array | None = None, offset: Mapping[str, float] | None = None
-    ) -> dict[str, Array]:
-        """Noise-free samples of one run: ``time``, ``<joint>.position`` and, if driven, ``<joint>.effort`` as commanded.
-
-        offset: changes of the release state by joint (``q:<joint>``, ``v:<joint>``), for sensitivities.
-        """
+    def record(self, index: int, instants: Array | None = None) -> dict[str, Array]:
+        """Noise-free samples of one run: ``time``, ``<joint>.position`` and, if driven, ``<joint>.effort`` as commanded."""
         run = self.runs[index]
         truth = self.truth()
         q0, v0 = np.zeros(truth.n), np.zeros(truth.n)
         for k, joint in enumerate(self.rig.joints):
-            q0[truth.dof[joint]] = run.q0[k] + (offset or {}).get(f"q:{joint}", 0.0)
-            v0[truth.dof[joint]] = run.v0[k] + (offset or {}).get(f"v:{joint}", 0.0)
+            q0[truth.dof[joint]] = run.q0[k]
+            v0[truth.dof[joint]] = run.v0[k]
         if instants is None:
             instants = np.arange(0.0, run.duration, 1.0 / self.sensor.rate)
         fine = np.arange(0.0, run.duration * (1.0 + (LEAD if self.signal else 0.0)) + 2 * FINE_STEP, FINE_STEP)

@@ -7,7 +7,7 @@ signal-to-noise ratio d of an ideal observer who knows which effect to look for;
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,15 +35,12 @@ def whiten(residual: Array, sensor: Sensor) -> Array:
     return out / std
 
 
-def observe(scene: Scene, offset: Mapping[str, float] | None = None, only: int | None = None) -> list[Array]:
-    """Whitened noise-free samples of every run (empty where ``only`` names another run)."""
+def observe(scene: Scene) -> list[Array]:
+    """Whitened noise-free samples of every run."""
     rows = []
-    for index in range(len(scene.runs)):
-        if only is not None and index != only:
-            rows.append(np.zeros(0))
-            continue
-        instants = np.arange(0.0, scene.runs[index].duration, 1.0 / scene.sensor.rate)
-        data = scene.record(index, instants, offset)
+    for index, run in enumerate(scene.runs):
+        instants = np.arange(0.0, run.duration, 1.0 / scene.sensor.rate)
+        data = scene.record(index, instants)
         rows.append(np.concatenate([whiten(data[f"{joint}.position"], scene.sensor) for joint in scene.rig.joints]))
     return rows
 
@@ -67,16 +64,12 @@ class Moves:
             segments[k] = replace(segments[k], **{n: getattr(segments[k], n) * float(np.exp(value)) for n in names})
         return replace(rig, segments=tuple(segments))
 
-    def offset(self, run: int, z: Array) -> dict[str, float]:
-        """Shifts of a run's release state by component."""
-        shifts = zip(self.releases, z[len(self.segments) :], strict=True)
-        return {name: float(value) for (index, name), value in shifts if index == run}
-
     def released(self, run: Run, index: int, z: Array, joints: Sequence[str]) -> Array:
         """A run's release state, positions then velocities."""
-        offset = self.offset(index, z)
-        q = [angle + offset.get(f"q:{joint}", 0.0) for angle, joint in zip(run.q0, joints, strict=True)]
-        v = [speed + offset.get(f"v:{joint}", 0.0) for speed, joint in zip(run.v0, joints, strict=True)]
+        values = zip(self.releases, z[len(self.segments) :], strict=True)
+        shift = {name: float(value) for (one, name), value in values if one == index}
+        q = [angle + shift.get(f"q:{joint}", 0.0) for angle, joint in zip(run.q0, joints, strict=True)]
+        v = [speed + shift.get(f"v:{joint}", 0.0) for speed, joint in zip(run.v0, joints, strict=True)]
         return np.array([*q, *v])
 
 
