@@ -11,6 +11,7 @@ engineering problems, Earthquake Engineering and Structural Dynamics 11 (1983) 6
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +33,18 @@ class LeftOut:
     tip: Array
     curvature: Array
 
+    @property
+    def nothing(self) -> bool:
+        """Whether nothing is added to any reading."""
+        return not (np.any(self.tip) or np.any(self.curvature))
+
     def read(self, factors: Array, root: Array, turning: Array, modes: Array) -> Array:
         """A reading (...) from accelerations of the root (...), of turning (...) and of the modes (..., m)."""
         return np.asarray(factors[0] * root + factors[1] * turning + modes @ factors[2:])
 
 
+# Asked for again with every channel of a motion.
+@lru_cache(maxsize=256)
 def left_out(system: System, data: BeamData) -> LeftOut:
     """What a flexible link's modes leave out of its tip deflection and root curvature; nothing where further links ride on it."""
     kept = np.flatnonzero(data.plane == BENDING)

@@ -125,8 +125,9 @@ def read_channel(
     deflects = quantity == "tip_deflection"
     shape = data.tip.s if deflects else data.at(0.0).curvature
     read = position[:, :, columns] @ shape[modes]
-    if not linear and all(j.parent == system.base or not system.link(j.parent).flexible for j in _chain(system, site)):
-        rest = left_out(system, data)
+    rest = left_out(system, data)
+    on_rigid = all(j.parent == system.base or not system.link(j.parent).flexible for j in _chain(system, site))
+    if on_rigid and not linear and not rest.nothing:
         at = _frame(system, names, gravity, site, states)
         along, across = at.turn @ data.direction, at.turn @ data.bending
         root = np.sum(at.felt * across, axis=2)
