@@ -32,7 +32,7 @@ def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array
         b = position[:, first : first + data.coordinates]
         bends = data.plane == BENDING
         rest = left_out(model.system, data)
-        _, spin, angular, linear = _root_motion(model, body, position, velocity, acceleration)
+        motion = spin, angular, linear = _root_motion(model, body, position, velocity, acceleration)
         second = acceleration[:, first : first + data.coordinates][:, bends]
         root, turning = linear[:, 1], angular[:, 2] + spin[:, 0] * spin[:, 1]
         tip = b[:, bends] @ data.tip.s[bends] + rest.read(rest.tip, root, turning, second)
@@ -40,25 +40,29 @@ def channels(model: Denoc, position: Array, velocity: Array, acceleration: Array
         if np.isfinite(data.half_depth):
             curvature = b[:, bends] @ data.at(0.0).curvature[bends] + rest.read(rest.curvature, root, turning, second)
             found[f"{data.link}.root_strain"] = data.half_depth * curvature
-        found[f"{data.link}.tip_acceleration"] = tip_acceleration(model, body, position, velocity, acceleration)
+        found[f"{data.link}.tip_acceleration"] = _tip_acceleration(
+            model, body, motion, position, velocity, acceleration
+        )
     return found
 
 
 def _root_motion(
     model: Denoc, body: int, position: Array, velocity: Array, acceleration: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Axes f, h, n of a beam's root as rows (T, 3, 3); in them angular velocity and acceleration, and acceleration less gravity."""
+) -> tuple[Array, Array, Array]:
+    """Angular velocity and acceleration of a beam's root, and its acceleration less gravity, in its axes f, h, n, each (T, 3)."""
     axes = model.packed_beams[model.tree.topology[body, BEAM] + AXES :][:9].reshape(3, 3)
     hub = model.hub_motion(body, position, velocity, acceleration)
     turn = hub[:, :9].reshape(-1, 3, 3) @ axes
     spin, angular, linear = (np.einsum("tij,ti->tj", turn, hub[:, k : k + 3]) for k in (9, 12, 15))
-    return turn, spin, angular, linear
+    return spin, angular, linear
 
 
-def tip_acceleration(model: Denoc, body: int, position: Array, velocity: Array, acceleration: Array) -> Array:
-    """Specific force of a beam's tip along its section's bending direction [m/s²]; arguments (T, n), result (T,)."""
+def _tip_acceleration(
+    model: Denoc, body: int, motion: tuple[Array, Array, Array], position: Array, velocity: Array, acceleration: Array
+) -> Array:
+    """Specific force of a beam's tip along its section's bending direction [m/s²], (T,); motion: of its root; others (T, n)."""
     data = model.beams[body]
-    _, spin, angular, linear = _root_motion(model, body, position, velocity, acceleration)
+    spin, angular, linear = motion
     first = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
     b, bd, bdd = (x[:, first : first + data.coordinates] for x in (position, velocity, acceleration))
     s, slope = data.tip.s, data.tip.slope

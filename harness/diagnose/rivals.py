@@ -9,7 +9,7 @@ from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.search import generalized, like, pruned, related, relatives
-from harness.diagnose.study import compatible, whole_numbers
+from harness.diagnose.study import compatible
 from harness.diagnose.window_states import LOST
 
 MOST = 9  # rivals fitted for each member
@@ -58,7 +58,6 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     case unless the recordings contradict it there.
     """
     study, base = outcome.study, best.hypothesis
-    offset = len(study.predictor.nominal)
     found = []
     for wider in study.candidates:
         rest = base.without(k)
@@ -70,11 +69,7 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         # Of many shapes the last ones hardly differ from the special case whatever the recording.
         for point in points if len(points) <= 2 else [points[len(points) // 2]]:
             start = np.concatenate([study.without(best, k), to_internal(wider, point)])
-            held = np.zeros(len(start), dtype=bool)
-            held[len(start) - wider.size + 1 :] = True
-            held[offset : len(start) - wider.size] = np.concatenate(
-                [np.zeros(0, bool), *(whole_numbers(m) for m in rest.members)]
-            )
+            held = np.concatenate([study.whole(rest), np.arange(wider.size) > 0])
             fitted = fit(
                 study.predictor, study.likelihood, rest.with_(wider), study.windows, start,
                 study.states_for(rest.with_(wider), best), fixed=held, enough=0.2,

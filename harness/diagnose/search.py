@@ -87,7 +87,7 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
                     known[smaller.hypothesis.identity] = smaller
                     fresh.append(smaller)
         ordered = sorted(known.values(), key=study.criterion)
-        complete = ordered[0].score < study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples))
+        complete = _only_noise(study, ordered[0])
         if complete and len(ordered[0].hypothesis.members) > 1 and ordered[0].hypothesis.identity not in swapped:
             # Nothing more is needed, so before more is added, the members' relatives get their turn.
             swapped.add(ordered[0].hypothesis.identity)
@@ -97,7 +97,7 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
                         known[other.hypothesis.identity] = other
                         fresh.append(other)
             ordered = sorted(known.values(), key=study.criterion)
-        if ordered[0].score > study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples)):
+        if not _only_noise(study, ordered[0]):
             for wider in generalized(study, ordered[0]):
                 if wider.hypothesis.identity not in known:
                     known[wider.hypothesis.identity] = wider
@@ -110,6 +110,11 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
         if not frontier or (not fresh and not improved):
             break
     return sorted(known.values(), key=study.criterion)
+
+
+def _only_noise(study: Study, fitted: Fit) -> bool:
+    """Whether a fit leaves no more than noise alone would at times."""
+    return fitted.score <= study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples))
 
 
 def _alike(one: Fit, other: Fit) -> bool:

@@ -145,9 +145,7 @@ class Study:
     ) -> Fit:
         """The best fit of a hypothesis over several starting vectors; an earlier better one is kept."""
         best = self.fits.get(hypothesis.identity)
-        whole = np.concatenate(
-            [np.zeros(len(self.predictor.nominal), bool), *(whole_numbers(m) for m in hypothesis.members)]
-        )
+        whole = self.whole(hypothesis)
         others = self.others(hypothesis)
         for start in starts:
             found = fit(
@@ -205,6 +203,11 @@ class Study:
                     best = other
         return best
 
+    def whole(self, hypothesis: Hypothesis) -> NDArray[np.bool_]:
+        """Which places of the parameter vector hold whole numbers."""
+        own = (whole_numbers(member) for member in hypothesis.members)
+        return np.concatenate([np.zeros(len(self.predictor.nominal), bool), *own])
+
     def counted(self, fitted: Fit, index: int) -> float:
         """The value of a whole number in the parameter vector; its scale is one."""
         values = [
@@ -219,8 +222,7 @@ class Study:
             [np.zeros(len(self.predictor.nominal), bool), *map(is_logarithmic, best.hypothesis.members)]
         )
         x[index] = np.log(self.counted(best, index) + by) if logarithmic[index] else x[index] + by
-        held = np.zeros(len(x), dtype=bool)
-        held[len(self.predictor.nominal) :] = np.concatenate([whole_numbers(m) for m in best.hypothesis.members])
+        held = self.whole(best.hypothesis)
         return fit(
             self.predictor, self.likelihood, best.hypothesis, self.windows, x, best.states,
             most_steps=most_steps, enough=0.2, fixed=held, target=best.score,
@@ -314,9 +316,7 @@ class Study:
         costs = [cost for cost, _ in residuals_at(*problem, [(x, states) for x in points])]
         if costs[0] < FAR_WORSE * base.linear.cost:
             return None
-        held = np.concatenate(
-            [np.zeros(len(self.predictor.nominal), bool), *(whole_numbers(m) for m in hypothesis.members)]
-        )
+        held = self.whole(hypothesis)
         held[len(start) - hypothesis.members[-1].size :] = True
         found = []
         for x in (points[0], points[int(np.argmin(costs))]):
@@ -333,7 +333,8 @@ class Study:
         """
         k = len(self.predictor.nominal)
         start = np.concatenate([np.zeros(k), x[k:]])
-        held = np.concatenate([np.ones(k, bool), *(whole_numbers(m) for m in hypothesis.members)])
+        held = self.whole(hypothesis)
+        held[:k] = True
         straight = fit(
             self.predictor, self.likelihood, hypothesis, self.windows, start, self.states_for(hypothesis, near),
             most_steps=most_steps, enough=0.2, fixed=held, others=self.others(hypothesis),

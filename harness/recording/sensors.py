@@ -126,8 +126,7 @@ def read_channel(
     shape = data.tip.s if deflects else data.at(0.0).curvature
     read = position[:, :, columns] @ shape[modes]
     rest = left_out(system, data)
-    on_rigid = all(j.parent == system.base or not system.link(j.parent).flexible for j in _chain(system, site))
-    if on_rigid and not linear and not rest.nothing:
+    if not (linear or rest.nothing or any(_rides_on_flexible(system, joint) for joint in _chain(system, site))):
         at = _frame(system, names, gravity, site, states)
         along, across = at.turn @ data.direction, at.turn @ data.bending
         root = np.sum(at.felt * across, axis=2)
@@ -153,6 +152,10 @@ def _chain(system: System, site: str) -> list[Joint]:
     return chain[::-1]
 
 
+def _rides_on_flexible(system: System, joint: Joint) -> bool:
+    return joint.parent != system.base and system.link(joint.parent).flexible
+
+
 @dataclass(frozen=True, eq=False)
 class _Frame:
     """A link's frame along a motion: its axes as columns (B, T, 3, 3); angular velocity and acceleration, and acceleration of its
@@ -175,7 +178,7 @@ def _frame(system: System, names: tuple[str, ...], gravity: Array, site: str, st
     turn = np.broadcast_to(np.eye(3), (*shape, 3, 3))
     at = _Frame(turn, zero, zero, np.broadcast_to(-gravity[:, None, :], (*shape, 3)))
     for joint in _chain(system, site):
-        if joint.parent != system.base and system.link(joint.parent).flexible:
+        if _rides_on_flexible(system, joint):
             raise UnsupportedError(
                 f"tip acceleration of {site!r}, which rides on the flexible link {joint.parent!r}",
                 mend="measure another link",

@@ -71,3 +71,31 @@ def test_sensors_on_lanes_and_the_textbook_model_read_the_same(strip, quantity):
     seen = observe(lanes, rows, name, quantity, lanes.simulate(rows, q0[None], 0 * q0[None], time))[0]
     channel = run.channels[f"{name}.{quantity}"]
     assert np.abs(seen - channel).max() < 1e-6 * np.abs(channel).max()
+
+
+@pytest.mark.parametrize(
+    ("quantity", "modes", "kept", "whole"),
+    [
+        ("tip_deflection", 1, 0.985, 0.998),
+        ("tip_deflection", 3, 0.9976, 0.99995),
+        ("root_strain", 3, 0.83, 0.999),
+    ],
+)
+def test_the_gains_that_the_theory_page_tells(quantity, modes, kept, whole):
+    # The figures are those of docs/theory.md; the reference is the same model with twelve modes.
+    time = np.arange(0.0, 1.0, 0.002)
+
+    def read(count, linear):
+        system = harness.load("models/toml/flexible_pendulum.toml")
+        (link,) = system.links
+        system = system.replace_link(flexible_link(link.name, replace(link.beam, modes=count)))
+        lanes = LaneModel(system)
+        rows, q0 = lanes.row()[None], np.zeros((1, lanes.n))
+        q0[0, 0] = 1.0
+        moved = lanes.simulate(rows, q0, 0 * q0, time)
+        return observe(lanes, rows, link.name, quantity, moved, linear=linear)[0]
+
+    truth = read(12, False)
+    for linear, figure in ((True, kept), (False, whole)):
+        seen = read(modes, linear)
+        assert truth @ seen / (seen @ seen) == pytest.approx(figure, abs=0.6 * 10.0 ** -len(str(figure)[2:]))
