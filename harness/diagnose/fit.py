@@ -18,7 +18,7 @@ from harness.diagnose.coordinates import internal_bounds
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
-from harness.diagnose.window_states import LOST, Residuals, best_states, price, settled, suspects
+from harness.diagnose.window_states import LOST, Residuals, best_states, loosely_held, price, settled, suspects
 from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
@@ -318,6 +318,7 @@ def _descend(
     prior = float(np.sum(prior_weight * x**2))
     damping, converged = 1e-3, False
     free = ~held
+    stiff = loosely_held(predictor, hypothesis)
     # A step that fails is tried again with more damping, from the same place: as many such trials as fit beside the first
     # one into lanes that run anyway are made at once.
     together = max(1, LANES * -(-len(windows) // LANES) // len(windows))
@@ -325,24 +326,23 @@ def _descend(
     mended, loosened = False, False
     for _ in range(most_steps):
         if damping not in tried:
-            trials = [_trial(here, windows, x, current, prior_weight, lower, upper, held, damping)]
+            trials = [_trial(here, windows, x, current, prior_weight, lower, upper, held, damping, stiff)]
             if trials[0].predicted < enough and damping > SOFTEST and not loosened:
                 # Along a valley with steep sides a damped step promises little, however far there is to go.
                 loosened = True
-                loose = _trial(here, windows, x, current, prior_weight, lower, upper, held, SOFTEST)
+                loose = _trial(here, windows, x, current, prior_weight, lower, upper, held, SOFTEST, stiff)
                 if loose.predicted >= enough:
                     damping, trials = SOFTEST, [loose]
             while len(trials) < together and trials[-1].predicted >= enough and trials[-1].damping <= HARDEST:
-                trials.append(
-                    _trial(here, windows, x, current, prior_weight, lower, upper, held, _harder(trials[-1].damping))
-                )
+                harder = _harder(trials[-1].damping)
+                trials.append(_trial(here, windows, x, current, prior_weight, lower, upper, held, harder, stiff))
             if here.cost + prior - HOPE * max(trials[0].predicted, 0.0) > target > -np.inf:
                 free = trials[0].free
                 break
             if trials[0].predicted >= 1e-3 * enough:
                 at = residuals_at(predictor, likelihood, hypothesis, windows, [(t.x, t.states) for t in trials])
                 if trials[0].predicted >= enough and _worse(here, prior, prior_weight, trials[0], at[0]):
-                    curved = _along_the_curve(here, windows, trials[0], at[0], prior_weight, lower, upper, held)
+                    curved = _along_the_curve(here, windows, trials[0], at[0], prior_weight, lower, upper, held, stiff)
                     if curved is not None:
                         (there,) = residuals_at(predictor, likelihood, hypothesis, windows, [(curved.x, curved.states)])
                         if not _worse(here, prior, prior_weight, curved, there):
@@ -418,6 +418,7 @@ def _along_the_curve(
     lower: Array,
     upper: Array,
     held: NDArray[np.bool_],
+    stiff: Array,
 ) -> Trial | None:
     """A trial brought back into the valley by what its residuals have beyond the linear view; none where that is no correction.
 
@@ -434,7 +435,7 @@ def _along_the_curve(
     curve = _eliminated(0.0, beyond, here.bases, here.shared)
     zero = np.zeros(len(trial.x))
     step, _ = _step(curve, zero, prior_weight, lower - trial.x, upper - trial.x, held, trial.damping)
-    steps = _state_steps(curve.triangles, step, trial.damping)
+    steps = _state_steps(curve.triangles, step, trial.damping, stiff, np.zeros_like(trial.state_steps))
     if not (_length(step) <= CURVED * _length(trial.step) and _length(steps) <= CURVED * _length(trial.state_steps)):
         return None
     moved = {w: trial.states[w] + s for w, s in zip(windows, steps, strict=True)}
@@ -476,12 +477,19 @@ def _trial(
     upper: Array,
     held: NDArray[np.bool_],
     damping: float,
+    stiff: Array,
 ) -> Trial:
-    """The step that the linear model proposes under a damping."""
+    """The step that the linear model proposes under a damping. stiff: of the initial states, (S,), see ``loosely_held``."""
     step, free = _step(here, x, prior_weight, lower, upper, held, damping)
-    state_steps = _state_steps(here.triangles, step, damping)
+    begun = np.array([states[w] for w in windows])
+    gain = _predicted_gain(here, prior_weight, x, step)
+    state_steps = _state_steps(here.triangles, step, damping, stiff, begun)
+    predicted = gain - _left(here, step, state_steps)
+    if predicted < 0.0 and stiff.any():
+        # What begins far off is not brought back at a loss.
+        state_steps = _state_steps(here.triangles, step, damping, stiff, np.zeros_like(begun))
+        predicted = gain - _left(here, step, state_steps)
     moved = {w: states[w] + s for w, s in zip(windows, state_steps, strict=True)}
-    predicted = _predicted_gain(here, prior_weight, x, step)
     return Trial(damping, np.clip(x + step, lower, upper), moved, predicted, free, step, state_steps)
 
 
@@ -526,19 +534,33 @@ def _reach(before: Array, after: Array) -> float:
     return float(np.max(np.abs(after - before) / np.maximum(1.0, np.abs(before)), initial=0.0))
 
 
-def _state_steps(triangles: Sequence[tuple[Array, Array, Array]], step: Array, damping: float) -> Array:
-    """How the initial states of all windows follow a step of the shared parameters, shape (W, S)."""
+def _state_steps(
+    triangles: Sequence[tuple[Array, Array, Array]], step: Array, damping: float, stiff: Array, begun: Array
+) -> Array:
+    """How the initial states of all windows follow a step of the shared parameters, shape (W, S).
+
+    stiff: how stiffly states are held to zero, (S,); begun: where they stand, (W, S).
+    """
     rss = np.array([t[0] for t in triangles])
     size = rss.shape[2]
     scale = np.linalg.norm(rss, axis=1) + 1e-9
-    held = (np.sqrt(damping * 1e-3) * scale + 1e-9)[:, :, None] * np.eye(size)
+    held = np.zeros((len(rss), 2 * size, size))
+    held[:, :size] = (np.sqrt(damping * 1e-3) * scale + 1e-9)[:, :, None] * np.eye(size)
+    held[:, size:] = np.diag(stiff)
     right = -np.array([t[2] for t in triangles]) - np.array([t[1] for t in triangles]) @ step
+    right = np.concatenate([right, np.zeros_like(right), -stiff * begun], axis=1)
     # Least squares by singular values, of all windows at once.
     u, s, vt = np.linalg.svd(np.concatenate([rss, held], axis=1), full_matrices=False)
-    along = np.einsum("wij,wi->wj", u[:, : rss.shape[1]], right)
+    along = np.einsum("wij,wi->wj", u, right)
     least = np.finfo(np.float64).eps * 2 * size * s[:, :1]
     along = np.where(s > least, along / np.where(s > least, s, 1.0), 0.0)
     return np.asarray(np.einsum("wji,wj->wi", vt, along))
+
+
+def _left(here: Linearisation, step: Array, state_steps: Array) -> float:
+    """What the initial states leave of the part of the residuals that they alone could take away, under a step."""
+    left = [r + b @ step + a @ own for (a, b, r), own in zip(here.triangles, state_steps, strict=True)]
+    return sum(float(rest @ rest) for rest in left)
 
 
 def _predicted_gain(here: Linearisation, prior_weight: Array, x: Array, step: Array) -> float:

@@ -189,7 +189,7 @@ def investigate(
     if groups != short and (empty.score > NONLINEAR * long_study.samples or study.stretched(first)):
         # Far from the truth, free runs have many wrong valleys; short windows have few. They find where to begin. What was
         # bent beyond its tolerance is far from the truth too, however well it fits.
-        ordered = grow(study, [first], effort, progress)
+        ordered = grow(study, [first, *ordinary(study, first)], effort, progress, to_begin_with=True)
         seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
     if min(f.score for f in seeds) > NONLINEAR * long_study.samples:
         seeds += ordinary(long_study, empty)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import Outcome
-from harness.diagnose.search import generalized, like, pruned, related, relatives
-from harness.diagnose.study import compatible
+from harness.diagnose.search import FAR, exhausted, generalized, like, pruned, related, relatives
+from harness.diagnose.study import Study, compatible
 from harness.diagnose.window_states import LOST
 
 MOST = 9  # rivals fitted for each member
@@ -19,12 +19,21 @@ WORTH_FITTING = (
 )
 HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
 MOST_WIDENED = 3
+FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
 APART = 6.0  # difference in the criterion (odds of twenty to one) below which hypotheses cannot be told apart
 
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Fits with member ``k`` replaced: by candidates whose score test promises a similar gain, by its relatives, and all known."""
-    study = outcome.study
+    study, member = outcome.study, best.hypothesis.members[k]
+    if len(best.hypothesis.members) <= FEW or not exhausted(study, best):
+        _fit_in_place_of(study, best, k)
+    kept = best.hypothesis.identity - {member.key}
+    return [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
+
+
+def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
+    """Fit what may stand in the place of member ``k``."""
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
     own = without.score - best.score
@@ -35,11 +44,10 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         if scored.candidate.key != member.key and not related(member, scored.candidate):
             found.append(study.extend(without, scored))
     # A general law in the place of another member helps only what comes near already.
-    hopeful = sorted((f for f in found if f.score - best.score < HOPEFUL * max(own, 0.0)), key=lambda f: f.score)
+    limit = min(best.score + HOPEFUL * max(own, 0.0), FAR * best.score)
+    hopeful = sorted((f for f in found if f.score < limit and f is not best), key=lambda f: f.score)
     for base in (best, *hopeful[:MOST_WIDENED]):
         generalized(study, base)
-    kept = best.hypothesis.identity - {member.key}
-    return [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
 
 
 def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
@@ -83,6 +91,8 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
 def preferred(outcome: Outcome, best: Fit) -> Fit:
     """The best set with each member exchanged for a rival that does better, if there is one."""
     study = outcome.study
+    if exhausted(study, best):
+        return pruned(study, best, study.loudness(best))
     best = pruned(study, best)
     for _ in range(len(best.hypothesis.members) + 1):
         # To the end: what the search only had to rank may have stopped short.

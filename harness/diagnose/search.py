@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
+from harness.diagnose.screen import Score
 from harness.diagnose.study import HOPELESS, Study, compatible
 
 Progress = Callable[[str], None]
@@ -24,6 +25,8 @@ FAR = 3.0  # times what the best set leaves
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
+SLOWLY = 0.05  # of what is left above the noise, that one more effect takes away at least
+GENEROUS = 2.0  # times what the linear view promises
 
 
 @dataclass(frozen=True)
@@ -41,16 +44,35 @@ class Effort:
     most_fits: int = 30
 
 
-def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress) -> list[Fit]:
-    """All fits worth keeping, best first, found by extending seeds one effect at a time and pruning backwards."""
+def grow(
+    study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress, *, to_begin_with: bool = False
+) -> list[Fit]:
+    """All fits worth keeping, best first, found by extending seeds one effect at a time and pruning backwards.
+
+    to_begin_with: only to find where another study may begin, so that the first set that leaves nothing but noise is enough.
+    """
     known: dict[frozenset[str], Fit] = {f.hypothesis.identity: f for f in seeds}
+    fresh: list[Fit] = []
+
+    def note(found: Fit) -> bool:
+        """Keep a fit that is new or better than the known one of its set; whether it is."""
+        old = known.get(found.hypothesis.identity)
+        if old is not None and old.score <= found.score:
+            return False
+        known[found.hypothesis.identity] = found
+        fresh.append(found)
+        return True
+
     frontier = list(seeds)
+    excess = np.inf
     expanded: set[frozenset[str]] = set()
     finished: list[Fit] = []
     swapped: set[frozenset[str]] = set()
     best = min(study.criterion(f) for f in seeds)
+    if to_begin_with and any(_only_noise(study, f) for f in seeds):
+        return sorted(seeds, key=study.criterion)
     for _ in range(effort.largest + 2):
-        fresh: list[Fit] = []
+        fresh.clear()
         for base in frontier:
             lowest = min(f.score for f in known.values())
             if base.hypothesis.identity in expanded or len(study.fits) >= effort.most_fits:
@@ -66,6 +88,10 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
             if members >= effort.largest or _needless(study, base) or any(_alike(base, done) for done in finished):
                 continue
             promising = [s for s in study.ranked(base) if s.gain > study.price(s.candidate, members)]
+            if _only_noise(study, base):
+                # Little is left there, so that the linear view can be trusted: what it has no hope of is not fitted.
+                own = study.criterion(base)
+                promising = [s for s in promising if own + study.price(s.candidate, members) - GENEROUS * s.gain < best]
             if not promising:
                 finished.append(base)
             for found in _diverse(promising, effort.tries):
@@ -74,47 +100,61 @@ def grow(study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress)
                 if lowest < HOPELESS * study.samples and base.score - found.gain > FAR * lowest:
                     continue
                 grown = study.extend(base, found)
-                if grown.hypothesis.identity not in known:
-                    known[grown.hypothesis.identity] = grown
-                    fresh.append(grown)
+                if note(grown):
                     progress(" + ".join(grown.hypothesis.keys))
         for fitted in sorted(fresh, key=study.criterion)[:1]:
             if len(fitted.hypothesis.members) < 2 or study.criterion(fitted) > best:
                 continue
             for k in range(len(fitted.hypothesis.members)):
-                smaller = study.reduce(fitted, k)
-                if smaller.hypothesis.identity not in known:
-                    known[smaller.hypothesis.identity] = smaller
-                    fresh.append(smaller)
+                note(study.reduce(fitted, k))
         ordered = sorted(known.values(), key=study.criterion)
         complete = _only_noise(study, ordered[0])
+        if complete and to_begin_with:
+            break
         if complete and len(ordered[0].hypothesis.members) > 1 and ordered[0].hypothesis.identity not in swapped:
             # Nothing more is needed, so before more is added, the members' relatives get their turn.
             swapped.add(ordered[0].hypothesis.identity)
             for k in range(len(ordered[0].hypothesis.members)):
                 for other in relatives(study, ordered[0], k, effort.most_fits):
-                    if other.hypothesis.identity not in known:
-                        known[other.hypothesis.identity] = other
-                        fresh.append(other)
+                    note(other)
             ordered = sorted(known.values(), key=study.criterion)
         if not _only_noise(study, ordered[0]):
             for wider in generalized(study, ordered[0]):
-                if wider.hypothesis.identity not in known:
-                    known[wider.hypothesis.identity] = wider
-                    fresh.append(wider)
+                if note(wider):
                     progress(" + ".join(wider.hypothesis.keys))
             ordered = sorted(known.values(), key=study.criterion)
         improved = study.criterion(ordered[0]) < best - 1e-6
         best = study.criterion(ordered[0])
+        before, excess = excess, min(f.score for f in known.values()) - study.samples
+        if (
+            len(ordered[0].hypothesis.members) > 1
+            and not _only_noise(study, ordered[0])
+            and excess > (1.0 - SLOWLY) * before
+        ):
+            # At this pace no set of few effects gets there; what is still found only soaks up what something else makes.
+            study.spent = True
+            break
         frontier = [f for f in ordered[: effort.beam] if f.hypothesis.identity not in expanded]
         if not frontier or (not fresh and not improved):
             break
     return sorted(known.values(), key=study.criterion)
 
 
+def _hoped(found: Score) -> float:
+    """What an effect may take away at most, judged by the linear view; what adds coordinates was viewed at its full size."""
+    reshape = found.candidate.effect.reshape
+    return found.gain if reshape is not None and reshape.topology else GENEROUS * found.gain
+
+
 def _only_noise(study: Study, fitted: Fit) -> bool:
     """Whether a fit leaves no more than noise alone would at times."""
     return fitted.score <= study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples))
+
+
+def exhausted(study: Study, fitted: Fit) -> bool:
+    """Whether a set leaves more than noise and growing does not make it leave less: then the catalogue has no explanation in few
+    effects, and what else could stand in a member's place is idle to ask."""
+    return study.spent and fitted.score > FLOOR * study.samples
 
 
 def _alike(one: Fit, other: Fit) -> bool:
@@ -228,13 +268,16 @@ def _same_units(member: Candidate, other: Candidate) -> bool:
 def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     """Fits with member ``k`` replaced by what it is related to, as long as the study has fewer than ``most_fits``.
 
-    A law that acts alike may be far from linear, so that a score test says little of it.
+    A law that acts alike may be far from linear, so that a score test says little of it. The member itself is among them where the
+    score test sees a better place for it than it has: another number of periods, another frequency, found beside other company.
     """
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
     own = without.score - best.score
     found = []
     for scored in study.ranked(without):
+        if scored.candidate.key == member.key:
+            found.append(study.extend(without, scored))
         if scored.candidate.key == member.key or not related(member, scored.candidate):
             continue
         if len(study.fits) >= most_fits:
@@ -268,12 +311,19 @@ def alternatives(study: Study, best: Fit, k: int, effort: Effort) -> list[Fit]:
     return sorted(found, key=study.criterion)
 
 
-def pruned(study: Study, fitted: Fit) -> Fit:
-    """The set without members, and without generality, that do not pay for themselves beside the others."""
+def pruned(study: Study, fitted: Fit, louder: float = 1.0) -> Fit:
+    """The set without members, and without generality, that do not pay for themselves beside the others.
+
+    louder: variance of the noise, in units of what it is taken to be: what the set leaves, where that is no noise.
+    """
+
+    def criterion(of: Fit) -> float:
+        return study.criterion(of) - of.score * (1.0 - 1.0 / louder)
+
     while fitted.hypothesis.members:
         fewer = [study.reduce(fitted, k) for k in range(len(fitted.hypothesis.members))]
-        smaller = min([*fewer, *specialized(study, fitted)], key=study.criterion)
-        if study.criterion(smaller) > study.criterion(fitted):
+        smaller = min([*fewer, *specialized(study, fitted)], key=criterion)
+        if criterion(smaller) > criterion(fitted):
             break
         fitted = smaller
     return fitted
@@ -301,6 +351,8 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
     # Far above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
     for _ in range(3 if ordered[0].score < HOPELESS * study.samples else 1):
         ordered = finished(study, ordered)
+        if exhausted(study, ordered[0]):
+            break
         before = study.criterion(ordered[0])
         best = pruned(study, ordered[0])
         if len(study.fits) >= effort.most_fits:

@@ -22,7 +22,7 @@ Motion = tuple[Array, Array, Array]
 # What half the steps may change in the sum of squares of a run, in variances of the noise. Errors of order 4 leave a 225th of
 # it; of order 2, where efforts have kinks and several joints turn, a ninth.
 SHOWN = 0.3
-FINEST = 16  # steps between two states that are handed over
+FINEST = 32  # steps between two states that are handed over
 STIFF = 0.5  # rad that the fastest vibration turns in a step; below, steps that resolve it cost no more
 FEWEST = 16  # states that are worth it
 

@@ -26,6 +26,7 @@ HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
 FAR_WORSE = 2.0  # times the cost of the fit that a start extends
+NOTICEABLE = 6.0  # in the score
 LED = 0.01  # share of a nominal quantity by which it is bent back at a time
 FEWEST_LED, MOST_LED, LED_STEPS = 4, 16, 8
 FOLLOWING = 5  # steps in which everything else follows a new effect
@@ -43,7 +44,7 @@ class Study:
     was added to. carried: sets whose fit was carried on to its end. swing: length of the slowest swing [s], if known. hints: score
     tests on shorter windows of the same recordings,
     where what had to be bent far is nearer to what it stands for. ends: where fits of a set have ended, by score, the best one
-    among them.
+    among them. spent: whether sets have stopped to leave less by growing.
     """
 
     problem: Problem
@@ -58,6 +59,7 @@ class Study:
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
     carried: set[frozenset[str]] = field(default_factory=set)
     swing: float = 0.0
+    spent: bool = False
     hints: Mapping[frozenset[str], list[Score]] = field(default_factory=dict)
     ends: dict[tuple[str, ...], list[tuple[float, Array]]] = field(default_factory=dict)
     _read: dict[tuple[Window, float], Array] = field(default_factory=dict)
@@ -267,10 +269,14 @@ class Study:
         best = min((f.score for f in self.fits.values()), default=np.inf)
         target = max(best, 0.0) + self.price(found.candidate)
         pair = (base.hypothesis.identity, found.candidate.key)
-        # What fits worse than a special case of itself was begun in a wrong valley, or was given up on the way.
-        promised = base.score - found.gain <= target
-        if known is not None and (known.score <= base.score or pair in self.extended or not promised):
-            return known
+        promised = base.score - found.gain
+        if known is not None:
+            # What fits worse than a special case of itself, or than a linear view promises, was begun in a wrong valley or was
+            # given up on the way.
+            near = known.score < HOPELESS * self.samples and promised < known.score - NOTICEABLE
+            astray = near or (known.score > base.score and promised <= target)
+            if pair in self.extended or not astray:
+                return known
         self.extended.add(pair)
         own = to_internal(found.candidate, found.start)
         starts = [np.concatenate([base.x, own])]

@@ -15,6 +15,7 @@ from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.windows import Window
+from harness.effects.scale import references
 
 Array = NDArray[np.float64]
 States = Mapping[Window, Array]
@@ -23,6 +24,8 @@ LOST = 1e15  # cost of a run that left the numbers
 ODD = 3.0  # times the median mean square of all windows
 STEPS = 5  # downhill; near a kink more do not help, and away from it fewer are enough
 STEP = 1e-6  # of difference quotients [rad, rad/s]
+VIBRATION = 0.1  # rad or m, that a vibration plausibly begins with
+SWING_SPEED = 2.0  # of a swing of one radian, times its frequency [rad/s]
 Residuals = tuple[float, tuple[Array, ...]]
 """Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
 
@@ -33,6 +36,19 @@ def price(residual: Array, lane: Array) -> float:
         return LOST
     with np.errstate(over="ignore"):
         return min(float(residual @ residual), LOST)
+
+
+def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
+    """How stiffly a step holds each initial position and velocity, (S,): one over what a vibration may plausibly begin with.
+
+    Joints are free. Where a vibration dies out before a sensor has seen it, noise alone says how it began: steps would lead
+    ever farther off, to motions that no solver follows in few steps and no recording contradicts.
+    """
+    names = predictor.mechanism(hypothesis).names
+    joints = predictor.system.joint_names
+    rate = SWING_SPEED * max((references(predictor.system, name).frequency for name in joints), default=1.0)
+    loose = np.array([0.0 if name in joints else 1.0 / VIBRATION for name in names])
+    return np.concatenate([loose, loose / rate])
 
 
 def best_states(

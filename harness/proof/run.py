@@ -15,7 +15,7 @@ from zlib import crc32
 import numpy as np
 
 from harness.errors import InputError
-from harness.parallel import parallel_map
+from harness.parallel import one_blas_thread, parallel_map
 from harness.proof.concealments import CONCEALMENTS
 from harness.proof.draw import Case, draw_case
 from harness.proof.flexible import EFFECTS, draw_flexible
@@ -107,8 +107,13 @@ def scaled(cases: int) -> dict[str, int]:
     return {kind: max(1, round(count * cases / total)) for kind, count in FULL.items()}
 
 
+@one_blas_thread()
 def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
-    """Draw a case, write what diagnosis may see, seal the answer; (name, digest). What is sealed already is left as it is."""
+    """Draw a case, write what diagnosis may see, seal the answer; (name, digest). What is sealed already is left as it is.
+
+    On one thread of linear algebra, for several add up in another order, and a seed stands for the same recordings to the last
+    digit wherever they are made.
+    """
     sealed = out / "sealed" / f"{task.name}.json"
     if sealed.exists():
         # The answer is sealed last, so that all the rest is there.

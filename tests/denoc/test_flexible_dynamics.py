@@ -105,8 +105,11 @@ def test_forward_inverse_and_mass_matrix_agree(system: System) -> None:
     tau = np.random.default_rng(3).normal(size=model.n)
     qdd = model.forward_dynamics(q, qd, tau)
     right = tau - model.bias(q, qd) + model.passive(q, qd)
-    assert np.abs(model.mass_matrix(q) @ qdd - right).max() < 1e-12 * np.abs(right).max()
-    assert np.abs(model.inverse_dynamics(q, qd, qdd) - tau).max() < 1e-12 * np.abs(right).max()
+    mass = model.mass_matrix(q)
+    # Stiff modes of light beams accelerate a million times as much as the joints: what is summed tells the rounding.
+    rounding = 1e-13 * (np.abs(mass) @ np.abs(qdd)).max()
+    assert np.abs(mass @ qdd - right).max() < rounding
+    assert np.abs(model.inverse_dynamics(q, qd, qdd) - tau).max() < rounding
     assert model.energy(q, qd)[0] == pytest.approx(0.5 * qd @ model.mass_matrix(q) @ qd, rel=1e-13)
 
 
