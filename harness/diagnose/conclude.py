@@ -107,10 +107,9 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
 
 def _strongest_beside(outcome: Outcome, fitted: Fit, k: int) -> float:
     """What the strongest other member explains by itself [noise standard deviations]."""
-    fits = outcome.study.fits
     nothing = outcome.study.empty().score
-    alone = [fits.get(frozenset({key})) for j, key in enumerate(fitted.hypothesis.keys) if j != k]
-    explained = [nothing - one.score for one in alone if one is not None]
+    others = (j for j in range(len(fitted.hypothesis.members)) if j != k)
+    explained = [nothing - outcome.study.alone(fitted, j).score for j in others]
     return float(np.sqrt(max([0.0, *explained])))
 
 

@@ -385,6 +385,16 @@ class Study:
         allowed = base.hypothesis.without(k).identity
         return min((f for key, f in self.fits.items() if key <= allowed), key=lambda f: f.score)
 
+    def alone(self, base: Fit, k: int) -> Fit:
+        """The fit of member ``k`` by itself, from where it stands in ``base``."""
+        hypothesis = Hypothesis((base.hypothesis.members[k],))
+        known = self.fits.get(hypothesis.identity)
+        if known is not None:
+            return known
+        nominal, span = len(self.predictor.nominal), base.hypothesis.span(k)
+        own = base.x[nominal + span.start : nominal + span.stop]
+        return self.fit(hypothesis, [np.concatenate([base.x[:nominal], own])], base)
+
     def reduce(self, base: Fit, k: int) -> Fit:
         """The fit without member ``k``, from where the larger one stands."""
         hypothesis = base.hypothesis.without(k)
