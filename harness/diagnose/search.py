@@ -278,7 +278,8 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     for scored in study.ranked(without):
         if scored.candidate.key == member.key:
             found.append(study.extend(without, scored))
-        if scored.candidate.key == member.key or not related(member, scored.candidate):
+            continue
+        if not related(member, scored.candidate):
             continue
         if len(study.fits) >= most_fits:
             break
