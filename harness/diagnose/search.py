@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
-from harness.diagnose.screen import Score
 from harness.diagnose.study import HOPELESS, Study, compatible
 
 Progress = Callable[[str], None]
@@ -138,12 +137,6 @@ def grow(
         if not frontier or (not fresh and not improved):
             break
     return sorted(known.values(), key=study.criterion)
-
-
-def _hoped(found: Score) -> float:
-    """What an effect may take away at most, judged by the linear view; what adds coordinates was viewed at its full size."""
-    reshape = found.candidate.effect.reshape
-    return found.gain if reshape is not None and reshape.topology else GENEROUS * found.gain
 
 
 def _only_noise(study: Study, fitted: Fit) -> bool:
