@@ -59,14 +59,14 @@ class Colour:
         shape = (1.0 - self.phi**2) / np.abs(1.0 - self.phi * np.exp(-1j * omega)) ** 2
         return np.asarray(self.white**2 + self.coloured**2 * shape)
 
-    def whiten(self, residual: Array) -> Array:
-        """Residuals [channel unit], samples along the last axis, as unit-variance innovations of the same shape."""
+    def whiten(self, residual: Array, axis: int = -1) -> Array:
+        """Residuals [channel unit], samples along ``axis``, as unit-variance innovations of the same shape."""
         if self.coloured == 0.0 or self.phi == 0.0:
             return np.asarray(residual / self.std)
         theta, sigma = self.innovation
-        out = lfilter([1.0, -self.phi], [1.0, theta], residual, axis=-1) / sigma
-        out[..., 0] *= sigma / self.std
-        return np.asarray(out)
+        out = np.asarray(lfilter([1.0, -self.phi], [1.0, theta], residual, axis=axis)) / sigma
+        np.moveaxis(out, axis, -1)[..., 0] *= sigma / self.std
+        return out
 
     def thinned(self, step: int) -> Colour:
         """The same noise after averaging over blocks of ``step`` samples."""

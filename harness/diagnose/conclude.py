@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
+from harness.diagnose.exchange import specialized
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
-from harness.diagnose.search import specialized
 from harness.diagnose.study import STRETCHED
 from harness.diagnose.uncertainty import estimates
 from harness.effects.effect import Family
@@ -222,7 +222,7 @@ def _steady(outcome: Outcome, own: Fit, k: int) -> bool:
     if own.hypothesis.identity not in outcome.alone:
         states = judge(outcome, own).states
         outcome.alone[own.hypothesis.identity] = fit(
-            outcome.predictor, study.likelihood, own.hypothesis, held, own.x, states, most_steps=20
+            study.objective(own.hypothesis).on(held), own.x, states, most_steps=20
         )
     other = outcome.alone[own.hypothesis.identity]
     a, b = (outcome.predictor.effect_values(f.hypothesis, k, f.x) for f in (own, other))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from harness.diagnose.problem import Run
@@ -75,15 +77,50 @@ def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -
         return position[:, part], velocity[:, part], acceleration[:, part]
     if grid.exact:
         return position[:, grid.index], velocity[:, grid.index], acceleration[:, grid.index]
-    i, s, h = grid.index, grid.weight[None, :, None], grid.step
-    p0, v0, a0 = position[:, i], velocity[:, i] * h, acceleration[:, i] * (h * h)
-    p1, v1, a1 = position[:, i + 1], velocity[:, i + 1] * h, acceleration[:, i + 1] * (h * h)
-    d = p1 - p0
-    # p(s) = p0 + v0 s + a0/2 s² + c3 s³ + c4 s⁴ + c5 s⁵ matching value, slope and curvature at both ends
-    c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
-    c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
-    c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * (a0 - a1)
-    q = p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
-    qd = (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h
-    qdd = (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h)
+    return _quintic(position, velocity, acceleration, grid.index, grid.weight, grid.step)
+
+
+def cubic(grid: Grid, position: Array, velocity: Array, count: int) -> Array:
+    """Columns (G, K) with their rates at the window's first ``count`` samples, (count, K), by cubic Hermite interpolation."""
+    if grid.exact:
+        return position[grid.index[:count]]
+    s = grid.weight[:count]
+    weights = np.array([
+        (1.0 - s) ** 2 * (1.0 + 2.0 * s), grid.step * s * (1.0 - s) ** 2,
+        s**2 * (3.0 - 2.0 * s), grid.step * s**2 * (s - 1.0),
+    ])  # fmt: skip
+    return np.asarray(_cubic(position, velocity, grid.index[:count], weights))
+
+
+@njit(cache=True, error_model="numpy")
+def _cubic(position: Any, velocity: Any, index: Any, weights: Any) -> Any:
+    count, columns = len(index), position.shape[1]
+    out = np.empty((count, columns))
+    for t in range(count):
+        i = index[t]
+        a, b, c, d = weights[0, t], weights[1, t], weights[2, t], weights[3, t]
+        for k in range(columns):
+            out[t, k] = a * position[i, k] + b * velocity[i, k] + c * position[i + 1, k] + d * velocity[i + 1, k]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def _quintic(position: Any, velocity: Any, acceleration: Any, index: Any, weight: Any, h: Any) -> Any:
+    lanes, _, n = position.shape
+    count = len(index)
+    q, qd, qdd = (np.empty((lanes, count, n)), np.empty((lanes, count, n)), np.empty((lanes, count, n)))
+    for lane in range(lanes):
+        for t in range(count):
+            i, s = index[t], weight[t]
+            for j in range(n):
+                p0, v0, a0 = position[lane, i, j], velocity[lane, i, j] * h, acceleration[lane, i, j] * (h * h)
+                v1, a1 = velocity[lane, i + 1, j] * h, acceleration[lane, i + 1, j] * (h * h)
+                d = position[lane, i + 1, j] - p0
+                # p(s) = p0 + v0 s + a0/2 s² + c3 s³ + c4 s⁴ + c5 s⁵ matching value, slope and curvature at both ends
+                c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
+                c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
+                c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * (a0 - a1)
+                q[lane, t, j] = p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
+                qd[lane, t, j] = (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h
+                qdd[lane, t, j] = (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h)
     return q, qd, qdd

@@ -195,26 +195,25 @@ def investigate(
         seeds += ordinary(long_study, empty)
         progress("friction and drag together")
     ordered = grow(long_study, seeds, effort, progress)
-    ordered = polish(long_study, ordered, effort, progress)
     # The noise once more, now behind the best model; a last round under it if it has changed.
     refined = replace(likelihood, colours=colours_from(problem, likelihood, ordered[0], predictor, motion_hz))
     final = long_study
     if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined.colours):
         final = Study(
             problem, predictor, refined, tuple(candidates), groups,
-            first_states=first.states, swing=period, hints=study.scores,
+            first_states=first.states, swing=period, hints=study.scores, before=long_study,
         )  # fmt: skip
         seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
         empty = final.fit(Hypothesis(), [empty.x], empty)
         ordered = grow(final, seeds, effort, progress)
-        ordered = polish(final, ordered, effort, progress)
+    ordered = polish(final, ordered, effort, progress)
     refined = final.likelihood
     own = tuple(w for w in groups if w.run < len(problem.train))
     held = tuple(w for w in groups if w.run >= len(problem.train))
     training = Study(problem, predictor, refined, tuple(candidates), own, first_states=first.states, swing=period)
     frozen = np.ones(len(predictor.nominal), dtype=bool)
     states = {w: empty.states[w] for w in own}
-    nominal = fit(predictor, refined, Hypothesis(), own, np.zeros(len(frozen)), states, fixed=frozen)
+    nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)
     return Outcome(
         problem, predictor, final, training, nominal, empty, ordered[0], ordered, held, motion_hz, period
     )  # fmt: skip
@@ -269,7 +268,7 @@ def judge_straight(outcome: Outcome, fitted: Fit) -> Fit:
         x[:k] = 0.0
         held = np.arange(len(x)) < k
         outcome.straight[key] = fit(
-            outcome.predictor, training.likelihood, fitted.hypothesis, training.windows, x,
+            training.objective(fitted.hypothesis), x,
             training.states_for(fitted.hypothesis, fitted), fixed=held, others=training.others(fitted.hypothesis),
         )  # fmt: skip
     return _judged(outcome, fitted, outcome.straight[key])
@@ -288,9 +287,7 @@ def _judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
             state = carry_state(outcome.predictor, Hypothesis(), fitted.hypothesis, base)
         states[window] = state
     frozen = np.ones(len(own.x), dtype=bool)
-    held = fit(
-        outcome.predictor, outcome.study.likelihood, own.hypothesis, outcome.held_windows, own.x, states, fixed=frozen
-    )
+    held = fit(outcome.study.objective(own.hypothesis).on(outcome.held_windows), own.x, states, fixed=frozen)
     outcome.judged[id(own)] = (own, held)
     return held
 

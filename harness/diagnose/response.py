@@ -13,11 +13,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from harness.denoc.lanes import LaneModel
 from harness.diagnose.fit import Fit
+from harness.diagnose.grid import cubic
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
+from harness.diagnose.problem import ChannelInfo
 from harness.diagnose.windows import Window
 from harness.recording.sensors import observe
+from harness.system import System
 
 Array = NDArray[np.float64]
 
@@ -137,28 +141,33 @@ def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found
     n = model.n
     grid = predictor.grid(found.window, predictor.margin(fitted.hypothesis))
     problem = predictor.problem
-    size = found.window.size
-    i, s, h = grid.index[:size], grid.weight[:size, None], grid.step
-    count = deviations.shape[2]
-    signal = np.zeros((count, len(problem.channels), size))
+    size, count = found.window.size, deviations.shape[2]
     (row,), (system,) = predictor.made(fitted.hypothesis, fitted.x[None])
-    rows, systems = np.broadcast_to(row, (count, model.P)), [system] * count
-    place, speed = (np.moveaxis(part, 2, 0) for part in (deviations[:, :n], deviations[:, n:]))
-    still = np.zeros_like(place)
+    place, speed = deviations[:, :n], deviations[:, n:]
+    weights = likelihood.weights(found.window)
+    out = np.zeros((len(problem.channels), size, count))
     for c, channel in enumerate(problem.channels):
         if channel.quantity not in LINEAR:
             continue
-        d = observe(model, rows, channel.site, channel.quantity, (place, speed, still), systems, linear=True).T
-        if channel.quantity != "velocity":
-            v = h * observe(model, rows, channel.site, channel.quantity, (speed, still, still), systems, linear=True).T
-            sampled = d[i] if grid.exact else (
-                d[i] * (1 - s) ** 2 * (1 + 2 * s) + v[i] * s * (1 - s) ** 2
-                + d[i + 1] * s**2 * (3 - 2 * s) + v[i + 1] * s**2 * (s - 1)
-            )  # fmt: skip
+        rate = _read(model, row, system, channel, speed)
+        if channel.quantity == "velocity":
+            i, s = grid.index[:size], grid.weight[:size, None]
+            sampled = rate[i] if grid.exact else rate[i] * (1 - s) + rate[i + 1] * s
         else:
-            sampled = d[i] if grid.exact else d[i] * (1 - s) + d[i + 1] * s
-        signal[:, c] = sampled.T
-    return likelihood.whiten_signal(found.window, np.nan_to_num(signal))
+            sampled = cubic(grid, _read(model, row, system, channel, place), rate, size)
+        out[c] = likelihood.colours[c].whiten(np.nan_to_num(sampled), axis=0) * weights[c, :, None]
+    return out.reshape(-1, count).T
+
+
+def _read(model: LaneModel, row: Array, system: System, channel: ChannelInfo, states: Array) -> Array:
+    """What a channel linear in the positions makes of them, (G, n, K): (G, K); of their rates it makes its own rate."""
+    count = states.shape[2]
+    if channel.site in model.names:
+        return np.asarray(states[:, model.names.index(channel.site)])
+    lanes = np.moveaxis(states, 2, 0)
+    still = np.zeros_like(lanes)
+    rows, systems = np.broadcast_to(row, (count, model.P)), [system] * count
+    return observe(model, rows, channel.site, channel.quantity, (lanes, still, still), systems, linear=True).T
 
 
 def responsive(predictor: Predictor) -> bool:

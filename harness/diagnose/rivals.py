@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
+from harness.diagnose.exchange import generalized, like, pruned, related, relatives
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import Outcome
-from harness.diagnose.search import FAR, exhausted, generalized, like, pruned, related, relatives
+from harness.diagnose.objective import LOST
+from harness.diagnose.search import FAR, exhausted
 from harness.diagnose.study import Study, compatible
-from harness.diagnose.window_states import LOST
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
@@ -79,7 +80,7 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
             start = np.concatenate([study.without(best, k), to_internal(wider, point)])
             held = np.concatenate([study.whole(rest), np.arange(wider.size) > 0])
             fitted = fit(
-                study.predictor, study.likelihood, rest.with_(wider), study.windows, start,
+                study.objective(rest.with_(wider)), start,
                 study.states_for(rest.with_(wider), best), fixed=held, enough=0.2,
             )  # fmt: skip
             if fitted.score < best.score + APART:

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.coordinates import is_logarithmic, to_internal
-from harness.diagnose.fit import Fit, fit, residuals_at
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
@@ -25,6 +26,7 @@ Array = NDArray[np.float64]
 HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
+PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
 FAR_WORSE = 2.0  # times the cost of the fit that a start extends
 NOTICEABLE = 6.0  # in the score
 LED = 0.01  # share of a nominal quantity by which it is bent back at a time
@@ -42,8 +44,8 @@ class Study:
 
     widened: sets whose member was tried as the general law, or the special case, of this key. extended: sets that a candidate
     was added to. carried: sets whose fit was carried on to its end. swing: length of the slowest swing [s], if known. hints: score
-    tests on shorter windows of the same recordings,
-    where what had to be bent far is nearer to what it stands for. ends: where fits of a set have ended, by score, the best one
+    tests on shorter windows of the same recordings, where what had to be bent far is nearer to what it stands for. before: the
+    study of the same windows under an earlier estimate of the noise. ends: where fits of a set have ended, by score, the best one
     among them. spent: whether sets have stopped to leave less by growing.
     """
 
@@ -61,6 +63,7 @@ class Study:
     swing: float = 0.0
     spent: bool = False
     hints: Mapping[frozenset[str], list[Score]] = field(default_factory=dict)
+    before: Study | None = None
     ends: dict[tuple[str, ...], list[tuple[float, Array]]] = field(default_factory=dict)
     _read: dict[tuple[Window, float], Array] = field(default_factory=dict)
 
@@ -68,6 +71,10 @@ class Study:
     def samples(self) -> float:
         """Independent readings in the training windows."""
         return self.likelihood.samples(self.windows)
+
+    def objective(self, hypothesis: Hypothesis) -> Objective:
+        """What a fit of a hypothesis makes small here."""
+        return Objective(self.predictor, self.likelihood, hypothesis, self.windows)
 
     def criterion(self, fitted: Fit) -> float:
         """Extended Bayesian information criterion: cost, prior, parameters, and the number of sets to choose among.
@@ -148,13 +155,10 @@ class Study:
         """The best fit of a hypothesis over several starting vectors; an earlier better one is kept."""
         best = self.fits.get(hypothesis.identity)
         whole = self.whole(hypothesis)
-        others = self.others(hypothesis)
+        objective, others = self.objective(hypothesis), self.others(hypothesis)
         for start in starts:
             found = fit(
-                self.predictor,
-                self.likelihood,
-                hypothesis,
-                self.windows,
+                objective,
                 start,
                 self.states_for(hypothesis, near),
                 most_steps=most_steps,
@@ -186,7 +190,7 @@ class Study:
         x = best.x.copy()
         x[: len(self.predictor.nominal)] = 0.0
         found = fit(
-            self.predictor, self.likelihood, best.hypothesis, self.windows, x, best.states,
+            self.objective(best.hypothesis), x, best.states,
             most_steps=most_steps, enough=0.2, fixed=whole if whole.any() else None, louder=louder,
         )  # fmt: skip
         # It begins far from where the first one ended, perhaps in a wrong valley.
@@ -226,7 +230,7 @@ class Study:
         x[index] = np.log(self.counted(best, index) + by) if logarithmic[index] else x[index] + by
         held = self.whole(best.hypothesis)
         return fit(
-            self.predictor, self.likelihood, best.hypothesis, self.windows, x, best.states,
+            self.objective(best.hypothesis), x, best.states,
             most_steps=most_steps, enough=0.2, fixed=held, target=best.score,
         )  # fmt: skip
 
@@ -237,6 +241,22 @@ class Study:
     def loudness(self, fitted: Fit) -> float:
         """Variance of what a fit leaves, in units of the noise's; one at least."""
         return max(fitted.cost / self.samples, 1.0)
+
+    def known(self, hypothesis: Hypothesis) -> Fit | None:
+        """The fit of a hypothesis if there is one; one under an earlier estimate of the noise is fitted again from its end."""
+        found = self.fits.get(hypothesis.identity)
+        if found is None and self.before is not None:
+            earlier = self.before.fits.get(hypothesis.identity)
+            if earlier is not None:
+                found = self.fit(hypothesis, [earlier.x], earlier)
+        return found
+
+    def was_widened(self, key: tuple[frozenset[str], str]) -> bool:
+        """Whether a set's member was tried as another form of its law, here or under an earlier estimate of the noise; it counts as
+        tried from now on."""
+        tried = key in self.widened or (self.before is not None and key in self.before.widened)
+        self.widened.add(key)
+        return tried
 
     def empty(self) -> Fit:
         """The fit of the hypothesis that nothing is missing."""
@@ -249,6 +269,9 @@ class Study:
     def ranked(self, base: Fit) -> list[Score]:
         """Score tests of all candidates against a fit, best first."""
         key = base.hypothesis.identity
+        if self.before is not None and key in self.before.scores and base.score > PLAINLY * self.samples:
+            # Beside what is left there, another estimate of the noise changes little.
+            return self.before.scores[key]
         if key not in self.scores:
             taken = base.hypothesis
             open_ones = [c for c in self.candidates if compatible(taken, c)]
@@ -264,7 +287,7 @@ class Study:
     def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""
         hypothesis = base.hypothesis.with_(found.candidate)
-        known = self.fits.get(hypothesis.identity)
+        known = self.known(hypothesis)
         # Worth going on with only as long as it may beat the best set known.
         best = min((f.score for f in self.fits.values()), default=np.inf)
         target = max(best, 0.0) + self.price(found.candidate)
@@ -275,7 +298,7 @@ class Study:
             # given up on the way.
             near = known.score < HOPELESS * self.samples and promised < known.score - NOTICEABLE
             astray = near or (known.score > base.score and promised <= target)
-            if pair in self.extended or not astray:
+            if pair in self.extended or (self.before is not None and pair in self.before.extended) or not astray:
                 return known
         self.extended.add(pair)
         own = to_internal(found.candidate, found.start)
@@ -292,7 +315,8 @@ class Study:
             self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
             del starts[0]
         fitted = self.fit(hypothesis, starts, base, most_steps=most_steps, target=target)
-        if not self.stretched(base):
+        settled = fitted.score < HOPELESS * self.samples and not self.stretched(fitted)
+        if settled or not self.stretched(base):
             return fitted
         return self._bent_back(base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
 
@@ -318,15 +342,15 @@ class Study:
             return None
         points = [neutral + share * (start - neutral) for share in SHARES]
         states = self.states_for(hypothesis, base)
-        problem = self.predictor, self.likelihood, hypothesis, self.windows
-        costs = [cost for cost, _ in residuals_at(*problem, [(x, states) for x in points])]
+        objective = self.objective(hypothesis)
+        costs = [cost for cost, _ in objective.residuals([(x, states) for x in points])]
         if costs[0] < FAR_WORSE * base.linear.cost:
             return None
         held = self.whole(hypothesis)
         held[len(start) - hypothesis.members[-1].size :] = True
         found = []
         for x in (points[0], points[int(np.argmin(costs))]):
-            found.append(fit(*problem, x, states, most_steps=FOLLOWING, enough=0.2, fixed=held))
+            found.append(fit(objective, x, states, most_steps=FOLLOWING, enough=0.2, fixed=held))
             if found[-1].score < base.score:
                 break
         return min(found, key=lambda f: f.score)
@@ -342,7 +366,7 @@ class Study:
         held = self.whole(hypothesis)
         held[:k] = True
         straight = fit(
-            self.predictor, self.likelihood, hypothesis, self.windows, start, self.states_for(hypothesis, near),
+            self.objective(hypothesis), start, self.states_for(hypothesis, near),
             most_steps=most_steps, enough=0.2, fixed=held, others=self.others(hypothesis),
         )  # fmt: skip
         if straight.cost > FAR_WORSE * near.cost:
@@ -368,7 +392,7 @@ class Study:
             # As much further as the last step went.
             ahead = np.concatenate([bent * (1.0 - (stage + 1) / stages), 2.0 * x[k:] - last[k:]])
             found = fit(
-                self.predictor, self.likelihood, hypothesis, self.windows, ahead, states,
+                self.objective(hypothesis), ahead, states,
                 most_steps=LED_STEPS, enough=0.2, fixed=held,
             )  # fmt: skip
             if found.cost > FAR_WORSE * near.cost:
@@ -388,7 +412,7 @@ class Study:
     def alone(self, base: Fit, k: int) -> Fit:
         """The fit of member ``k`` by itself, from where it stands in ``base``."""
         hypothesis = Hypothesis((base.hypothesis.members[k],))
-        known = self.fits.get(hypothesis.identity)
+        known = self.known(hypothesis)
         if known is not None:
             return known
         nominal, span = len(self.predictor.nominal), base.hypothesis.span(k)
@@ -398,7 +422,7 @@ class Study:
     def reduce(self, base: Fit, k: int) -> Fit:
         """The fit without member ``k``, from where the larger one stands."""
         hypothesis = base.hypothesis.without(k)
-        known = self.fits.get(hypothesis.identity)
+        known = self.known(hypothesis)
         others = self.without(base, k)
         if known is not None:
             # Where the larger set stands may be nearer to the best fit than where the smaller one has ended.
@@ -417,9 +441,9 @@ class Study:
 
     def _at(self, hypothesis: Hypothesis, x: Array, near: Fit) -> float:
         """Score of a point with the initial states of a fit nearby."""
-        problem = self.predictor, self.likelihood, hypothesis, self.windows
-        ((cost, _),) = residuals_at(*problem, [(x, self.states_for(hypothesis, near))])
-        return cost + float(np.sum(x[: len(self.predictor.nominal)] ** 2))
+        objective = self.objective(hypothesis)
+        ((cost, _),) = objective.residuals([(x, self.states_for(hypothesis, near))])
+        return cost + objective.prior(x)
 
     def without(self, base: Fit, k: int) -> Array:
         """The parameter vector without those of member ``k``."""

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 from scipy.stats import f as f_distribution
 
-from harness.diagnose.fit import Fit, bounds, fit, linearise
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.investigate import SWINGS, Outcome
 from harness.diagnose.levels import SLOTS
+from harness.diagnose.linearisation import linearise
 from harness.diagnose.remainder import Probe, probe
 from harness.diagnose.response import Response, to_channels
 from harness.diagnose.screen import carry_state
@@ -101,7 +102,7 @@ def unequal_friction(outcome: Outcome, fitted: Fit) -> Unequal | None:
 
 def _stretched(outcome: Outcome, fitted: Fit) -> Fit:
     """The same parameters over short stretches of all recordings, initial states fitted."""
-    problem, predictor, likelihood = outcome.problem, outcome.predictor, outcome.study.likelihood
+    problem, predictor = outcome.problem, outcome.predictor
     windows: list[Window] = []
     for k, run in enumerate(problem.runs):
         own = [w for w in fitted.windows if w.run == k]
@@ -112,11 +113,10 @@ def _stretched(outcome: Outcome, fitted: Fit) -> Fit:
         for w in windows
     }
     held = np.ones(len(fitted.x), dtype=bool)
-    found = fit(predictor, likelihood, fitted.hypothesis, windows, fitted.x, states, fixed=held)
-    _, upper = bounds(predictor, fitted.hypothesis)
-    linear = linearise(
-        predictor, likelihood, fitted.hypothesis, found.windows, found.x, found.states, upper=upper, fixed=~fitted.free
-    )
+    objective = outcome.study.objective(fitted.hypothesis).on(windows)
+    found = fit(objective, fitted.x, states, fixed=held)
+    _, upper = objective.bounds()
+    linear = linearise(objective, found.x, found.states, upper=upper, fixed=~fitted.free)
     return Fit(found.hypothesis, found.windows, found.x, found.states, linear, found.prior, True, fitted.free)
 
 

@@ -6,36 +6,23 @@ slack), where the linear view of its initial state fails. Judged by the sum of a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.objective import Objective, Residuals, States
 from harness.diagnose.predict import Predictor
 from harness.diagnose.windows import Window
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
-States = Mapping[Window, Array]
-
-LOST = 1e15  # cost of a run that left the numbers
 ODD = 3.0  # times the median mean square of all windows
 STEPS = 5  # downhill; near a kink more do not help, and away from it fewer are enough
 STEP = 1e-6  # of difference quotients [rad, rad/s]
 VIBRATION = 0.1  # rad or m, that a vibration plausibly begins with
 SWING_SPEED = 2.0  # of a swing of one radian, times its frequency [rad/s]
-Residuals = tuple[float, tuple[Array, ...]]
-"""Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
-
-
-def price(residual: Array, lane: Array) -> float:
-    """Cost of a predicted lane's whitened residual; ``LOST`` for one that left the numbers or is too far off for its square."""
-    if not np.all(np.isfinite(lane)):
-        return LOST
-    with np.errstate(over="ignore"):
-        return min(float(residual @ residual), LOST)
 
 
 def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
@@ -51,16 +38,10 @@ def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
     return np.concatenate([loose, loose / rate])
 
 
-def best_states(
-    predictor: Predictor,
-    likelihood: Likelihood,
-    hypothesis: Hypothesis,
-    windows: Sequence[Window],
-    x: Array,
-    options: Sequence[States],
-) -> tuple[dict[Window, Array], Residuals]:
+def best_states(objective: Objective, x: Array, options: Sequence[States]) -> tuple[dict[Window, Array], Residuals]:
     """Of several initial states of every window the one that costs least under the parameters ``x``, and the residuals there."""
-    costs, residuals = _residuals(predictor, likelihood, hypothesis, windows, x, [options] * len(windows))
+    windows = objective.windows
+    costs, residuals = objective.of_options(x, [options] * len(windows))
     best = np.argmin(costs, axis=1)
     chosen = {window: options[k][window] for window, k in zip(windows, best, strict=True)}
     return chosen, (float(costs.min(axis=1).sum()), tuple(own[k] for own, k in zip(residuals, best, strict=True)))
@@ -72,22 +53,16 @@ def suspects(residuals: Sequence[Array]) -> list[int]:
     return [int(k) for k in np.flatnonzero(squares > ODD * np.median(squares))]
 
 
-def settled(
-    predictor: Predictor,
-    likelihood: Likelihood,
-    hypothesis: Hypothesis,
-    windows: Sequence[Window],
-    x: Array,
-    options: Sequence[States],
-) -> dict[Window, tuple[Array, float]]:
+def settled(objective: Objective, x: Array, options: Sequence[States]) -> dict[Window, tuple[Array, float]]:
     """Every window's best initial state under the parameters ``x``, and its cost: each option is followed downhill by itself."""
+    windows = objective.windows
     states = [np.array([own[window] for own in options]) for window in windows]
-    costs, residuals = _residuals(predictor, likelihood, hypothesis, windows, x, _named(windows, states))
+    costs, residuals = objective.of_options(x, _named(windows, states))
     damping = np.full(costs.shape, 1e-3)
     n = states[0].shape[1]
     for _ in range(STEPS):
         moved = [np.concatenate([own + STEP * e for e in np.eye(n)]) for own in states]
-        _, changed = _residuals(predictor, likelihood, hypothesis, windows, x, _named(windows, moved))
+        _, changed = objective.of_options(x, _named(windows, moved))
         trials = []
         for w, own in enumerate(states):
             trial = own.copy()
@@ -98,7 +73,7 @@ def settled(
                 right = np.concatenate([-residuals[w][k], np.zeros(n)])
                 trial[k] += np.linalg.lstsq(stacked, right, rcond=None)[0]
             trials.append(trial)
-        tried, there = _residuals(predictor, likelihood, hypothesis, windows, x, _named(windows, trials))
+        tried, there = objective.of_options(x, _named(windows, trials))
         for w, k in np.argwhere(tried < costs):
             states[w][k], residuals[w][k] = trials[w][k], there[w][k]
         damping = np.where(tried < costs, 0.1 * damping, 30.0 * damping)
@@ -109,24 +84,3 @@ def settled(
 
 def _named(windows: Sequence[Window], states: Sequence[Array]) -> list[list[States]]:
     return [[{window: state} for state in own] for window, own in zip(windows, states, strict=True)]
-
-
-def _residuals(
-    predictor: Predictor,
-    likelihood: Likelihood,
-    hypothesis: Hypothesis,
-    windows: Sequence[Window],
-    x: Array,
-    options: Sequence[Sequence[States]],
-) -> tuple[Array, list[list[Array]]]:
-    """Cost (W, K) and residuals of equally many options of every window."""
-    lanes = [(0, window, states[window]) for window, own in zip(windows, options, strict=True) for states in own]
-    predictions = predictor.predict(hypothesis, x[None], lanes)
-    count = len(options[0])
-    costs = np.zeros((len(windows), count))
-    residuals = []
-    for w, white in enumerate(likelihood.whiten_windows(windows, predictions)):
-        residuals.append(list(white))
-        for k, r in enumerate(white):
-            costs[w, k] = price(r, predictions[w * count + k])
-    return costs, residuals

@@ -120,7 +120,12 @@ _add(
 
 def _load(scene: Scene, k: int, p: Parameters) -> None:
     scene.dry.append(
-        DryFriction(scene.dof(scene.rig.joints[k]), lambda v, n, q: p["mu_radius"] * n, lambda n, q: p["mu_radius"] * n)
+        DryFriction(
+            scene.dof(scene.rig.joints[k]),
+            lambda v, n, q: p["mu_radius"] * n,
+            lambda n, q: p["mu_radius"] * n,
+            loaded=True,
+        )
     )
 
 

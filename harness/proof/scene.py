@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,10 +55,14 @@ class Run:
 
     def effort(self, t: Array | float) -> Array:
         """The commanded torque at the first joint [N·m]."""
-        total = np.zeros_like(np.asarray(t, float))
-        for amplitude, frequency, phase in self.drive:
-            total = total + amplitude * np.sin(2 * np.pi * frequency * np.asarray(t, float) + phase)
-        return total
+        amplitudes, rates, phases = self._waves
+        return np.asarray(np.sin(np.multiply.outer(t, rates) + phases) @ amplitudes)
+
+    @cached_property
+    def _waves(self) -> tuple[Array, Array, Array]:
+        """Amplitudes [N·m], angular frequencies [rad/s] and phases [rad] of the drive."""
+        amplitudes, frequencies, phases = np.array(self.drive, dtype=np.float64).reshape(-1, 3).T
+        return amplitudes, 2 * np.pi * frequencies, phases
 
 
 @dataclass

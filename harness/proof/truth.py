@@ -33,11 +33,15 @@ class NoSolutionError(RuntimeError):
 
 @dataclass(frozen=True)
 class DryFriction:
-    """Dry friction in one degree of freedom: limits [N·m] as functions of speed [rad/s] and reaction force [N]."""
+    """Dry friction in one degree of freedom: limits [N·m] as functions of speed [rad/s] and reaction force [N].
+
+    loaded: whether they depend on the reaction force.
+    """
 
     dof: int
     sliding: Callable[[float, float, float], float]  # (speed, reaction, position) -> limit
     static: Callable[[float, float], float]  # (reaction, position) -> limit
+    loaded: bool = False
 
 
 @dataclass(frozen=True)
@@ -148,6 +152,17 @@ def _split(s: Segment, bends: Sequence[tuple[float, str]], rest: str) -> str:
     return inside
 
 
+def _solved(mass: Array, force: Array) -> Array:
+    """M⁻¹ f; for one and two degrees of freedom the short way, taken a million times."""
+    if len(force) == 1:
+        return np.asarray(force / mass[0, 0])
+    if len(force) == 2:
+        a, b, d = float(mass[0, 0]), float(mass[0, 1]), float(mass[1, 1])
+        f, g = float(force[0]), float(force[1])
+        return np.array([d * f - b * g, a * g - b * f]) / (a * d - b * b)
+    return np.asarray(np.linalg.solve(mass, force))
+
+
 class Truth:
     """A mechanism with something concealed in it, ready to be released."""
 
@@ -161,6 +176,7 @@ class Truth:
             for j in range(self.model.njnt)
         }
         self._mass = np.zeros((self.n, self.n))
+        self._loaded = any(friction.loaded for friction in hidden.dry)
         self._states = sum(size for size, _, _ in hidden.states)
 
     def _solve(
@@ -186,24 +202,26 @@ class Truth:
             force = force + torque(t, q, v, z[offset : offset + size])
             offset += size
         if not hidden.dry:
-            # The short way, taken a million times.
-            acceleration = force / self._mass[0, 0] if self.n == 1 else np.linalg.solve(self._mass, force)
-            return acceleration, np.zeros(self.n)
+            return _solved(self._mass, force), np.zeros(self.n)
         free = np.ones(self.n, dtype=bool)
         for friction in hidden.dry:
-            if mode[friction.dof] == 0:
-                free[friction.dof] = False
+            free[friction.dof] = mode[friction.dof] != 0
         acceleration = np.zeros(self.n)
         rubbing = force.copy()
         load = dict.fromkeys((f.dof for f in hidden.dry), 0.0)
-        for _ in range(LOAD_ITERATIONS):
+        for _ in range(LOAD_ITERATIONS if self._loaded else 1):
             rubbing = force.copy()
             for friction in hidden.dry:
                 s = mode[friction.dof]
                 if s != 0:
                     limit = friction.sliding(abs(v[friction.dof]), load[friction.dof], q[friction.dof])
                     rubbing[friction.dof] -= s * limit
-            acceleration[free] = np.linalg.solve(self._mass[np.ix_(free, free)], rubbing[free])
+            if free.all():
+                acceleration = _solved(self._mass, rubbing)
+            else:
+                acceleration[free] = _solved(self._mass[np.ix_(free, free)], rubbing[free])
+            if not self._loaded:
+                break
             d.qacc[:] = acceleration
             mujoco.mj_rnePostConstraint(m, d)
             for friction in hidden.dry:

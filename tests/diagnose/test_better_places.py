@@ -8,12 +8,12 @@ from simulated_recordings import COM, MASS, Rig, nominal, releases
 
 from harness.diagnose.candidates import candidates
 from harness.diagnose.coordinates import to_internal
+from harness.diagnose.exchange import relatives
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.investigate import crude_colours
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
-from harness.diagnose.search import relatives
 from harness.diagnose.study import Study
 from harness.diagnose.windows import whole
 

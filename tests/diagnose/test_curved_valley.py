@@ -13,6 +13,7 @@ from harness.diagnose.fit import fit
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.investigate import crude_colours
 from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
 from harness.diagnose.study import measured_state
@@ -38,15 +39,18 @@ def test_the_fit_reaches_the_bottom_from_where_the_bent_model_stands() -> None:
     predictor, likelihood = Predictor(posed), Likelihood(posed, crude_colours(posed))
     windows = whole(posed.runs, range(2))
     states = {w: measured_state(posed, predictor, w) for w in windows}
-    problem = predictor, likelihood
-    bent = fit(*problem, Hypothesis(), windows, np.zeros(len(predictor.nominal)), states, most_steps=40)
+
+    def posing(hypothesis: Hypothesis) -> Objective:
+        return Objective(predictor, likelihood, hypothesis, windows)
+
+    bent = fit(posing(Hypothesis()), np.zeros(len(predictor.nominal)), states, most_steps=40)
     assert bent.prior > 100.0  # the tolerances are left far behind, or there is no valley to come back along
     (load,) = (c for c in candidates(system, runs) if c.key == "payload_mass@rod")
     hypothesis = Hypothesis((load,))
 
     def fitted(nominals: np.ndarray, size: float, steps: int) -> float:
         x = np.concatenate([nominals, to_internal(load, np.array([size]))])
-        return fit(*problem, hypothesis, windows, x, bent.states, most_steps=steps, enough=0.2).score
+        return fit(posing(hypothesis), x, bent.states, most_steps=steps, enough=0.2).score
 
     bottom = fitted(np.zeros(len(bent.x)), LOAD, 60)
     assert bottom < 1.1 * likelihood.samples(windows)

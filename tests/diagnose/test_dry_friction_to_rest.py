@@ -15,6 +15,7 @@ from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import fit
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
 from harness.diagnose.study import measured_state
@@ -62,7 +63,13 @@ def test_a_window_that_begins_at_rest_in_vain_is_brought_back(rescued: bool) -> 
     # depends on how it was begun.
     astray = dict(read)
     astray[windows[2]] = np.array([1e-3, 0.0])
-    found = fit(predictor, likelihood, hypothesis, windows, x, astray, others=[read] if rescued else (), most_steps=20)
+    found = fit(
+        Objective(predictor, likelihood, hypothesis, windows),
+        x,
+        astray,
+        others=[read] if rescued else (),
+        most_steps=20,
+    )
     # Sum of squares of unit normal numbers, within five standard deviations; without help the one window costs more than all.
     count = likelihood.samples(windows)
     assert (found.cost < count + 5.0 * np.sqrt(2.0 * count)) == rescued

@@ -9,7 +9,6 @@ from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, releases
 
 from harness.diagnose.candidates import candidates
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.fit import residuals_at
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.investigate import crude_colours
 from harness.diagnose.likelihood import Likelihood
@@ -65,7 +64,7 @@ def test_everything_else_follows_before_a_new_effect_is_sized() -> None:
     hypothesis = Hypothesis((joint_spring,))
     start = np.concatenate([base.x, to_internal(joint_spring, np.array([spring, 0.0]))])
     states = bench.states_for(hypothesis, base)
-    ((cost, _),) = residuals_at(bench.predictor, bench.likelihood, hypothesis, bench.windows, [(start, states)])
+    ((cost, _),) = bench.objective(hypothesis).residuals([(start, states)])
     assert cost > 2.0 * base.cost
     fitted = bench.extend(base, Score(joint_spring, 1e4, np.array([spring, 0.0]), 1.0))
     stiffness, _ = bench.predictor.effect_values(fitted.hypothesis, 0, fitted.x)

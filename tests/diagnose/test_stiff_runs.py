@@ -8,9 +8,10 @@ import pytest
 from harness.compare.bench.flexible import pendulum, start
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.colour import Colour
-from harness.diagnose.fit import Fit, Linearisation
+from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.linearisation import Linearisation
 from harness.diagnose.predict import Predictor, Request
 from harness.diagnose.problem import ChannelInfo, Problem, Run
 from harness.diagnose.response import respond, responsive, to_channels

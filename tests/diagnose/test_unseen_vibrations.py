@@ -7,10 +7,10 @@ import pytest
 from simulated_recordings import Rig, nominal, releases
 
 from harness.diagnose.candidates import candidates
-from harness.diagnose.fit import _state_steps
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
+from harness.diagnose.step import following
 from harness.diagnose.window_states import loosely_held
 
 STRONG, WEAK = 1e3, 1e-3  # sensitivities of two states [noise standard deviations]
@@ -21,7 +21,7 @@ def steps(stiff: float, begun: float = 0.0) -> np.ndarray:
     """What one window's two states do about a residual of ``NOISE`` along each."""
     triangle = (np.diag([STRONG, WEAK]), np.zeros((2, 0)), np.full(2, NOISE))
     held = np.array([0.0, stiff])
-    return _state_steps([triangle], np.zeros(0), 0.0, held, np.array([[0.0, begun]]))[0]
+    return following([triangle], np.zeros(0), 0.0, held, np.array([[0.0, begun]]))[0]
 
 
 def test_what_is_seen_follows_and_what_is_not_stays_near_zero() -> None:

@@ -84,7 +84,7 @@ def test_drag_polynomial_agrees_with_mujocos_own() -> None:
 def test_load_dependent_friction_holds_against_the_weight() -> None:
     # At rest the bearing carries m g: friction torque up to mu_radius · m g holds the rod at asin(mu_radius / c).
     mu_radius = 0.05
-    hidden = Hidden(dry=[DryFriction(0, lambda v, n, q: mu_radius * n, lambda n, q: mu_radius * n)])
+    hidden = Hidden(dry=[DryFriction(0, lambda v, n, q: mu_radius * n, lambda n, q: mu_radius * n, loaded=True)])
     truth = Truth(mechanism_xml(rod()), hidden)
     limit = float(np.arcsin(mu_radius / (LENGTH / 2)))
     held, _ = truth.release(np.array([limit * 0.98]), np.zeros(1), np.linspace(0, 2, 21))

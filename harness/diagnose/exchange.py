@@ -1,0 +1,154 @@
+"""Sets with one member exchanged: for a more general law, a special case, a relative, another candidate, or nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.coordinates import to_internal
+from harness.diagnose.fit import Fit
+from harness.diagnose.hypothesis import Candidate
+from harness.diagnose.study import Study, compatible
+
+LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
+HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
+LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
+
+
+def generalized(study: Study, base: Fit) -> list[Fit]:
+    """Fits with a member replaced by a law of which it is a special case, begun from what the member was fitted to.
+
+    A score test from absence cannot see such a law behind its special case: they act alike to first order.
+    """
+    found = []
+    for k, member in enumerate(base.hypothesis.members):
+        values = study.predictor.effect_values(base.hypothesis, k, base.x)
+        for wider in study.candidates:
+            if wider.site != member.site or member.effect.name not in wider.effect.simpler:
+                continue
+            rest = base.hypothesis.without(k)
+            if not compatible(rest, wider):
+                continue
+            hypothesis = rest.with_(wider)
+            known = study.known(hypothesis) if study.was_widened((base.hypothesis.identity, wider.key)) else None
+            if known is None:
+                others = study.without(base, k)
+                starts = [np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]))]
+                known = study.fit(hypothesis, starts, base, target=base.score)
+            found.append(known)
+    return found
+
+
+def specialized(study: Study, base: Fit) -> list[Fit]:
+    """Fits with a member replaced by a special case of it, begun from what the member was fitted to.
+
+    A fit of the special case that was begun elsewhere may have ended in a wrong valley.
+    """
+    found = []
+    for k, member in enumerate(base.hypothesis.members):
+        values = study.predictor.effect_values(base.hypothesis, k, base.x)
+        rest = base.hypothesis.without(k)
+        for simpler in study.candidates:
+            if simpler.site != member.site or simpler.effect.name not in member.effect.simpler:
+                continue
+            if not compatible(rest, simpler):
+                continue
+            hypothesis = rest.with_(simpler)
+            known = study.known(hypothesis) if study.was_widened((base.hypothesis.identity, simpler.key)) else None
+            if known is None:
+                own = to_internal(simpler, values[: len(simpler.effect.parameters)])
+                known = study.fit(hypothesis, [np.concatenate([study.without(base, k), own])], base)
+            found.append(known)
+    return found
+
+
+def like(wider: Candidate, amplitude: float) -> list[NDArray[np.float64]]:
+    """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``."""
+    first, *others = wider.effect.parameters
+    choices = [(LARGER * amplitude,) if p.unit == first.unit else p.start_values(wider.references) for p in others]
+    points = [np.array([amplitude, *rest]) for rest in product(*choices)]
+    return [np.clip(p, wider.effect.lower, wider.effect.upper) for p in points]
+
+
+def related(member: Candidate, other: Candidate) -> bool:
+    """Whether two candidates are forms of one thing, or known for being taken for one another."""
+    a, b = member.effect, other.effect
+    if a.name in b.simpler or b.name in a.simpler:
+        return member.site == other.site
+    return a.name in b.confusable_with or b.name in a.confusable_with
+
+
+def _same_units(member: Candidate, other: Candidate) -> bool:
+    """Whether the numbers of two candidates may be compared one by one."""
+    return [p.unit for p in member.effect.parameters] == [p.unit for p in other.effect.parameters]
+
+
+def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
+    """Fits with member ``k`` replaced by what it is related to, as long as the study has fewer than ``most_fits``.
+
+    A law that acts alike may be far from linear, so that a score test says little of it. The member itself is among them where the
+    score test sees a better place for it than it has: another number of periods, another frequency, found beside other company.
+    """
+    without = study.reduce(best, k)
+    member = best.hypothesis.members[k]
+    own = without.score - best.score
+    found = []
+    for scored in study.ranked(without):
+        if scored.candidate.key == member.key:
+            found.append(study.extend(without, scored))
+            continue
+        if not related(member, scored.candidate):
+            continue
+        if len(study.fits) >= most_fits:
+            break
+        if _same_units(member, scored.candidate):
+            # What is measured in the same units is likely to be as large.
+            alike = study.predictor.effect_values(best.hypothesis, k, best.x)
+            law = scored.candidate.effect
+            found.append(study.extend(without, replace(scored, start=np.clip(alike, law.lower, law.upper))))
+        elif scored.gain > LEAST_SHARE * own:
+            found.append(study.extend(without, scored))
+    return found
+
+
+def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) -> list[Fit]:
+    """Fits with member ``k`` of the best set replaced by another candidate, the ``count`` most promising ones, best first.
+
+    Nothing further is fitted once the study has ``most_fits``.
+    """
+    without = study.reduce(best, k)
+    member = best.hypothesis.members[k]
+    needed = study.criterion(without) - study.criterion(best)
+    found = []
+    tried = 0
+    for scored in study.ranked(without):
+        if scored.candidate.key == member.key or tried >= count:
+            continue
+        if len(study.fits) >= most_fits:
+            break
+        if scored.gain < HALFWAY * min(needed, without.score - best.score):
+            break
+        tried += 1
+        found.append(study.extend(without, scored))
+    return sorted(found, key=study.criterion)
+
+
+def pruned(study: Study, fitted: Fit, louder: float = 1.0) -> Fit:
+    """The set without members, and without generality, that do not pay for themselves beside the others.
+
+    louder: variance of the noise, in units of what it is taken to be: what the set leaves, where that is no noise.
+    """
+
+    def criterion(of: Fit) -> float:
+        return study.criterion(of) - of.score * (1.0 - 1.0 / louder)
+
+    while fitted.hypothesis.members:
+        fewer = [study.reduce(fitted, k) for k in range(len(fitted.hypothesis.members))]
+        smaller = min([*fewer, *specialized(study, fitted)], key=criterion)
+        if criterion(smaller) > criterion(fitted):
+            break
+        fitted = smaller
+    return fitted

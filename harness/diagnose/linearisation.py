@@ -1,0 +1,134 @@
+"""Residuals and sensitivities of a hypothesis at a point, the initial states eliminated window by window.
+
+Each window's residual and Jacobian are compressed by an orthogonal factorisation to a small triangle, from which the
+step in the shared parameters, the initial states, score tests of further effects and the covariance all follow
+(variable projection in the sense of Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from harness.diagnose.objective import Objective, Residuals, States, price
+from harness.diagnose.windows import Window
+
+Array = NDArray[np.float64]
+
+# Relative step of difference quotients, in the fit's own coordinates (order one). Over a free run of a hundred radians
+# curvature costs a ten thousandth of the quotient, which is less than most noise; rounding of the runs costs less still.
+DIFFERENCE = 1e-6
+BLOCK = 1024  # rows factorised at once, so that they stay in the cache
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """Residual and sensitivities of a hypothesis at a point, initial states eliminated.
+
+    cost: sum of squared whitened residuals. residuals: per window, shape (M,).
+    triangles: per window (R_ss, R_sp, r_s): how the state follows the parameters.
+    matrix, vector: what is left for the shared parameters, rows of all windows stacked, shapes (W·P, P) and (W·P,).
+    bases, shared: per window the Jacobians of the initial state (M, S) and of the shared parameters (M, P).
+    """
+
+    cost: float
+    residuals: tuple[Array, ...]
+    triangles: tuple[tuple[Array, Array, Array], ...]
+    matrix: Array
+    vector: Array
+    bases: tuple[Array, ...]
+    shared: tuple[Array, ...]
+
+
+def linearise(
+    objective: Objective,
+    x: Array,
+    states: States,
+    *,
+    upper: Array | None = None,
+    fixed: NDArray[np.bool_] | None = None,
+    known: Residuals | None = None,
+) -> Linearisation:
+    """Residuals and Jacobian by differences, all lanes of all windows at once; known: the residuals if they are at hand.
+
+    upper: bounds beyond which no parameter is moved; fixed: parameters that are not moved at all.
+    """
+    predictor, hypothesis, windows = objective.predictor, objective.hypothesis, objective.windows
+    size = len(x)
+    moves = [k for k in range(size) if fixed is None or not fixed[k]]
+    vectors = np.tile(x, (1 + len(moves), 1))
+    steps = np.zeros(len(moves))
+    for row, k in enumerate(moves):
+        step = DIFFERENCE * max(1.0, abs(x[k]))
+        if upper is not None and x[k] + step > upper[k]:
+            step = -step
+        steps[row] = step
+        vectors[row + 1, k] += step
+    lanes: list[tuple[int, Window, Array]] = []
+    # Stiff runs choose their steps together: only what has run beside the others may be subtracted from them.
+    beside = known is None or predictor.shortened(hypothesis)
+    first = 0 if beside else 1
+    for window in windows:
+        s = states[window]
+        lanes += [(row, window, s) for row in range(first, len(vectors))]
+        for j in range(len(s)):
+            moved = s.copy()
+            moved[j] += DIFFERENCE * max(1.0, abs(s[j]))
+            lanes.append((0, window, moved))
+    predictions = predictor.predict(hypothesis, vectors, lanes)
+    cost = 0.0 if known is None else known[0]
+    residuals, bases, shared = [], [], []
+    count = len(predictions) // len(windows)
+    for number, (window, white) in enumerate(
+        zip(windows, objective.likelihood.whiten_windows(windows, predictions), strict=True)
+    ):
+        s = states[window]
+        n = len(s)
+        here = white[0] if known is None else known[1][number]
+        if known is None:
+            cost += price(here, predictions[number * count])
+        r, white = (white[0], white[1:]) if beside else (here, white)
+        # State and shared parameters side by side.
+        both = np.zeros((len(r), n + size), order="F")
+        for row, k in enumerate(moves):
+            np.divide(white[row] - r, steps[row], out=both[:, n + k])
+        for j in range(n):
+            np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=both[:, j])
+        residuals.append(here)
+        bases.append(both[:, :n])
+        shared.append(both[:, n:])
+    return eliminated(cost, residuals, bases, shared)
+
+
+def eliminated(
+    cost: float, residuals: Sequence[Array], bases: Sequence[Array], shared: Sequence[Array]
+) -> Linearisation:
+    """The linear view of residuals (M,) and their Jacobians (M, S) and (M, P) with the initial states eliminated."""
+    triangles, rows, right = [], [], []
+    for r, js, jp in zip(residuals, bases, shared, strict=True):
+        n, size = js.shape[1], jp.shape[1]
+        # State, shared parameters, residual side by side, and rows below them that keep an unseen state from running away.
+        stacked = np.zeros((len(r) + n, n + size + 1), order="F")
+        stacked[: len(r), :n], stacked[: len(r), n:-1], stacked[: len(r), -1] = js, jp, r
+        stacked[len(r) :, :n] = 1e-9 * np.eye(n)
+        triangle = _triangle(stacked)[: n + size + 1]
+        triangles.append((triangle[:n, :n], triangle[:n, n : n + size], triangle[:n, -1]))
+        rows.append(triangle[n:, n : n + size])
+        right.append(triangle[n:, -1])
+    return Linearisation(
+        cost, tuple(residuals), tuple(triangles), np.vstack(rows), np.concatenate(right), tuple(bases), tuple(shared)
+    )
+
+
+def _triangle(tall: Array) -> Array:
+    """R of a tall matrix's QR factorisation, by blocks of rows (Demmel et al., SIAM J. Sci. Comput. 34 (2012) A206)."""
+    if len(tall) <= 2 * BLOCK:
+        return np.asarray(qr(tall, mode="r", check_finite=False)[0])
+    parts = [
+        qr(part, mode="r", check_finite=False)[0][: tall.shape[1]] for part in np.array_split(tall, len(tall) // BLOCK)
+    ]
+    return np.asarray(qr(np.vstack(parts), mode="r", check_finite=False)[0])
