@@ -186,7 +186,7 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
         # A linear gain that promises more than there is says only that it might do as well.
         return gain if gain < there else own
 
-    prices = [worth(t.gain) - (t.size + t.places) * log_n for t in named]
+    prices = [worth(t.gain) - t.price(study.samples) for t in named]
     prices += [worth(t.together[0]) - t.together[1] * (1 + t.places) * log_n for t in named]
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ class Test:
     """One question put to the residual: gain in cost by ``size`` shapes, and its chance under noise alone.
 
     places: parameters beside amplitudes (the moment of a jump); −1 for tests that name no force. together: gain and number of
-    such events if every recording may have its own.
+    such events if every recording may have its own. choices: among how many forces of this kind it was chosen.
     """
 
     name: str
@@ -46,6 +47,11 @@ class Test:
     where: tuple[str, ...] = ()
     places: int = 0
     together: tuple[float, int] = (0.0, 0)
+    choices: float = 1.0
+
+    def price(self, samples: float) -> float:
+        """What the force that a test names costs in the Bayesian criterion."""
+        return (self.size + self.places) * float(np.log(samples)) + 2.0 * float(np.log(self.choices))
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,6 +249,9 @@ def examine(
                 full = np.zeros(len(names))
                 full[index] = found * torque
                 smooth_maps[joint] = (names, full, low, high, fast)
+        tests.append(_few_terms(_sparse(own, space, joint, torque), noise))
+        if _counts(tests[-1], level):
+            excess = max(excess, tests[-1].gain)
         tests.append(_local(own, space, joint, (low, high, fast), noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
@@ -297,6 +306,16 @@ def _sparse(own: Probe, space: Nuisance, joint: str, torque: float) -> Form:
         total, coefficients = gain, found
     names = tuple(TERMS[j][0] for j in chosen)
     return Form(joint, names, tuple(float(c) * torque for c in coefficients), total)
+
+
+def _few_terms(form: Form, noise: float) -> Test:
+    """The gain by the sparsest form, all forms of as many terms counted in its chance."""
+    size = len(form.terms)
+    choices = float(comb(len(TERMS), size))
+    chance = min(1.0, choices * float(chi2.sf(form.gain / noise, size))) if size else 1.0
+    return Test(
+        f"a force of few terms at {form.joint}", form.gain, size, chance, (form.joint, str(form)), choices=choices
+    )
 
 
 def _map(
