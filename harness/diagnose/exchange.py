@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -105,10 +104,17 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
         if len(study.fits) >= most_fits:
             break
         if _same_units(member, scored.candidate):
-            # What is measured in the same units is likely to be as large.
-            alike = study.predictor.effect_values(best.hypothesis, k, best.x)
-            law = scored.candidate.effect
-            found.append(study.extend(without, replace(scored, start=np.clip(alike, law.lower, law.upper))))
+            # What is measured in the same units is likely to be as large, with everything else as it stands.
+            hypothesis = without.hypothesis.with_(scored.candidate)
+            known = (
+                study.known(hypothesis) if study.was_widened((best.hypothesis.identity, scored.candidate.key)) else None
+            )
+            if known is None:
+                alike = study.predictor.effect_values(best.hypothesis, k, best.x)
+                law = scored.candidate.effect
+                start = to_internal(scored.candidate, np.clip(alike, law.lower, law.upper))
+                known = study.fit(hypothesis, [np.concatenate([study.without(best, k), start])], best)
+            found.append(known)
         elif scored.gain > LEAST_SHARE * own:
             found.append(study.extend(without, scored))
     return found

@@ -60,6 +60,10 @@ class Stepping:
             # What begins far off is not brought back at a loss.
             state_steps = following(here.triangles, step, damping, self.stiff, np.zeros_like(begun))
             predicted = gain - _left(here, step, state_steps)
+        if predicted < 0.0:
+            # A long step of the parameters asks for long ones of the states; held back, they would make it look like a loss.
+            state_steps = following(here.triangles, step, 0.0, 0.0 * self.stiff, np.zeros_like(begun))
+            predicted = gain - _left(here, step, state_steps)
         moved = {w: states[w] + s for w, s in zip(self.windows, state_steps, strict=True)}
         return Trial(damping, np.clip(x + step, self.lower, self.upper), moved, predicted, free, step, state_steps)
 

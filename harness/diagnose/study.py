@@ -312,8 +312,9 @@ class Study:
             starts.append(np.concatenate([base.x, own]))
         nearer = self._brought_back(base, hypothesis, starts[0])
         if nearer is not None:
-            self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
-            del starts[0]
+            reached = self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
+            if reached.score < promised + NOTICEABLE:
+                del starts[0]
         fitted = self.fit(hypothesis, starts, base, most_steps=most_steps, target=target)
         settled = fitted.score < HOPELESS * self.samples and not self.stretched(fitted)
         if settled or not self.stretched(base):
