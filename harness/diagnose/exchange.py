@@ -32,7 +32,7 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
             if not compatible(rest, wider):
                 continue
             hypothesis = rest.with_(wider)
-            known = study.known(hypothesis) if study.was_widened((base.hypothesis.identity, wider.key)) else None
+            known = study.known(hypothesis) if study.was_exchanged(base, wider) else None
             if known is None:
                 others = study.without(base, k)
                 starts = [np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]))]
@@ -56,7 +56,7 @@ def specialized(study: Study, base: Fit) -> list[Fit]:
             if not compatible(rest, simpler):
                 continue
             hypothesis = rest.with_(simpler)
-            known = study.known(hypothesis) if study.was_widened((base.hypothesis.identity, simpler.key)) else None
+            known = study.known(hypothesis) if study.was_exchanged(base, simpler) else None
             if known is None:
                 own = to_internal(simpler, values[: len(simpler.effect.parameters)])
                 known = study.fit(hypothesis, [np.concatenate([study.without(base, k), own])], base)
@@ -106,9 +106,7 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
         if _same_units(member, scored.candidate):
             # What is measured in the same units is likely to be as large, with everything else as it stands.
             hypothesis = without.hypothesis.with_(scored.candidate)
-            known = (
-                study.known(hypothesis) if study.was_widened((best.hypothesis.identity, scored.candidate.key)) else None
-            )
+            known = study.known(hypothesis) if study.was_exchanged(best, scored.candidate) else None
             if known is None:
                 alike = study.predictor.effect_values(best.hypothesis, k, best.x)
                 law = scored.candidate.effect

@@ -10,7 +10,7 @@ from harness.diagnose.exchange import generalized, like, pruned, related, relati
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
-from harness.diagnose.search import FAR, exhausted
+from harness.diagnose.search import FAR, exhausted, finished
 from harness.diagnose.study import Study, compatible
 
 MOST = 9  # rivals fitted for each member
@@ -30,7 +30,9 @@ def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     if len(best.hypothesis.members) <= FEW or not exhausted(study, best):
         _fit_in_place_of(study, best, k)
     kept = best.hypothesis.identity - {member.key}
-    return [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
+    known = [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
+    # What is still under way along a narrow valley may come as near as any.
+    return [f for f in finished(study, [best, *known]) if f.hypothesis.identity != best.hypothesis.identity]
 
 
 def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:

@@ -42,11 +42,11 @@ WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie bef
 class Study:
     """Fits of hypotheses on one set of training windows under one likelihood.
 
-    widened: sets whose member was tried as the general law, or the special case, of this key. extended: sets that a candidate
-    was added to. carried: sets whose fit was carried on to its end. swing: length of the slowest swing [s], if known. hints: score
-    tests on shorter windows of the same recordings, where what had to be bent far is nearer to what it stands for. before: the
-    study of the same windows under an earlier estimate of the noise. ends: where fits of a set have ended, by score, the best one
-    among them. spent: whether sets have stopped to leave less by growing.
+    exchanged: sets in which a candidate of this key took a member's place, with the score from where it did. extended: sets that
+    a candidate was added to. carried: sets whose fit was carried on to its end. swing: length of the slowest swing [s], if known.
+    hints: score tests on shorter windows of the same recordings, where what had to be bent far is nearer to what it stands for.
+    before: the study of the same windows under an earlier estimate of the noise. ends: where fits of a set have ended, by score,
+    the best one among them. spent: whether sets have stopped to leave less by growing.
     """
 
     problem: Problem
@@ -57,7 +57,7 @@ class Study:
     fits: dict[frozenset[str], Fit] = field(default_factory=dict)
     scores: dict[frozenset[str], list[Score]] = field(default_factory=dict)
     first_states: Mapping[Window, Array] = field(default_factory=dict)
-    widened: set[tuple[frozenset[str], str]] = field(default_factory=set)
+    exchanged: dict[tuple[frozenset[str], str], float] = field(default_factory=dict)
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
     carried: set[frozenset[str]] = field(default_factory=set)
     swing: float = 0.0
@@ -251,11 +251,14 @@ class Study:
                 found = self.fit(hypothesis, [earlier.x], earlier)
         return found
 
-    def was_widened(self, key: tuple[frozenset[str], str]) -> bool:
-        """Whether a set's member was tried as another form of its law, here or under an earlier estimate of the noise; it counts as
-        tried from now on."""
-        tried = key in self.widened or (self.before is not None and key in self.before.widened)
-        self.widened.add(key)
+    def was_exchanged(self, base: Fit, candidate: Candidate) -> bool:
+        """Whether a member of a set was exchanged for a candidate, from where the set stands or under an earlier estimate of the
+        noise; it counts as exchanged from now on."""
+        key = (base.hypothesis.identity, candidate.key)
+        tried = base.score > self.exchanged.get(key, np.inf) - NOTICEABLE
+        if key not in self.exchanged and self.before is not None:
+            tried = key in self.before.exchanged
+        self.exchanged[key] = base.score
         return tried
 
     def empty(self) -> Fit:
