@@ -29,7 +29,7 @@ EFFECT = Effect(
             "of the contact",
             lower=0.0,
             scale=Scale(20.0, torque=1),
-            starts=(0.0002, 0.5, 5.0),
+            starts=(0.00004, 0.5, 5.0),
             linear_unit="N/m",
         ),
         Parameter(
