@@ -13,10 +13,11 @@ from harness.diagnose.coordinates import CLOCK_MARGIN
 from harness.diagnose.grid import Grid, hermite, make_grid, window_stamps
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.mechanisms import Mechanism, Mechanisms
-from harness.diagnose.problem import Problem, Run
+from harness.diagnose.problem import ChannelInfo, Problem, Run
 from harness.diagnose.stiff_runs import StiffRuns
 from harness.diagnose.windows import Window
 from harness.effects.attach import input_chain, sensor_chain
+from harness.effects.effect import Sensor
 from harness.parallel import threads_allowed
 from harness.recording.sensors import observe
 from harness.system import System
@@ -314,32 +315,64 @@ class Predictor(Mechanisms):
         local = window_stamps(run, window, margin)
         stamps = local + (run.time[window.first] - run.time[0])
         out = np.empty((len(x), len(self.problem.channels), window.size))
-        spread = (
-            (run.averaged**2 - 1) / 24.0 * (run.interval / run.averaged) ** 2
-        )  # half the variance of time in a block
         for c, channel in enumerate(self.problem.channels):
             signal = observe(mechanism.model, rows, channel.site, channel.quantity, sampled, systems).copy()
-            if run.averaged > 1:
-                if channel.quantity == "position":
-                    signal = signal + spread * sampled[2][:, :, mechanism.names.index(channel.site)]
-                else:
-                    signal = signal + spread * np.gradient(
-                        np.gradient(signal, run.interval, axis=1), run.interval, axis=1
-                    )
-            acting = [
-                (m.effect.sensor, self.effect_values(hypothesis, k, x))
-                for k, m in enumerate(hypothesis.members)
-                if m.effect.sensor is not None and (m.site == channel.name or m.effect.sensor.every_channel)
-            ]
-            for effect, attachment in sensor_chain(self.system.attachments, channel.name):
-                assert effect.sensor is not None
-                acting.append((effect.sensor, np.tile(effect.values(attachment.parameters), (len(x), 1))))
-            for sensor, values in sorted(acting, key=lambda item: item[0].stage):
-                # What stretches time does so from the window's first sample: the state there is free.
-                when = local if sensor.every_channel else stamps
-                signal = sensor.apply(np.ascontiguousarray(signal), when, values)
+            acting = self._sensing(hypothesis, x, channel.name)
+            if run.averaged > 1 and channel.quantity == "position" and acting:
+                column = mechanism.names.index(channel.site)
+                rate, bend = sampled[1][:, :, column], sampled[2][:, :, column]
+                parts = [
+                    _sensed(signal + shift * rate + 0.5 * shift**2 * bend, local + shift, stamps + shift, acting)
+                    for shift in _within_a_block(run)
+                ]
+                signal = sum(parts[1:], parts[0]) / len(parts)
+            else:
+                signal = _sensed(_averaged(signal, run, channel, mechanism, sampled), local, stamps, acting)
             out[:, c] = signal[:, : window.size]
         return out
+
+    def _sensing(self, hypothesis: Hypothesis, x: Array, channel: str) -> list[tuple[Sensor, Array]]:
+        """What acts on a channel between motion and record, in its order, with parameters (B, k)."""
+        acting = [
+            (m.effect.sensor, self.effect_values(hypothesis, k, x))
+            for k, m in enumerate(hypothesis.members)
+            if m.effect.sensor is not None and (m.site == channel or m.effect.sensor.every_channel)
+        ]
+        for effect, attachment in sensor_chain(self.system.attachments, channel):
+            assert effect.sensor is not None
+            acting.append((effect.sensor, np.tile(effect.values(attachment.parameters), (len(x), 1))))
+        return sorted(acting, key=lambda item: item[0].stage)
+
+
+def _sensed(signal: Array, local: Array, stamps: Array, acting: Sequence[tuple[Sensor, Array]]) -> Array:
+    """A signal (B, T) after its sensors. local, stamps: times from the window's and the recording's first sample [s]."""
+    for sensor, values in acting:
+        # What stretches time does so from the window's first sample: the state there is free.
+        when = local if sensor.every_channel else stamps
+        signal = sensor.apply(np.ascontiguousarray(signal), when, values)
+    return signal
+
+
+def _averaged(
+    signal: Array, run: Run, channel: ChannelInfo, mechanism: Mechanism, sampled: tuple[Array, Array, Array]
+) -> Array:
+    """A smooth signal (B, T) at the middle of blocks of samples as the blocks' average, to second order."""
+    if run.averaged == 1:
+        return signal
+    spread = 0.5 * float(np.mean(_within_a_block(run) ** 2))
+    if channel.quantity == "position":
+        return np.asarray(signal + spread * sampled[2][:, :, mechanism.names.index(channel.site)])
+    return np.asarray(signal + spread * np.gradient(np.gradient(signal, run.interval, axis=1), run.interval, axis=1))
+
+
+MOST_WITHIN = 4  # times at which what a sensor makes of a block is worked out
+
+
+def _within_a_block(run: Run) -> Array:
+    """Times around the middle of a block [s] that stand for its samples: few, spread as widely as they are."""
+    count = min(run.averaged, MOST_WITHIN)
+    spacing = run.interval / run.averaged * np.sqrt((run.averaged**2 - 1.0) / (count**2 - 1.0))
+    return np.asarray(spacing * (np.arange(count) - 0.5 * (count - 1)))
 
 
 def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:

@@ -21,7 +21,7 @@ COHERENT_CHANCE = 0.01  # at which a frequency counts as coherent
 COHERENT_SHARE = 0.15  # of the frequencies that must be, for a velocity to count as computed from the position
 HELD_OUT_SHARE = 0.3  # of a single recording, until it has come to rest
 MOST_SAMPLES = 24_000  # of all recordings together, a channel
-SAMPLES_A_SWING = 60.0
+SAMPLES_A_SWING = 40.0
 AT_REST = 0.02  # of a channel's extent, around where it ends
 FEWEST_MOVING = 100  # samples of motion that can be divided
 MEASURED = ("position", "velocity", "tip_deflection", "root_strain", "tip_acceleration")
@@ -233,8 +233,8 @@ def _slice(run: Run, first: int, last: int, note: str) -> Run:
 
 
 def _thin(run: Run, finest_rate: float) -> Run:
-    """Average blocks of samples until the rate is at most ``finest_rate``; blocks never span a gap."""
-    step = int(np.floor(1.0 / (run.interval * finest_rate) + 1e-9))
+    """Average blocks of samples until the rate is about ``finest_rate``; blocks never span a gap."""
+    step = round(1.0 / (run.interval * finest_rate))
     if step < 2:
         return run
     gaps = np.flatnonzero(np.diff(run.time) > 3.0 * run.interval) + 1
