@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.study import Study, compatible
+from harness.diagnose.study import Study, compatible, dear
 
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
+NEARLY = 0.6  # the same for candidates that are dear to fit
+NEAR = 60.0  # in the score
 LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
 
 
@@ -36,7 +38,9 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
             if known is None:
                 others = study.without(base, k)
                 starts = [np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]))]
-                known = study.fit(hypothesis, starts, base, target=base.score)
+                # Neither better than the special case nor near the best set, it would be of no use.
+                within = min(base.score, min(f.score for f in study.fits.values()) + NEAR)
+                known = study.fit(hypothesis, starts, base, target=within)
             found.append(known)
     return found
 
@@ -133,8 +137,11 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
             continue
         if len(study.fits) >= most_fits:
             break
-        if scored.gain < HALFWAY * min(needed, without.score - best.score):
+        share = scored.gain / max(min(needed, without.score - best.score), 1e-300)
+        if share < HALFWAY:
             break
+        if share < NEARLY and dear(scored.candidate):
+            continue
         tried += 1
         found.append(study.extend(without, scored))
     return sorted(found, key=study.criterion)

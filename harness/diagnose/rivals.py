@@ -99,7 +99,10 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
     best = pruned(study, best)
     for _ in range(len(best.hypothesis.members) + 1):
         # To the end: what the search only had to rank may have stopped short.
-        best = study.fit(best.hypothesis, [best.x, *_shaken(outcome, best)], best, most_steps=40)
+        best = study.fit(best.hypothesis, [best.x], best, most_steps=40)
+        shaken = _shaken(outcome, best)
+        if shaken:
+            best = study.fit(best.hypothesis, shaken, best, most_steps=40, target=best.score)
         better = min((f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)),
                      key=study.criterion, default=best)  # fmt: skip
         if study.criterion(better) > study.criterion(best) - 1e-6:

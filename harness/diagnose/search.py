@@ -11,7 +11,7 @@ from harness.diagnose.exchange import alternatives, generalized, pruned, relativ
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.screen import Score
-from harness.diagnose.study import HOPELESS, Study
+from harness.diagnose.study import HOPELESS, Study, dear
 
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
@@ -24,6 +24,7 @@ ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
 SLOWLY = 0.05  # of what is left above the noise, that one more effect takes away at least
 GENEROUS = 2.0  # times what the linear view promises
+TRUSTED = 1.5  # times what it promises of effects that are dear to fit, whose tests are made at their likely sizes
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,10 @@ class Growth:
             self.complete.append(base)
         for found in _diverse(promising, self.effort.tries):
             # Beside a set near the noise, what promises to leave far more is left to the search for its alternatives.
-            if self.lowest < HOPELESS * study.samples and base.score - found.gain > FAR * self.lowest:
+            near = self.lowest < HOPELESS * study.samples
+            if near and base.score - found.gain > FAR * self.lowest:
+                continue
+            if near and dear(found.candidate) and base.score - TRUSTED * found.gain > self.lowest:
                 continue
             grown = study.extend(base, found)
             self.note(grown, aloud=True)
@@ -155,6 +159,9 @@ class Growth:
         """Further effects whose score test promises more than their price."""
         study, members = self.study, len(base.hypothesis.members)
         found = [s for s in study.ranked(base) if s.gain > study.price(s.candidate, members)]
+        # What is dear to fit waits until what explains most is there, and its own share of the rest is worth it.
+        worth = SLOWLY * (base.score - study.samples)
+        found = [s for s in found if s.gain > worth or not dear(s.candidate)]
         if _only_noise(study, base):
             # Little is left there, so that the linear view can be trusted: what it has no hope of is not fitted.
             own = study.criterion(base)

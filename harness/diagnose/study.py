@@ -522,6 +522,12 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
     return True
 
 
+def dear(candidate: Candidate) -> bool:
+    """Whether runs with the candidate take many times as long: it adds coordinates, or a law that no fast method knows."""
+    reshape = candidate.effect.reshape
+    return _own_law(candidate) or (reshape is not None and reshape.topology)
+
+
 def _own_law(candidate: Candidate) -> bool:
     """Whether the candidate needs a law that is compiled for it; the lanes carry one."""
     return candidate.effect.user is not None or candidate.effect.name == "backlash"
