@@ -32,6 +32,8 @@ FAMILIES = (
     {"sensor_delay", "sensor_lowpass", "sensor_highpass"},
     {"base_tilt", "base_excitation"},
     {"sensor_nonlinearity", "cubic_stiffness", "sensor_gain"},
+    # A spring whose rest is free takes a constant torque up exactly.
+    {"joint_stiffness", "constant_torque"},
     {"joint_flexibility", "backlash", "link_flexibility", "base_compliance", "base_excitation"},
 )
 
