@@ -189,7 +189,9 @@ def _weights(linear: Array, h: float) -> tuple[Array, Array]:
     terms = [phi[1], phi[2], phi[3] + phi[2] / 2, phi[4] + phi[3] + phi[2] / 3]
     back = unit[None, None, :] / unit[None, :, None]
     driven = np.stack([h * (term * back)[:, :, n:] for term in terms], axis=1)
-    return np.ascontiguousarray(phi[0] * back, dtype=np.float64), np.ascontiguousarray(driven, dtype=np.float64)
+    # What grows beyond all numbers in a step is infinite, and so is its run.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.ascontiguousarray(phi[0] * back, dtype=np.float64), np.ascontiguousarray(driven, dtype=np.float64)
 
 
 def _factorial(k: int) -> np.longdouble:

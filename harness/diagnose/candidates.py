@@ -41,15 +41,15 @@ def candidates(
 
 
 def _within_sampling(effect: Effect, recordings: Sequence[Measured]) -> Effect:
-    """The effect with no vibration of its own above half the finest sampling, where none is seen and every run is dear.
+    """The effect with no vibration of its own above the finest sampling rate, where none is seen and every run is dear.
 
-    What gives as little as that under slow forces is no other motion than that of slightly more inertia.
+    What vibrates faster than half of it is seen no more, but still gives under slow forces.
     """
     reshape = effect.reshape
     if reshape is None or not reshape.topology or reshape.expected is not None:
         return effect
-    seen = 0.5 / min(float(np.median(np.diff(recording.time))) for recording in recordings)
-    limited = (replace(p, upper=min(p.upper, seen)) if p.name == "frequency" else p for p in effect.parameters)
+    rate = 1.0 / min(float(np.median(np.diff(recording.time))) for recording in recordings)
+    limited = (replace(p, upper=min(p.upper, rate)) if p.name == "frequency" else p for p in effect.parameters)
     return replace(effect, parameters=tuple(limited))
 
 

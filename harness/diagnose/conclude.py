@@ -182,12 +182,12 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
     own = smaller.score - best.score
     there = max(smaller.score - study.samples, own)
 
-    def worth(gain: float) -> float:
+    def worth(gain: float, exact: bool) -> float:
         # A linear gain that promises more than there is says only that it might do as well.
-        return gain if gain < there else own
+        return gain if exact or gain < there else own
 
-    prices = [worth(t.gain) - t.price(study.samples) for t in named]
-    prices += [worth(t.together[0]) - t.together[1] * (1 + t.places) * log_n for t in named]
+    prices = [worth(t.gain, t.exact) - t.price(study.samples) for t in named]
+    prices += [worth(t.together[0], t.exact) - t.together[1] * (1 + t.places) * log_n for t in named]
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
 
 

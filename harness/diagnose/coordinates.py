@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 
 DECADE = 10.0
 REACH = 5.0
+LARGEST = 1e6  # typical sizes that a parameter may have: beyond, what follows from it would be lost in rounding
 CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
 
 
@@ -76,7 +77,8 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
     reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters]).reshape(
         -1, 2
     )
-    return np.where(log, np.maximum(lower, reach[:, 0]), lower), np.where(log, np.minimum(upper, reach[:, 1]), upper)
+    lower = np.maximum(lower, np.where(log, reach[:, 0], -LARGEST))
+    return lower, np.minimum(upper, np.where(log, reach[:, 1], LARGEST))
 
 
 def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
-FARTHEST = 40.0  # powers of e that a nominal quantity may be tried away from its stated value
+FARTHEST = 7.0  # powers of e that a nominal quantity may be tried away from its stated value
 MOST_KEPT = 4000  # rows, with the systems that they were made of
 
 

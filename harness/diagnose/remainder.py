@@ -37,7 +37,8 @@ class Test:
     """One question put to the residual: gain in cost by ``size`` shapes, and its chance under noise alone.
 
     places: parameters beside amplitudes (the moment of a jump); −1 for tests that name no force. together: gain and number of
-    such events if every recording may have its own. choices: among how many forces of this kind it was chosen.
+    such events if every recording may have its own. choices: among how many forces of this kind it was chosen. exact: whether
+    the channels are linear in it, so that it brings what it promises.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Test:
     places: int = 0
     together: tuple[float, int] = (0.0, 0)
     choices: float = 1.0
+    exact: bool = False
 
     def price(self, samples: float) -> float:
         """What the force that a test names costs in the Bayesian criterion."""
@@ -527,7 +529,8 @@ def _jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuis
                 where = (channel.name, f"{run.name} at {run.time[window.first + places[top]]:.2f} s")
         chosen.append(column)
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
-    return Test("a jump of the reading", best, 1, chance, where, 1, (_jointly(space, chosen), len(chosen)))
+    every = (_jointly(space, chosen), len(chosen))
+    return Test("a jump of the reading", best, 1, chance, where, 1, every, exact=True)
 
 
 def _trend(fitted: Fit) -> Test:
