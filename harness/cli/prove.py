@@ -11,7 +11,7 @@ from harness.cli.options import console, output_options, progress, wide_options,
 
 
 @click.command()
-@click.option("--quick", is_flag=True, help="40 cases instead of the full proof's 400 and more.")
+@click.option("--quick", is_flag=True, help="40 cases of short recordings instead of the full proof's 400 and more.")
 @click.option("--cases", type=click.IntRange(min=1), metavar="N", help="About so many cases, in the full proof's mix.")
 @click.option(
     "--seed", type=click.IntRange(min=0), metavar="N", help="Draw the cases from this seed; default: a fresh one."
@@ -68,6 +68,7 @@ def prove(
                 folder,
                 seed=seed,
                 counts=counts,
+                short=quick,
                 workers=workers,
                 dask=dask,
                 peers=peers,

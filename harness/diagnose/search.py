@@ -22,7 +22,8 @@ CARRIED_STEPS = 40
 FAR = 3.0  # times what the best set leaves
 ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
-SLOWLY = 0.05  # of what is left above the noise, that one more effect takes away at least
+STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least
+WORTHY = 0.05  # the same that an effect which is dear to fit must promise
 GENEROUS = 2.0  # times what the linear view promises
 TRUSTED = 1.5  # times what it promises of effects that are dear to fit, whose tests are made at their likely sizes
 
@@ -66,7 +67,7 @@ def grow(
         if (
             len(ordered[0].hypothesis.members) > 1
             and not _only_noise(study, ordered[0])
-            and excess > (1.0 - SLOWLY) * last
+            and excess > (1.0 - STALLED) * last
         ):
             # At this pace no set of few effects gets there; what is still found only soaks up what something else makes.
             study.spent = True
@@ -160,7 +161,7 @@ class Growth:
         study, members = self.study, len(base.hypothesis.members)
         found = [s for s in study.ranked(base) if s.gain > study.price(s.candidate, members)]
         # What is dear to fit waits until what explains most is there, and its own share of the rest is worth it.
-        worth = SLOWLY * (base.score - study.samples)
+        worth = WORTHY * (base.score - study.samples)
         found = [s for s in found if s.gain > worth or not dear(s.candidate)]
         if _only_noise(study, base):
             # Little is left there, so that the linear view can be trusted: what it has no hope of is not fitted.

@@ -20,6 +20,11 @@ from harness.proof.visibility import distance, moves, observe, profiled
 Array = NDArray[np.float64]
 
 RATES = (100.0, 200.0, 250.0, 500.0)
+SHORT_RUNS, SHORT_DURATION, SHORT_RATE = (
+    2,
+    8.0,
+    250.0,
+)  # at most, of a quick proof's recordings: number, length [s], rate [Hz]
 STRENGTH_RANGE = (1e-4, 6.0)
 CLOSE = 0.25  # ratio, as a logarithm, of visibility and aim
 FASTEST = 2.5  # growth of the strength in one step, over which nuisances follow
@@ -82,8 +87,8 @@ class Case:
         return self.make(self.rig)
 
 
-def _draw_sensor(rng: np.random.Generator) -> Sensor:
-    rate = float(rng.choice(RATES))
+def _draw_sensor(rng: np.random.Generator, short: bool) -> Sensor:
+    rate = float(rng.choice([r for r in RATES if r <= SHORT_RATE] if short else RATES))
     std = float(np.exp(rng.uniform(np.log(2e-4), np.log(5e-3))))
     colour = float(rng.choice([0.0, 0.0, 0.0, rng.uniform(0.3, 0.9)]))
     step = float(rng.choice([0.0, 0.0, 2 * np.pi / 4096, 2 * np.pi / 16384]))
@@ -91,11 +96,11 @@ def _draw_sensor(rng: np.random.Generator) -> Sensor:
     return Sensor(rate, std, colour, min(step, 2 * std), jitter)
 
 
-def _draw_runs(rng: np.random.Generator, rig: Rig, driven: bool) -> tuple[tuple[Run, ...], float]:
+def _draw_runs(rng: np.random.Generator, rig: Rig, driven: bool, short: bool) -> tuple[tuple[Run, ...], float]:
     """Two or three runs; the last is the one that diagnosis will hold out. Also the largest release angle [rad]."""
     swing = rig.natural_frequency
-    count = int(rng.integers(2, 4))
-    duration = float(np.clip(rng.uniform(8, 16) / swing, 5.0, 16.0))
+    count = SHORT_RUNS if short else int(rng.integers(2, 4))
+    duration = float(np.clip(rng.uniform(8, 16) / swing, 5.0, SHORT_DURATION if short else 16.0))
     n = len(rig.segments)
     top = float(rng.uniform(0.5, 2.2)) if n == 1 else float(rng.uniform(0.3, 0.8))
     runs = []
@@ -147,11 +152,13 @@ def _rank(c: Concealment) -> int:
     return 0 if c.site == "link" else 1 + len(ADDING)
 
 
-def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), target: float | None = None) -> Case:
+def draw_case(
+    kind: str, seed: int, index: int, *, effects: Sequence[str] = (), target: float | None = None, short: bool = False
+) -> Case:
     """One case.
 
     kind: "clean", "single", "pair", "triple", "outside"; effects: names to conceal (drawn if empty; for "outside" the kind).
-    target: visibility d to aim at (drawn log-uniformly if None).
+    target: visibility d to aim at (drawn log-uniformly if None). short: two short recordings at moderate rates.
     """
     rng = np.random.default_rng([seed, index, crc32(kind.encode())])
     names = _names(kind, rng, effects if kind != "outside" else ())
@@ -162,8 +169,8 @@ def draw_case(kind: str, seed: int, index: int, *, effects: Sequence[str] = (), 
         motor = [replace(s, armature=float(rng.uniform(0.05, 0.3)) * s.inertia_about_joint) for s in rig.segments]
         rig = replace(rig, segments=tuple(motor))
     driven = any(c.needs_drive for c in chosen) or rng.random() < 0.2
-    runs, top = _draw_runs(rng, rig, driven)
-    sensor = _draw_sensor(rng)
+    runs, top = _draw_runs(rng, rig, driven, short)
+    sensor = _draw_sensor(rng, short)
     true = deviate(rig, rng)
     sites = [
         0 if (c.site == "base" or c.effect.startswith("actuator") or c.effect == "clock_skew")

@@ -108,7 +108,7 @@ def scaled(cases: int) -> dict[str, int]:
 
 
 @one_blas_thread()
-def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
+def conceal(task: Task, seed: int, out: Path, short: bool = False) -> tuple[str, str]:
     """Draw a case, write what diagnosis may see, seal the answer; (name, digest). What is sealed already is left as it is.
 
     On one thread of linear algebra, for several add up in another order, and a seed stands for the same recordings to the last
@@ -123,7 +123,7 @@ def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
         index = task.index + attempt * REDRAW_STRIDE
         # A rig whose dry friction has no solution (Painlevé's paradox), found at the draw or at the recording, is drawn again.
         try:
-            case = replace(_draw(task.kind, seed, index, effect), name=task.name)
+            case = replace(_draw(task.kind, seed, index, effect, short), name=task.name)
             write_case(case, out / "cases" / case.name, np.random.default_rng([seed, index, crc32(task.kind.encode())]))
         except NoSolutionError:
             continue
@@ -131,10 +131,10 @@ def conceal(task: Task, seed: int, out: Path) -> tuple[str, str]:
     raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution")
 
 
-def _draw(kind: str, seed: int, index: int, effect: str) -> Case:
+def _draw(kind: str, seed: int, index: int, effect: str, short: bool) -> Case:
     if kind.startswith("flexible"):
         return draw_flexible(kind.removeprefix("flexible "), seed, index, effect)
-    return draw_case(kind, seed, index, effects=(effect,) if effect else ())
+    return draw_case(kind, seed, index, effects=(effect,) if effect else (), short=short)
 
 
 def _shuffled(task: Task, seed: int) -> str:
@@ -165,6 +165,7 @@ def prove(
     *,
     seed: int | None = None,
     counts: Mapping[str, int] = QUICK,
+    short: bool = True,
     workers: int | None = None,
     dask: str | None = None,
     peers: bool = True,
@@ -173,7 +174,8 @@ def prove(
     """The blind proof.
 
     out: folder of the proof; one that holds an interrupted proof is resumed (with its own seed and mix).
-    seed: fresh if None. counts: number of cases by kind. progress: called with (stage, done, of).
+    seed: fresh if None. counts: number of cases by kind. short: whether rigid rigs are recorded but twice, for at most 8 s and at
+    250 Hz, as befits a quick proof. progress: called with (stage, done, of).
     Raises InputError if ``out`` holds another proof or tampered answers.
     """
     out = Path(out)
@@ -186,17 +188,21 @@ def prove(
                 source=out,
                 mend="give another --out or no --seed",
             )
-        seed, counts = int(plan["seed"]), plan["counts"]
+        seed, counts, short = int(plan["seed"]), plan["counts"], bool(plan.get("short", False))
     else:
         seed = secrets.randbelow(2**31) if seed is None else seed
         out.mkdir(parents=True, exist_ok=True)
-        _write(plan_file, {"seed": seed, "counts": dict(counts)})
+        _write(plan_file, {"seed": seed, "counts": dict(counts), "short": short})
     todo = tasks(counts)
     digests_file = out / "digests.json"
     if not digests_file.exists():
         ticks = _ticker(progress, "conceal", len(todo))
         named = parallel_map(
-            partial(conceal, seed=seed, out=out), todo, workers=workers, dask=dask, done=lambda i, r: ticks()
+            partial(conceal, seed=seed, out=out, short=short),
+            todo,
+            workers=workers,
+            dask=dask,
+            done=lambda i, r: ticks(),
         )
         _write(digests_file, dict(named))
     digests = json.loads(digests_file.read_text(encoding="utf-8"))
