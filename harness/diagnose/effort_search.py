@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.effort_fit import EffortData, EffortFit, fit_effort, spread
-from harness.diagnose.hypothesis import Candidate, Hypothesis
+from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible
 from harness.diagnose.remainder import heldout_gain
 from harness.diagnose.rivals import APART
-from harness.diagnose.study import compatible, log_choose
+from harness.diagnose.study import log_choose
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
-from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.study import Study, compatible, dear
+from harness.diagnose.hypothesis import Candidate, compatible, dear
+from harness.diagnose.study import Study
 
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise

@@ -159,3 +159,41 @@ def _scaled_beam(link: Link, kind: str, factor: float) -> Link:
     else:
         beam = replace(beam, payload=beam.payload * factor, payload_inertia=constant(beam.payload_inertia * factor))
     return flexible_link(link.name, beam)
+
+
+def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
+    """Whether a candidate may join: not there already, and no special case (or general case) of what is at its site."""
+    for member in hypothesis.members:
+        if member.key == candidate.key or (_own_law(member) and _own_law(candidate)):
+            return False
+        if member.site == candidate.site and (
+            member.effect.name in candidate.effect.simpler or candidate.effect.name in member.effect.simpler
+        ):
+            return False
+        a, b = member.effect.reshape, candidate.effect.reshape
+        if a is not None and b is not None and a.topology and b.topology:
+            return False
+        if (
+            member.effect.law is not None
+            and candidate.effect.law is not None
+            and member.site == candidate.site
+            and set(member.effect.law.slots) & set(candidate.effect.law.slots)
+        ):
+            return False
+    return True
+
+
+def dear(candidate: Candidate) -> bool:
+    """Whether runs with the candidate take many times as long: it adds coordinates, or a law that no fast method knows."""
+    reshape = candidate.effect.reshape
+    return _own_law(candidate) or (reshape is not None and reshape.topology)
+
+
+def _own_law(candidate: Candidate) -> bool:
+    """Whether the candidate needs a law that is compiled for it; the lanes carry one."""
+    return candidate.effect.user is not None or candidate.effect.name == "backlash"
+
+
+def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:
+    """Which parameters are whole numbers and therefore searched, not fitted: a force over an angle closes on itself in a turn."""
+    return np.array([p.name == "periods" and p.unit == "1/rev" for p in candidate.effect.parameters], dtype=bool)

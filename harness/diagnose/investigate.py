@@ -18,8 +18,9 @@ from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import carry_state
 from harness.diagnose.search import Effort, grow, polish, transfer
-from harness.diagnose.study import HOPELESS, Study, measured_state
+from harness.diagnose.study import HOPELESS, Study
 from harness.diagnose.vibration_windows import stages
+from harness.diagnose.window_states import measured_state
 from harness.diagnose.windows import Window, cut
 
 Array = NDArray[np.float64]

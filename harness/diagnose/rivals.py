@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.exchange import generalized, like, pruned, related, relatives
 from harness.diagnose.fit import Fit, fit
+from harness.diagnose.hypothesis import compatible
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
 from harness.diagnose.search import FAR, exhausted, finished
-from harness.diagnose.study import Study, compatible
+from harness.diagnose.study import Study
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted

@@ -9,9 +9,9 @@ import numpy as np
 
 from harness.diagnose.exchange import alternatives, generalized, pruned, relatives
 from harness.diagnose.fit import Fit
-from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.hypothesis import Hypothesis, dear
 from harness.diagnose.screen import Score
-from harness.diagnose.study import HOPELESS, Study, dear
+from harness.diagnose.study import HOPELESS, Study
 
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.problem import Problem
 from harness.effects.scale import references
+from harness.system import System
 
 Array = NDArray[np.float64]
 
@@ -117,3 +118,27 @@ def _limits(candidate: Candidate, problem: Problem) -> tuple[float, ...]:
     if extent is None:
         return candidate.effect.parameters[0].start_values(candidate.references)
     return tuple(share * max(abs(extent[0]), abs(extent[1])) for share in CUT)
+
+
+def calmed(candidate: Candidate, start: Array) -> Array | None:
+    """Starting values whose own vibration dies out quickly; none where there is no such vibration.
+
+    One that goes on has a valley at every phase. What gives without ringing has one, and leads to where the ringing is found.
+    """
+    reshape = candidate.effect.reshape
+    if reshape is None or not reshape.topology:
+        return None
+    out = start.copy()
+    for k, parameter in enumerate(candidate.effect.parameters):
+        if parameter.name in ("damping", "damping_ratio"):
+            out[k] = max(out[k], *parameter.start_values(candidate.references))
+    return None if np.array_equal(out, start) else out
+
+
+def foretold(candidate: Candidate, system: System, start: Array) -> Array | None:
+    """Starting values with what theory foretells of them in their place; none where it does not."""
+    reshape = candidate.effect.reshape
+    if reshape is None or reshape.expected is None:
+        return None
+    values = candidate.effect.named(start) | dict(reshape.expected(system, candidate.site))
+    return np.array([values[name] for name in candidate.effect.parameter_names])

@@ -12,14 +12,15 @@ from scipy.stats import chi2
 
 from harness.diagnose.coordinates import is_logarithmic, to_internal
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Candidate, Hypothesis
+from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, whole_numbers
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
-from harness.diagnose.windows import Window, local_state
-from harness.system import System
+from harness.diagnose.starts import calmed, foretold
+from harness.diagnose.window_states import SHORTLY, measured_state
+from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
 
@@ -33,7 +34,6 @@ LED = 0.01  # share of a nominal quantity by which it is bent back at a time
 FEWEST_LED, MOST_LED, LED_STEPS = 4, 16, 8
 FOLLOWING = 5  # steps in which everything else follows a new effect
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # of the promised size
-SHORTLY = 0.03  # s
 SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
 WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
 
@@ -466,87 +466,6 @@ def _larger(own: Sequence[Score], other: Sequence[Score]) -> list[Score]:
     return sorted(best.values(), key=lambda s: -s.gain)
 
 
-def calmed(candidate: Candidate, start: Array) -> Array | None:
-    """Starting values whose own vibration dies out quickly; none where there is no such vibration.
-
-    One that goes on has a valley at every phase. What gives without ringing has one, and leads to where the ringing is found.
-    """
-    reshape = candidate.effect.reshape
-    if reshape is None or not reshape.topology:
-        return None
-    out = start.copy()
-    for k, parameter in enumerate(candidate.effect.parameters):
-        if parameter.name in ("damping", "damping_ratio"):
-            out[k] = max(out[k], *parameter.start_values(candidate.references))
-    return None if np.array_equal(out, start) else out
-
-
-def foretold(candidate: Candidate, system: System, start: Array) -> Array | None:
-    """Starting values with what theory foretells of them in their place; none where it does not."""
-    reshape = candidate.effect.reshape
-    if reshape is None or reshape.expected is None:
-        return None
-    values = candidate.effect.named(start) | dict(reshape.expected(system, candidate.site))
-    return np.array([values[name] for name in candidate.effect.parameter_names])
-
-
-def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:
-    """Which parameters are whole numbers and therefore searched, not fitted: a force over an angle closes on itself in a turn."""
-    return np.array([p.name == "periods" and p.unit == "1/rev" for p in candidate.effect.parameters], dtype=bool)
-
-
 def log_choose(n: int, k: int) -> float:
     """Logarithm of the number of ways to choose k of n."""
     return lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1)
-
-
-def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
-    """Whether a candidate may join: not there already, and no special case (or general case) of what is at its site."""
-    for member in hypothesis.members:
-        if member.key == candidate.key or (_own_law(member) and _own_law(candidate)):
-            return False
-        if member.site == candidate.site and (
-            member.effect.name in candidate.effect.simpler or candidate.effect.name in member.effect.simpler
-        ):
-            return False
-        a, b = member.effect.reshape, candidate.effect.reshape
-        if a is not None and b is not None and a.topology and b.topology:
-            return False
-        if (
-            member.effect.law is not None
-            and candidate.effect.law is not None
-            and member.site == candidate.site
-            and set(member.effect.law.slots) & set(candidate.effect.law.slots)
-        ):
-            return False
-    return True
-
-
-def dear(candidate: Candidate) -> bool:
-    """Whether runs with the candidate take many times as long: it adds coordinates, or a law that no fast method knows."""
-    reshape = candidate.effect.reshape
-    return _own_law(candidate) or (reshape is not None and reshape.topology)
-
-
-def _own_law(candidate: Candidate) -> bool:
-    """Whether the candidate needs a law that is compiled for it; the lanes carry one."""
-    return candidate.effect.user is not None or candidate.effect.name == "backlash"
-
-
-def measured_state(problem: Problem, predictor: Predictor, window: Window, shortest: float = SHORTLY) -> Array:
-    """Initial positions and velocities read off the recording by a local cubic over six samples or ``shortest`` [s] either way;
-    what is not measured begins at zero."""
-    names = predictor.mechanism(Hypothesis()).names
-    run = problem.runs[window.run]
-    state = np.zeros(2 * len(names))
-    span = max(6.0 * run.interval, shortest)
-    for c, channel in enumerate(problem.channels):
-        if channel.quantity != "position" or channel.site not in names:
-            continue
-        k = names.index(channel.site)
-        state[k], state[len(names) + k] = local_state(run, c, window.first, span)
-    for c, channel in enumerate(problem.channels):
-        if channel.quantity == "velocity" and channel.site in names:
-            k = names.index(channel.site)
-            state[len(names) + k] = local_state(run, c, window.first, span)[0]
-    return state

@@ -11,8 +11,9 @@ from scipy.stats import chi2, norm
 
 from harness.diagnose.coordinates import from_internal, is_logarithmic
 from harness.diagnose.fit import Fit, covariance
+from harness.diagnose.hypothesis import whole_numbers
 from harness.diagnose.predict import Predictor
-from harness.diagnose.study import Study, whole_numbers
+from harness.diagnose.study import Study
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from harness.diagnose.linearisation import linearise
 from harness.diagnose.remainder import Probe, probe
 from harness.diagnose.response import Response, to_channels
 from harness.diagnose.screen import carry_state
-from harness.diagnose.study import measured_state
+from harness.diagnose.window_states import measured_state
 from harness.diagnose.windows import Window, cut
 from harness.effects.scale import references
 

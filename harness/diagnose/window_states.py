@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.objective import Objective, Residuals, States
 from harness.diagnose.predict import Predictor
-from harness.diagnose.windows import Window
+from harness.diagnose.problem import Problem
+from harness.diagnose.windows import Window, local_state
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
+SHORTLY = 0.03  # s, over which a state is read off a recording at least
 ODD = 3.0  # times the median mean square of all windows
 STEPS = 5  # downhill; near a kink more do not help, and away from it fewer are enough
 STEP = 1e-6  # of difference quotients [rad, rad/s]
@@ -84,3 +86,22 @@ def settled(objective: Objective, x: Array, options: Sequence[States]) -> dict[W
 
 def _named(windows: Sequence[Window], states: Sequence[Array]) -> list[list[States]]:
     return [[{window: state} for state in own] for window, own in zip(windows, states, strict=True)]
+
+
+def measured_state(problem: Problem, predictor: Predictor, window: Window, shortest: float = SHORTLY) -> Array:
+    """Initial positions and velocities read off the recording by a local cubic over six samples or ``shortest`` [s] either way;
+    what is not measured begins at zero."""
+    names = predictor.mechanism(Hypothesis()).names
+    run = problem.runs[window.run]
+    state = np.zeros(2 * len(names))
+    span = max(6.0 * run.interval, shortest)
+    for c, channel in enumerate(problem.channels):
+        if channel.quantity != "position" or channel.site not in names:
+            continue
+        k = names.index(channel.site)
+        state[k], state[len(names) + k] = local_state(run, c, window.first, span)
+    for c, channel in enumerate(problem.channels):
+        if channel.quantity == "velocity" and channel.site in names:
+            k = names.index(channel.site)
+            state[len(names) + k] = local_state(run, c, window.first, span)[0]
+    return state

@@ -16,7 +16,7 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
-from harness.diagnose.study import measured_state
+from harness.diagnose.window_states import measured_state
 from harness.diagnose.windows import whole
 from harness.effects.scale import tip_of
 

@@ -6,7 +6,7 @@ import pytest
 from harness import effects
 from harness.denoc.beam import beam_data
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.study import foretold as foretold_start
+from harness.diagnose.starts import foretold as foretold_start
 from harness.effects.bending import add_mode, mounted_frequency, next_mode
 from harness.effects.scale import references
 from harness.system import Attachment, Beam, Joint, JointType, Link, System
