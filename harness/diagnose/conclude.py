@@ -31,6 +31,8 @@ BLIND = (
 )
 CONTRARY = 3.0  # standard deviations by which they then may fall short
 AMPLE = 5.0  # times its price that such an effect must gain
+MANY = 3  # members from which on a set may piece together what nobody has named,
+CROWDED = 3.0  # so that each must gain so many times its price
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
 )
@@ -90,6 +92,8 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         smaller = study.below(fitted, k)
         gain = smaller.score - fitted.score
         price = study.price(member, len(fitted.hypothesis.members) - 1)
+        if len(fitted.hypothesis.members) >= MANY:
+            price *= CROWDED
         enough = gain > max(price, (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2)
         visible = gain > PRACTICAL**2 * study.samples
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf

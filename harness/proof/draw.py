@@ -29,6 +29,7 @@ STRENGTH_RANGE = (1e-4, 6.0)
 CLOSE = 0.25  # ratio, as a logarithm, of visibility and aim
 FASTEST = 2.5  # growth of the strength in one step, over which nuisances follow
 STRENGTH_STEPS = 12
+FAINTEST = 1.0  # visibility that what is concealed has at least
 # Effects that leave one and the same trace on an angle, or cannot both be planted at one place.
 FAMILIES = (
     {"coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction"},
@@ -41,6 +42,10 @@ FAMILIES = (
     {"joint_stiffness", "constant_torque"},
     {"joint_flexibility", "backlash", "link_flexibility", "base_compliance", "base_excitation"},
 )
+
+
+class UnseenError(RuntimeError):
+    """No strength makes a concealed effect show in the recordings drawn: a stop that no motion reaches."""
 
 
 class Model(Protocol):
@@ -159,6 +164,7 @@ def draw_case(
 
     kind: "clean", "single", "pair", "triple", "outside"; effects: names to conceal (drawn if empty; for "outside" the kind).
     target: visibility d to aim at (drawn log-uniformly if None). short: two short recordings at moderate rates.
+    Raises UnseenError where what is drawn would not show.
     """
     rng = np.random.default_rng([seed, index, crc32(kind.encode())])
     names = _names(kind, rng, effects if kind != "outside" else ())
@@ -270,6 +276,8 @@ def draw_case(
         aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
         outside, d = seek(lambda f: build(true, off, f), aim)
         seen.append(d)
+    if min(seen) < FAINTEST:
+        raise UnseenError(f"{kind} {index} conceals something that does not show")
     planted = [
         Planted(c.effect, _site(rig, c, k), c.parameters(f, d, rig.segments[k], top))
         for c, k, f, d in zip(chosen, sites, strengths, draws, strict=True)

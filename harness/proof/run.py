@@ -17,7 +17,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.parallel import one_blas_thread, parallel_map
 from harness.proof.concealments import CONCEALMENTS
-from harness.proof.draw import Case, draw_case
+from harness.proof.draw import Case, UnseenError, draw_case
 from harness.proof.flexible import EFFECTS, draw_flexible
 from harness.proof.outside import OUTSIDE
 from harness.proof.score import CaseScore, Summary, score_case, summarise
@@ -121,14 +121,15 @@ def conceal(task: Task, seed: int, out: Path, short: bool = False) -> tuple[str,
     effect = _shuffled(task, seed)
     for attempt in range(REDRAWS):
         index = task.index + attempt * REDRAW_STRIDE
-        # A rig whose dry friction has no solution (Painlevé's paradox), found at the draw or at the recording, is drawn again.
+        # A rig whose dry friction has no solution (Painlevé's paradox), found at the draw or at the recording, is drawn again, and
+        # so is one on which what is concealed does not show.
         try:
             case = replace(_draw(task.kind, seed, index, effect, short), name=task.name)
             write_case(case, out / "cases" / case.name, np.random.default_rng([seed, index, crc32(task.kind.encode())]))
-        except NoSolutionError:
+        except (NoSolutionError, UnseenError):
             continue
         return case.name, seal(case, out / "sealed")
-    raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution")
+    raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution and shows")
 
 
 def _draw(kind: str, seed: int, index: int, effect: str, short: bool) -> Case:

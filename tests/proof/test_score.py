@@ -8,7 +8,7 @@ import pytest
 
 from harness.errors import InputError
 from harness.proof.concealments import CONCEALMENTS
-from harness.proof.draw import draw_case
+from harness.proof.draw import UnseenError, draw_case
 from harness.proof.outside import OUTSIDE
 from harness.proof.peers import to_ask
 from harness.proof.run import FULL, QUICK, tasks
@@ -146,3 +146,9 @@ def test_peers_are_asked_about_clean_cases_and_about_single_effects() -> None:
     assert asked[20] is tilted
     # Where there are few single effects, clean cases take the room.
     assert len([s for s in to_ask([*clean, tilted], 40) if s.kind == "clean"]) == 39
+
+
+def test_what_does_not_show_is_not_concealed() -> None:
+    # Driven runs begin at three tenths of the release angle; most stops lie beyond, where no motion reaches them.
+    with pytest.raises(UnseenError):
+        draw_case("pair", 1865228484, 3, effects=("end_stop", "actuator_delay"), short=True)
