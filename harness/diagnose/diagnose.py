@@ -203,7 +203,9 @@ def _tell(
                 "effects": list(fitted.hypothesis.keys),
                 "bic": fitted.score + fitted.hypothesis.size * log_n,
                 "heldout_rmse": error,
-                "lost": why_lost(study, conclusion.best, fitted, error, rmse(outcome, conclusion.held, 0)),
+                "lost": why_lost(
+                    study, conclusion.best, fitted, error, rmse(outcome, conclusion.held, 0), conclusion.doubted
+                ),
             }
         )
     titles = [

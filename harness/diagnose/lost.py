@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from harness.diagnose.fit import Fit
@@ -10,13 +12,21 @@ from harness.diagnose.study import Study
 WORSE = 1.02  # times the error on data held out, from which on it is worth saying
 
 
-def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float) -> str:
+def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, doubted: Collection[str] = ()) -> str:
     """A few words; empty for the best itself.
 
-    error, least: errors on the data held out, of the other and of the best.
+    error, least: errors on the data held out, of the other and of the best. doubted: keys of what is not claimed although it fits.
+    What fits better than the best, but is not claimed, is told why; what lies between is held against it.
     """
     if other.hypothesis.identity == best.hypothesis.identity:
         return ""
+    if study.criterion(other) < study.criterion(best):
+        leading = min(study.fits.values(), key=study.criterion)
+        if other.hypothesis.identity == leading.hypothesis.identity:
+            shared = [key for key in other.hypothesis.keys if key in doubted]
+            imitated = f"what nobody has named could have imitated {' and '.join(shared)}"
+            return imitated if shared else "not borne out by the data held out"
+        best, least = leading, np.inf
     further = other.hypothesis.size - best.hypothesis.size
     price = further * float(np.log(study.samples))
     parts = {

@@ -27,3 +27,5 @@ def test_negative_damping_is_not_told_as_a_shaken_base() -> None:
     found = harness.diagnose(runs, model=nominal(tolerance=0.01))
     assert [finding["effect"] for finding in found.findings] == []
     assert found.verdict == "unexplained"
+    rivals = {" + ".join(row["effects"]): row["lost"] for row in found.ranking}
+    assert any("imitated" in lost for effects, lost in rivals.items() if "base_excitation@base" in effects), rivals
