@@ -47,7 +47,7 @@ def test_periods_found_beside_other_company_are_put_right() -> None:
 
 
 def test_no_vibration_above_the_sampling_rate_is_sought() -> None:
-    # Faster than half of it a link's ringing is not seen, but what it gives under slow forces is (as one over its frequency squared).
+    # Faster than half of it a link's ringing is not seen, but what it gives under slow forces is (one over its frequency squared).
     system, runs = nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0, rate=80.0)
     (bends,) = (c for c in candidates(system, runs) if c.key == "link_flexibility@rod")
     assert dict(zip(bends.effect.parameter_names, bends.effect.upper, strict=True))["frequency"] == pytest.approx(80.0)
