@@ -19,7 +19,7 @@ EFFECT = Effect(
             lower=1e-4,
             neutral=np.inf,
             scale=Scale(1.0, frequency=1),
-            starts=(0.5, 2.0, 10.0),
+            starts=(0.5, 2.0, 10.0, 100.0),
         ),
     ),
     signature="Fast parts of the signal are too small and late, slow parts right: vibration is missing in the "
