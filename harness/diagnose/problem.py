@@ -22,6 +22,7 @@ COHERENT_SHARE = 0.15  # of the frequencies that must be, for a velocity to coun
 HELD_OUT_SHARE = 0.3  # of a single recording, until it has come to rest
 MOST_SAMPLES = 24_000  # of all recordings together, a channel
 SAMPLES_A_SWING = 40.0
+NEARLY = 0.1  # of a sample that a block may be shorter than the rate asks for
 AT_REST = 0.02  # of a channel's extent, around where it ends
 FEWEST_MOVING = 100  # samples of motion that can be divided
 MEASURED = ("position", "velocity", "tip_deflection", "root_strain", "tip_acceleration")
@@ -234,7 +235,7 @@ def _slice(run: Run, first: int, last: int, note: str) -> Run:
 
 def _thin(run: Run, finest_rate: float) -> Run:
     """Average blocks of samples until the rate is about ``finest_rate``; blocks never span a gap."""
-    step = round(1.0 / (run.interval * finest_rate))
+    step = int(np.floor(1.0 / (run.interval * finest_rate) + NEARLY))
     if step < 2:
         return run
     gaps = np.flatnonzero(np.diff(run.time) > 3.0 * run.interval) + 1
