@@ -176,7 +176,6 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
     left = examine(outcome.predictor, study.likelihood, smaller, joints, torques, outcome.period)
-    log_n = float(np.log(study.samples))
     # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
     lasting = any(
         m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
@@ -191,7 +190,7 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
         return gain if exact or gain < there else own
 
     prices = [worth(t.gain, t.exact) - t.price(study.samples) for t in named]
-    prices += [worth(t.together[0], t.exact) - t.together[1] * (1 + t.places) * log_n for t in named]
+    prices += [worth(t.together[0], t.exact) - t.price_together(study.samples) for t in named]
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
 
 

@@ -55,6 +55,10 @@ class Test:
         """What the force that a test names costs in the Bayesian criterion."""
         return (self.size + self.places) * float(np.log(samples)) + 2.0 * float(np.log(self.choices))
 
+    def price_together(self, samples: float) -> float:
+        """The same for such an event of its own in every recording."""
+        return self.together[1] * (1 + self.places) * float(np.log(samples))
+
 
 @dataclass(frozen=True, eq=False)
 class Probe:
@@ -224,6 +228,7 @@ def examine(
     tests: list[Test] = []
     excess, chosen, best_chance = 0.0, "", 1.0
     smooth_maps: dict[str, tuple[list[str], Array, float, float, float]] = {}
+    forms: dict[str, Form] = {}
     for joint, torque in zip(joints, torque_scales, strict=True):
         own = probe(predictor, likelihood, fitted, torque)
         k = own.names.index(joint)
@@ -251,7 +256,8 @@ def examine(
                 full = np.zeros(len(names))
                 full[index] = found * torque
                 smooth_maps[joint] = (names, full, low, high, fast)
-        tests.append(_few_terms(_sparse(own, space, joint, torque), noise))
+        forms[joint] = _sparse(own, space, joint, torque)
+        tests.append(_few_terms(forms[joint], noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
         tests.append(_local(own, space, joint, (low, high, fast), noise))
@@ -272,7 +278,7 @@ def examine(
     form = force_map = None
     if chosen:
         torque = dict(zip(joints, torque_scales, strict=True))[chosen]
-        form = _sparse(probe(predictor, likelihood, fitted, torque), space, chosen, torque)
+        form = forms[chosen]
         force_map = _map(chosen, smooth_maps[chosen], fitted, predictor, likelihood, torque)
     return Remains(significant, tuple(tests), excess, form, force_map)
 

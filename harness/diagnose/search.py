@@ -63,7 +63,7 @@ def grow(
             break
         growth.exchange()
         ordered = growth.ordered()
-        last, excess = excess, min(f.score for f in growth.known.values()) - study.samples
+        last, excess = excess, growth.lowest - study.samples
         if (
             len(ordered[0].hypothesis.members) > 1
             and not _only_noise(study, ordered[0])

@@ -209,7 +209,7 @@ class Truth:
         acceleration = np.zeros(self.n)
         rubbing = force.copy()
         load = dict.fromkeys((f.dof for f in hidden.dry), 0.0)
-        for _ in range(LOAD_ITERATIONS if self._loaded else 1):
+        for _ in range(LOAD_ITERATIONS):
             rubbing = force.copy()
             for friction in hidden.dry:
                 s = mode[friction.dof]
