@@ -46,7 +46,7 @@ def _within_sampling(effect: Effect, recordings: Sequence[Measured]) -> Effect:
     What vibrates faster than half of it is seen no more, but still gives under slow forces.
     """
     reshape = effect.reshape
-    if reshape is None or not reshape.topology or reshape.expected is not None:
+    if reshape is None or not effect.adds_coordinates or reshape.expected is not None:
         return effect
     rate = 1.0 / min(float(np.median(np.diff(recording.time))) for recording in recordings)
     limited = (replace(p, upper=min(p.upper, rate)) if p.name == "frequency" else p for p in effect.parameters)
@@ -61,7 +61,7 @@ def _possible(candidate: Candidate, system: System) -> bool:
     values = [p.start_values(candidate.references)[0] for p in candidate.effect.parameters]
     try:
         changed = reshape.change(system, candidate.site, candidate.effect.named(values))
-        if reshape.topology:
+        if candidate.effect.adds_coordinates:
             lane_model(changed)
     except (InputError, NotImplementedError):
         return False

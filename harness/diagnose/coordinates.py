@@ -67,8 +67,7 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
     if candidate.effect.sensor is not None and candidate.effect.sensor.clock:
         slowest = 1.0 / (1.0 + CLOCK_MARGIN) / candidate.scales
         lower = np.maximum(lower, np.where(log, np.log(slowest), slowest))
-    reshape = candidate.effect.reshape
-    if reshape is not None and reshape.topology:
+    if candidate.effect.adds_coordinates:
         # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
         least = np.array(
             [min((s for s in p.starts if s > 0.0), default=0.0) / REACH**2 for p in candidate.effect.parameters]

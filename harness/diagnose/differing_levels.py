@@ -107,10 +107,9 @@ def _can_be_levelled(fitted: Fit) -> bool:
     """Whether every member is a law of a joint, a change of the rigid mechanism or a sensor without a clock."""
     for member in fitted.hypothesis.members:
         effect = member.effect
-        added = effect.reshape is not None and effect.reshape.topology
         dated = effect.law is not None and effect.law.sideways
         clock = effect.sensor is not None and effect.sensor.every_channel
-        if added or dated or clock or effect.user is not None or effect.input is not None:
+        if effect.adds_coordinates or dated or clock or effect.user is not None or effect.input is not None:
             return False
     return True
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promi
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
 NEARLY = 0.6  # the same for candidates that are dear to fit
 NEAR = 60.0  # in the score
+MOST_TOGETHER = 6  # pairs of exchanges fitted
 LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
 
 
@@ -145,6 +146,39 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
         tried += 1
         found.append(study.extend(without, scored))
     return sorted(found, key=study.criterion)
+
+
+def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
+    """Fits with two members exchanged at once, for what either exchange alone leaves nearly as good.
+
+    Two wrong members may make up for one another, so that putting one of them right looks like a step back.
+    """
+    limit, base = study.criterion(best) + NEAR, best.hypothesis
+    swaps: list[tuple[float, int, Candidate, Fit]] = []
+    for k, member in enumerate(base.members):
+        kept = base.identity - {member.key}
+        for key, other in list(study.fits.items()):
+            # One that was fitted in more than one order is known by its identity alone.
+            if kept < key and member.key not in key and len(key) == len(base.members):
+                (new,) = (m for m in other.hypothesis.members if m.key not in kept)
+                swaps.append((study.criterion(other) - limit + NEAR, k, new, other))
+    pairs = [
+        (one, two)
+        for one, two in combinations(sorted(swaps, key=lambda s: s[0]), 2)
+        if one[1] != two[1] and one[0] + two[0] < NEAR
+    ]
+    found = []
+    for (_, _, _, near), (_, k, second, other) in sorted(pairs, key=lambda p: p[0][0] + p[1][0])[:MOST_TOGETHER]:
+        place = near.hypothesis.keys.index(base.keys[k])
+        rest = near.hypothesis.without(place)
+        if not compatible(rest, second) or study.known(rest.with_(second)) is not None:
+            continue
+        if len(study.fits) >= most_fits:
+            break
+        own = other.hypothesis.span(other.hypothesis.keys.index(second.key))
+        start = np.concatenate([study.without(near, place), other.x[len(study.predictor.nominal) :][own]])
+        found.append(study.fit(rest.with_(second), [start], near))
+    return found
 
 
 def pruned(study: Study, fitted: Fit, louder: float = 1.0) -> Fit:

@@ -120,7 +120,7 @@ def _separation(outcome: Outcome, first: Fit, second: Fit, trial: _Trial) -> flo
     if trial.effort is not None:
         old = FINEST * np.arange(len(trial.effort))
         effort = np.column_stack([np.interp(time, old, column) for column in trial.effort.T])
-    run = Run("proposed", time, np.zeros((len(channels), len(time))), effort, interval)
+    run = Run("proposed", time, np.full((len(channels), len(time)), np.nan), effort, interval)
     problem = Problem(outcome.problem.system, channels, (run,), (run,))
     predictor = Predictor(problem)
     window = Window(0, 0, len(time))

@@ -170,8 +170,7 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
             member.effect.name in candidate.effect.simpler or candidate.effect.name in member.effect.simpler
         ):
             return False
-        a, b = member.effect.reshape, candidate.effect.reshape
-        if a is not None and b is not None and a.topology and b.topology:
+        if member.effect.adds_coordinates and candidate.effect.adds_coordinates:
             return False
         if (
             member.effect.law is not None
@@ -185,8 +184,7 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
 
 def dear(candidate: Candidate) -> bool:
     """Whether runs with the candidate take many times as long: it adds coordinates, or a law that no fast method knows."""
-    reshape = candidate.effect.reshape
-    return _own_law(candidate) or (reshape is not None and reshape.topology)
+    return _own_law(candidate) or candidate.effect.adds_coordinates
 
 
 def _own_law(candidate: Candidate) -> bool:

@@ -37,10 +37,7 @@ def crude_colours(problem: Problem) -> tuple[Colour, ...]:
     """White noise from third differences, robustly: a first guess that needs no model."""
     out = []
     for c in range(len(problem.channels)):
-        sizes = []
-        for run in problem.train:
-            d = np.abs(np.diff(run.values[c], 3))
-            sizes.append(float(np.nanmedian(d)) / 0.6745 / np.sqrt(20.0))
+        sizes = [run.roughness[c] for run in problem.train]
         out.append(Colour(max(float(np.median(sizes)), quietest(problem, c)), interval=problem.train[0].interval))
     return tuple(out)
 

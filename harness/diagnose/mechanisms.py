@@ -59,14 +59,14 @@ class Mechanisms:
         system = scaled(self.system, self.nominal, factors)
         reshaping = [(k, m.effect.reshape, m) for k, m in enumerate(hypothesis.members) if m.effect.reshape is not None]
         # What adds coordinates comes first: its directions are those of the upright system.
-        for k, reshape, member in sorted(reshaping, key=lambda item: not item[1].topology):
+        for k, reshape, member in sorted(reshaping, key=lambda item: not item[2].effect.adds_coordinates):
             values = self.effect_values(hypothesis, k, x)
             system = reshape.change(system, member.site, member.effect.named(values))
         return system
 
     def mechanism(self, hypothesis: Hypothesis) -> Mechanism:
         """The compiled system of the hypothesis' topology."""
-        compiled = [m for m in hypothesis.members if m.effect.user or (m.effect.reshape and m.effect.reshape.topology)]
+        compiled = [m for m in hypothesis.members if m.effect.user or m.effect.adds_coordinates]
         key = tuple(sorted(m.key for m in compiled))
         if key not in self._mechanisms:
             start = np.concatenate([np.zeros(len(self.nominal)), *(start_vector(m) for m in hypothesis.members)])

@@ -325,10 +325,11 @@ class Predictor(Mechanisms):
                     _sensed(signal + shift * rate + 0.5 * shift**2 * bend, local + shift, stamps + shift, acting)
                     for shift in _within_a_block(run)
                 ]
-                signal = sum(parts[1:], parts[0]) / len(parts)
+                out[:, c] = sum(parts[1:], parts[0])[:, : window.size] / len(parts)
             else:
-                signal = _sensed(_averaged(signal, run, channel, mechanism, sampled), local, stamps, acting)
-            out[:, c] = signal[:, : window.size]
+                averaged = _averaged(signal, run, channel, mechanism, sampled)
+                out[:, c] = _sensed(averaged, local, stamps, acting)[:, : window.size]
+            out[:, c] += _remembered(out[:, c], signal, stamps, acting, run, window, c)
         return out
 
     def _sensing(self, hypothesis: Hypothesis, x: Array, channel: str) -> list[tuple[Sensor, Array]]:
@@ -351,6 +352,35 @@ def _sensed(signal: Array, local: Array, stamps: Array, acting: Sequence[tuple[S
         when = local if sensor.every_channel else stamps
         signal = sensor.apply(np.ascontiguousarray(signal), when, values)
     return signal
+
+
+def _remembered(
+    reading: Array,
+    signal: Array,
+    stamps: Array,
+    acting: Sequence[tuple[Sensor, Array]],
+    run: Run,
+    window: Window,
+    c: int,
+) -> Array:
+    """What sensors still know of the time before a window: as much of its course as the record there shows, (B, T).
+
+    Filters that begin in motion stand somewhere, and that is nothing to the other windows, like the state of the mechanism.
+    """
+    total = np.zeros_like(reading)
+    record = run.values[c, window.first : window.last]
+    seen = np.isfinite(record)
+    for sensor, values in acting:
+        if sensor.memory is None or not seen.any():
+            continue
+        course, size = sensor.memory(signal, stamps, values)
+        course = course[:, : window.size]
+        left = (record - reading - total)[:, seen]
+        stiffness = (run.roughness[c] / np.maximum(size, 1e-100)) ** 2
+        own = course[:, seen]
+        amount = np.einsum("bt,bt->b", own, left) / (np.einsum("bt,bt->b", own, own) + stiffness)
+        total += amount[:, None] * course
+    return total
 
 
 def _averaged(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,15 @@ class Run:
     def duration(self) -> float:
         """From the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])
+
+    @cached_property
+    def roughness(self) -> Array:
+        """White noise of every channel, robustly from third differences, a first guess that needs no model; shape (C,).
+
+        nan for a channel without samples.
+        """
+        sizes = [d[np.isfinite(d)] for d in np.abs(np.diff(self.values, 3, axis=1))]
+        return np.array([np.median(d) / 0.6745 / np.sqrt(20.0) if len(d) else np.nan for d in sizes])
 
 
 @dataclass(frozen=True, eq=False)

@@ -160,10 +160,39 @@ def score(
     for batch in _batches(asked, fitted):
         points = [[point for line in lines for point in line] for _, lines in batch]
         near = _near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
+        at_size = _at_size(fitted, predictor, likelihood, batch, spaces)
         for (candidate, lines), (starts, changes, factors) in zip(batch, near, strict=True):
             own = [_best_ray(candidate, lines, space, starts, changes, factors) for space in spaces]
+            own += at_size.get(candidate.key, [])
             found += sorted((s for s in own if s is not None), key=lambda s: -s.gain)[:1]
     return sorted(found, key=lambda s: -s.gain)
+
+
+def _at_size(
+    fitted: Fit,
+    predictor: Predictor,
+    likelihood: Likelihood,
+    asked: Sequence[tuple[Candidate, Sequence[Ray]]],
+    spaces: Sequence[Nuisance],
+) -> dict[str, list[Score | None]]:
+    """Scores of sensors whose readings are not linear in how strongly they act, at likely sizes; by candidate.
+
+    A filter near the swing's frequency is another thing than a weak one many times stronger, which is a delay. Sensors cost no
+    further run.
+    """
+    own = [(candidate, lines) for candidate, lines in asked if _bends(candidate)]
+    points = [[point for line in lines for point in line] for _, lines in own]
+    changes = change(fitted, predictor, likelihood, [candidate for candidate, _ in own], points)
+    return {
+        candidate.key: [_best_ray(candidate, lines, space, at, moved, [1.0] * len(at)) for space in spaces]
+        for (candidate, lines), at, moved in zip(own, points, changes, strict=True)
+    }
+
+
+def _bends(candidate: Candidate) -> bool:
+    """Whether it is a sensor whose reading is not linear in how strongly it acts; one of the clock costs runs."""
+    sensor = candidate.effect.sensor
+    return sensor is not None and not sensor.linear and not sensor.clock
 
 
 def _batches(
@@ -223,7 +252,7 @@ def change(
 
 def _tolerance(likelihood: Likelihood, candidate: Candidate) -> float:
     """Error of one step where a change is looked at as a whole, not divided by a small step: far below the noise."""
-    if not _at_infinity(candidate):
+    if not candidate.effect.adds_coordinates:
         return 0.0
     return min(COARSEST, RESOLVED * min(colour.std for colour in likelihood.colours))
 
@@ -315,7 +344,7 @@ def _brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
     parameters = candidate.effect.parameters
     out = point.copy()
     # What is either there or not (geometric stiffening) has no size.
-    if not parameters or _at_infinity(candidate):
+    if not parameters or candidate.effect.adds_coordinates:
         return out
     first = parameters[0]
     if first.search == "range":
@@ -331,12 +360,6 @@ def _brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
     else:
         out[0] = point[0] / factor
     return out
-
-
-def _at_infinity(candidate: Candidate) -> bool:
-    """Whether the effect acts through coordinates of its own that stiffen as it vanishes, so that it is not to be made small."""
-    reshape = candidate.effect.reshape
-    return reshape is not None and reshape.topology
 
 
 def _resized(candidate: Candidate, point: Array, factor: float) -> Array:
@@ -474,7 +497,7 @@ def _best_ray(
             gain = a0 * a0 * size
             reach = GREATEST / factors[first]
             start = near[first]
-            if _at_infinity(candidate):
+            if candidate.effect.adds_coordinates:
                 start = _resized(candidate, near[first], float(np.clip(a0, 1.0 / RESIZED, RESIZED)))
             elif candidate.effect.parameters and np.isfinite(candidate.effect.parameters[0].neutral):
                 # Not beyond what the linear view can vouch for.

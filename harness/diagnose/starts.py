@@ -125,8 +125,7 @@ def calmed(candidate: Candidate, start: Array) -> Array | None:
 
     One that goes on has a valley at every phase. What gives without ringing has one, and leads to where the ringing is found.
     """
-    reshape = candidate.effect.reshape
-    if reshape is None or not reshape.topology:
+    if not candidate.effect.adds_coordinates:
         return None
     out = start.copy()
     for k, parameter in enumerate(candidate.effect.parameters):

@@ -172,7 +172,7 @@ class Study:
                 best = found
         assert best is not None
         # Where a degree of freedom is added, every step is dear; whole numbers are then left as the scan found them.
-        stiff = any(m.effect.reshape is not None and m.effect.reshape.topology for m in hypothesis.members)
+        stiff = any(m.effect.adds_coordinates for m in hypothesis.members)
         if whole.any() and not stiff and best.score < WORTH_COUNTING * self.samples:
             best = self._counted(best, whole, most_steps)
         if best.linear.cost > HOPELESS * self.samples and self.stretched(best):

@@ -137,12 +137,16 @@ class Sensor:
     this order.
     every_channel: acts on all channels of a recording alike, whatever channel it is written at.
     clock: its first parameter is recorded over true time, so recorded efforts are stamped by it as well.
+    linear: what it adds is proportional to how strongly it acts, so that a weak one is like a strong one made smaller.
+    memory: of the same arguments, what it may still know of the time before the first sample: course (B, T) and size (B,).
     """
 
     apply: Callable[[Array, Array, Array], Array]
     stage: int
     every_channel: bool = False
     clock: bool = False
+    linear: bool = False
+    memory: Callable[[Array, Array, Array], tuple[Array, Array]] | None = None
 
 
 @dataclass(frozen=True)
@@ -209,6 +213,11 @@ class Effect:
         if self.sensor is not None:
             return "sensor"
         return "input" if self.input is not None else "dynamics"
+
+    @property
+    def adds_coordinates(self) -> bool:
+        """Whether it acts through coordinates of its own."""
+        return self.reshape is not None and self.reshape.topology
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

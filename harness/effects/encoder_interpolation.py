@@ -50,5 +50,5 @@ EFFECT = Effect(
     simpler=(),
     confusable_with=("sensor_nonlinearity", "cogging_torque"),
     rarity=1.5,
-    sensor=Sensor(periodic_error, stage=55),
+    sensor=Sensor(periodic_error, stage=55, linear=True),
 )

@@ -15,6 +15,8 @@ from harness.system.description import Array
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _NODES, _WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
+STRETCH = 3.0  # time constants of a filter, in which a signal tells how fast it swings
+EDGE, FEW = 2, 8  # samples at whose slopes little is known, and on which a swing shows at least
 SHORT_STEP = 1.0  # step over time constant below which quadrature replaces the recursion, which cancels there
 
 
@@ -106,29 +108,88 @@ def clock_skew(signal: Array, time: Array, params: Array) -> Array:
 
 
 def lowpass(signal: Array, time: Array, params: Array) -> Array:
-    """First-order low-pass, settled at the first sample; params: cutoff [Hz] (−3 dB).
+    """First-order low-pass of a signal that goes on as it begins; params: cutoff [Hz] (−3 dB).
 
-    τ ẏ + y = x with τ = 1/(2π cutoff), solved exactly for the signal as a piecewise cubic.
+    τ ẏ + y = x with τ = 1/(2π cutoff), solved exactly for the signal as a piecewise cubic. One that begins at rest with the
+    recording was held before, and the filter has settled on it.
     """
-    time_constant = 1.0 / (2.0 * np.pi * np.maximum(params[:, 0], 1e-12))
+    return _passed(signal, time, params, _followed(signal, time, params))
+
+
+def highpass(signal: Array, time: Array, params: Array) -> Array:
+    """First-order high-pass: what a low-pass leaves out; params: cutoff [Hz] (−3 dB), settled [1].
+
+    settled: that low-pass begins at settled · first sample; 1 is a filter that has seen that value for long.
+    """
+    return signal - _passed(signal, time, params, params[:, 1] * signal[:, 0])
+
+
+def _passed(signal: Array, time: Array, params: Array, start: Array) -> Array:
+    """The low-pass of each lane's signal (B, T) that begins at ``start`` (B,)."""
+    time_constant = _time_constant(params)
     step = np.diff(time)
-    slope = np.gradient(signal, time, axis=1, edge_order=2 if len(time) > 2 else 1)
+    slope = _slope(signal, time)
     x0, x1, s0, s1 = signal[:, :-1], signal[:, 1:], slope[:, :-1] * step, slope[:, 1:] * step
     # Hermite cubic on each step, in the fraction w of the step.
     coefficients = (x0, s0, 3.0 * (x1 - x0) - 2.0 * s0 - s1, 2.0 * (x0 - x1) + s0 + s1)
     u = step[None, :] / time_constant[:, None]
     moments = _moments(u)
     driven = sum((c * m for c, m in zip(coefficients, moments, strict=True)), np.zeros_like(u))
-    return _relax(np.exp(-u), driven, np.ascontiguousarray(signal[:, 0]))
+    return _relax(np.exp(-u), driven, np.ascontiguousarray(start))
 
 
-def highpass(signal: Array, time: Array, params: Array) -> Array:
-    """First-order high-pass: what the low-pass leaves out; params: cutoff [Hz] (−3 dB), settled [1].
+def _time_constant(params: Array) -> Array:
+    return np.asarray(1.0 / (2.0 * np.pi * np.maximum(params[:, 0], 1e-12)))
 
-    settled: the low-pass begins at settled · first sample; 1 is a filter that has seen that value for long.
+
+def _slope(signal: Array, time: Array) -> Array:
+    return np.asarray(np.gradient(signal, time, axis=1, edge_order=2 if len(time) > 2 else 1))
+
+
+def lowpass_memory(signal: Array, time: Array, params: Array) -> tuple[Array, Array]:
+    """What a low-pass may still know of the time before its first sample: its course (B, T), 1 at first, and its size (B,).
+
+    The size is that of what ``lowpass`` may be wrong by there, because motion is no wave of one frequency.
     """
-    decay = np.exp(-2.0 * np.pi * params[:, :1] * (time - time[0]))
-    return signal - lowpass(signal, time, params) + (1.0 - params[:, 1:2]) * signal[:, :1] * decay
+    lag = _time_constant(params)[:, None]
+    size = np.zeros(len(signal))
+    if len(time) >= 4:
+        _, _, moving, turns = _beginning(signal, time, lag)
+        size = (np.minimum(turns, 1.0) * moving * np.ptp(signal, axis=1, keepdims=True))[:, 0]
+    return np.exp(-(time - time[0]) / lag), size
+
+
+def _followed(signal: Array, time: Array, params: Array) -> Array:
+    """Where a low-pass stands at the first sample if the signal was before it what it is after it, (B,).
+
+    x − (τ ẋ − τ² ẍ)/(1 + τ² ω²) is exact for a wave of angular frequency ω about any centre, and for a straight line.
+    """
+    if len(time) < 4:
+        return signal[:, 0]
+    tau = _time_constant(params)[:, None]
+    speed, bend, moving, turns = _beginning(signal, time, tau)
+    lag = (tau * speed - moving * tau**2 * bend) / (1.0 + moving * turns)
+    extent = np.ptp(signal, axis=1, keepdims=True)
+    return np.asarray(signal[:, 0] - np.clip(lag, -extent, extent)[:, 0])
+
+
+def _beginning(signal: Array, time: Array, tau: Array) -> tuple[Array, Array, Array, Array]:
+    """How signals (B, T) begin: speed, curvature, how far they are in motion (0 to 1), and (τ ω)² of their swing, each (B, 1).
+
+    Within a recording all are in motion; at its beginning a signal that starts from rest was held before.
+    """
+    # A wave about c has ẍ = −ω² (x − c): a regression over a few time constants, or over the first few samples if those are longer.
+    bends = _slope(_slope(signal, time), time)
+    last = np.minimum(np.maximum(np.searchsorted(time, time[0] + STRETCH * tau), EDGE + FEW), len(time)) - 1
+    inside = np.arange(len(time)) >= EDGE
+    centred = signal - signal[:, :1]
+    products = (np.ones_like(signal), centred, bends, centred * bends, centred**2)
+    count, x, b, xb, xx = (np.take_along_axis(np.cumsum(inside * p, axis=1), last, axis=1) for p in products)
+    turns = tau**2 * np.maximum(x * b - count * xb, 0.0) / np.maximum(count * xx - x**2, 1e-300)
+    cubic = np.linalg.solve(np.vander(time[:4] - time[0], increasing=True), signal[:, :4].T)
+    speed, bend = cubic[1][:, None], 2.0 * cubic[2][:, None]
+    moving = np.ones_like(speed) if time[0] > 0.0 else speed**2 / (speed**2 + (bend * tau) ** 2 + 1e-300)
+    return speed, bend, moving, turns
 
 
 def resample(signal: Array, time: Array, query: Array) -> Array:

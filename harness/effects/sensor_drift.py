@@ -25,5 +25,5 @@ EFFECT = Effect(
     needs=("channel",),
     simpler=(),
     confusable_with=("sensor_offset", "sensor_highpass"),
-    sensor=Sensor(drift, stage=75),
+    sensor=Sensor(drift, stage=75, linear=True),
 )

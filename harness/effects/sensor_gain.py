@@ -27,5 +27,5 @@ EFFECT = Effect(
     needs=("channel",),
     simpler=(),
     confusable_with=("flexural_rigidity", "sensor_nonlinearity", "viscous_damping"),
-    sensor=Sensor(gain, stage=60),
+    sensor=Sensor(gain, stage=60, linear=True),
 )

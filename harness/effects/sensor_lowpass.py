@@ -3,7 +3,7 @@
 import numpy as np
 
 from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
-from harness.effects.measurement import lowpass
+from harness.effects.measurement import lowpass, lowpass_memory
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -15,7 +15,7 @@ EFFECT = Effect(
         Parameter(
             "cutoff",
             "Hz",
-            "of the first order (−3 dB); settled at the first sample",
+            "of the first order (−3 dB); settled at the first sample if the motion starts from rest there",
             lower=1e-4,
             neutral=np.inf,
             scale=Scale(1.0, frequency=1),
@@ -30,5 +30,5 @@ EFFECT = Effect(
     needs=("channel",),
     simpler=(),
     confusable_with=("sensor_delay", "modal_damping", "sensor_gain"),
-    sensor=Sensor(lowpass, stage=30),
+    sensor=Sensor(lowpass, stage=30, memory=lowpass_memory),
 )

@@ -40,5 +40,5 @@ EFFECT = Effect(
     needs=("channel",),
     simpler=(),
     confusable_with=("cubic_stiffness", "sensor_gain", "sensor_saturation", "encoder_interpolation"),
-    sensor=Sensor(nonlinearity, stage=50),
+    sensor=Sensor(nonlinearity, stage=50, linear=True),
 )

@@ -19,5 +19,5 @@ EFFECT = Effect(
     needs=("channel",),
     simpler=(),
     confusable_with=("base_tilt", "com_side_offset", "constant_torque"),
-    sensor=Sensor(offset, stage=70),
+    sensor=Sensor(offset, stage=70, linear=True),
 )

@@ -35,7 +35,7 @@ FULL = {
 SLOWEST_FIRST = ("triple", "pair", "flexible-single", "outside", "single", "flexible-clean", "clean")
 EFFECTS_BY_KIND = {"single": tuple(CONCEALMENTS), "outside": tuple(OUTSIDE), "flexible single": EFFECTS}
 
-REDRAWS, REDRAW_STRIDE = 5, 100_000
+REDRAWS, REDRAW_STRIDE = 20, 100_000
 
 Progress = Callable[[str, int, int], None]
 

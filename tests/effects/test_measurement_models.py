@@ -61,32 +61,66 @@ def test_clock_skew_stretches_time(time):
     assert np.array_equal(measurement.clock_skew(wave(time)[None], time, np.array([[1.0]]))[0], wave(time))
 
 
-@pytest.mark.parametrize("cutoff", [0.2, 2.0, 30.0, 400.0])
-def test_lowpass_and_highpass_of_a_wave(time, cutoff):
-    # τ ẏ + y = sin(ω t + φ): y = a sin(ω t + φ − ψ) + (y₀ − a sin(φ − ψ)) e^{−t/τ}, a = 1/√(1 + (ωτ)²), ψ = atan ωτ
+def settling(time, cutoff):
+    """Steady course of a filtered wave, and how what else it began with dies away.
+
+    τ ẏ + y = sin(ω t + φ): y = a sin(ω t + φ − ψ) + c e^{−t/τ}, a = 1/√(1 + (ωτ)²), ψ = atan ωτ.
+    """
     tau = 1.0 / (2.0 * np.pi * cutoff)
     amplitude, lag = 1.0 / np.hypot(1.0, RATE * tau), np.arctan(RATE * tau)
-    elapsed = time - time[0]
-    steady = amplitude * np.sin(RATE * time + 0.3 - lag)
-    start = wave(time)[0]
-    expected = steady + (start - steady[0]) * np.exp(-elapsed / tau)
+    return amplitude * np.sin(RATE * time + 0.3 - lag), np.exp(-(time - time[0]) / tau)
+
+
+@pytest.mark.parametrize("cutoff", [0.2, 2.0, 30.0, 400.0])
+def test_lowpass_within_a_motion_is_steady(time, cutoff):
+    time = time + 1.0  # seconds into the recording
+    steady, _ = settling(time, cutoff)
     passed = measurement.lowpass(wave(time)[None], time, np.array([[cutoff]]))[0]
-    # Slopes by second-order differences: error (ω h)²/6 of the slope over the step, h ≤ 7 ms.
+    # Third differences at h ≤ 7 ms tell ω² to (ω h)² = 3e-3, of which as much of the first sample is wrong; slopes by second-order
+    # differences are wrong by (ω h)²/6 of themselves over a step.
+    assert np.abs(passed - steady).max() < 3e-3
+    assert np.abs(passed - steady)[time > time[0] + 10.0 / cutoff].max(initial=0.0) < 2e-5
+
+
+def test_what_a_lowpass_began_with_has_the_course_that_its_memory_states(time):
+    cutoff = 2.0
+    _, dying = settling(time, cutoff)
+    course, size = measurement.lowpass_memory(wave(time)[None], time + 1.0, np.array([[cutoff]]))
+    assert np.allclose(course[0], dying, rtol=0, atol=1e-12)
+    assert size[0] == pytest.approx((RATE / (2.0 * np.pi * cutoff)) ** 2 * 2.0, rel=0.02)
+
+
+def test_a_lowpass_of_what_was_held_has_settled_on_it():
+    time = GRIDS["even"]
+    cutoff = 2.0
+    tau = 1.0 / (2.0 * np.pi * cutoff)
+    # τ ẏ + y = cos ω t from y(0) = 1: steady part (cos ω t + ωτ sin ω t)/(1 + (ωτ)²).
+    turn = RATE * tau
+    steady = (np.cos(RATE * time) + turn * np.sin(RATE * time)) / (1.0 + turn**2)
+    expected = steady + (1.0 - steady[0]) * np.exp(-time / tau)
+    released = np.cos(RATE * time)[None]
+    passed = measurement.lowpass(released, time, np.array([[cutoff]]))[0]
     assert np.abs(passed - expected).max() < 2e-5
+    assert measurement.lowpass_memory(released, time, np.array([[cutoff]]))[1][0] < 1e-6
+
+
+@pytest.mark.parametrize("cutoff", [0.2, 2.0, 30.0, 400.0])
+def test_highpass_of_a_wave(time, cutoff):
+    steady, dying = settling(time, cutoff)
+    start = wave(time)[0]
     rest = measurement.highpass(wave(time)[None], time, np.array([[cutoff, 1.0]]))[0]
-    assert np.allclose(rest + passed, wave(time), rtol=0, atol=1e-12)
+    # Slopes by second-order differences: error (ω h)²/6 of the slope over the step, h ≤ 7 ms.
+    assert np.abs(rest - (wave(time) - steady - (start - steady[0]) * dying)).max() < 2e-5
     fresh = measurement.highpass(wave(time)[None], time, np.array([[cutoff, 0.0]]))[0]
     # Settled on zero before: the whole first sample passes, and dies away.
-    assert np.allclose(fresh - rest, start * np.exp(-elapsed / tau), rtol=0, atol=1e-12)
+    assert np.allclose(fresh - rest, start * dying, rtol=0, atol=1e-12)
 
 
-def test_lowpass_of_a_straight_line_is_exact(time):
-    # y = x − slope τ (1 − e^{−t/τ})
+def test_lowpass_of_a_straight_line_is_late_by_its_time_constant(time):
+    # y = x(t − τ) for a line that has always been there
     tau = 1.0 / (2.0 * np.pi * 0.7)
     passed = measurement.lowpass((2.0 - 3.0 * time)[None], time, np.array([[0.7]]))[0]
-    assert np.allclose(
-        passed, 2.0 - 3.0 * time + 3.0 * tau * (1.0 - np.exp(-(time - time[0]) / tau)), rtol=0, atol=1e-11
-    )
+    assert np.allclose(passed, 2.0 - 3.0 * (time - tau), rtol=0, atol=1e-9)
 
 
 def test_nonlinearity_saturation_deadzone_quantisation():

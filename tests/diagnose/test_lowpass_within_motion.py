@@ -1,0 +1,41 @@
+"""A slow sensor on a swing that is under way when the recording begins: its filter stands somewhere, and nothing says where."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from simulated_recordings import Rig, nominal, recording, swing
+
+import harness
+
+CUTOFF, NOISE, RATE, LEAD = 5.0, 5e-4, 125.0, 3.3
+FINE = 2e-4  # s, at which the filter of straight lines is that of the swing to 1e-7 rad
+
+
+def slow_reading(angle: float, time: np.ndarray) -> np.ndarray:
+    """What the sensor reads of a swing released ``LEAD`` before the recording, dozens of its time constants."""
+    fine = np.arange(0.0, LEAD + time[-1] + 2 * FINE, FINE)
+    truth = swing(Rig(), angle, fine)
+    turn = 2.0 * np.pi * CUTOFF * FINE
+    decay, mean = np.exp(-turn), -np.expm1(-turn) / turn
+    settled = [mean * truth[0]]  # on the held angle, which then is the first reading
+    passed = lfilter([1.0 - mean, mean - decay], [1.0, -decay], truth, zi=settled)[0]
+    return np.interp(LEAD + time, fine, passed)
+
+
+def test_a_slow_sensor_is_named_though_the_swing_is_under_way() -> None:
+    rng = np.random.default_rng(23)
+    time = np.arange(0.0, 9.0, 1.0 / RATE)
+    runs = [
+        recording(f"run{k}", time, {"pivot.position": slow_reading(a, time) + NOISE * rng.standard_normal(len(time))})
+        for k, a in enumerate((1.3, -0.9))
+    ]
+    found = harness.diagnose(
+        runs, nominal(tolerance=0.01),
+        only=["sensor_lowpass", "sensor_delay", "encoder_interpolation", "viscous_damping", "cubic_stiffness"],
+    ).to_json()  # fmt: skip
+    assert found["verdict"] == "explained"
+    (finding,) = found["findings"]
+    assert finding["effect"] == "sensor_lowpass"
+    assert finding["parameters"]["cutoff"]["value"] == pytest.approx(CUTOFF, rel=0.1)
