@@ -6,6 +6,7 @@ Nothing is concealed or judged with it. What is concealed comes from other code;
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from harness.proof.rigs import Rig
 from harness.proof.scene import FINE_STEP, Run, Sensor
 from harness.proof.visibility import RELATIVE_STEP, Moves, whiten
 from harness.system import System, load
+from harness.system.description import constant
 
 Array = NDArray[np.float64]
 
@@ -25,7 +27,9 @@ class PlainRig:
 
     def __init__(self, rig: Rig, runs: Sequence[Run], sensor: Sensor, moves: Moves) -> None:
         self.rig, self.runs, self.sensor, self.moves = rig, runs, sensor, moves
-        self._model = lane_model(_system(rig))
+        with model_file(rig.toml()) as path:
+            self._system = load(path)
+        self._model = lane_model(self._system)
 
     def simulate(self, numbers: Array) -> Array:
         """Samples at vectors of nuisances (K, k): (K, samples)."""
@@ -35,7 +39,7 @@ class PlainRig:
         for z in numbers:
             key = z[:cut].tobytes()
             if key not in known:
-                known[key] = lane_row(self._model, _system(self.moves.moved(self.rig, z)))
+                known[key] = lane_row(self._model, _with_data(self._system, self.moves.moved(self.rig, z)))
             system_rows.append(known[key])
         rows = np.array(system_rows)
         pieces = []
@@ -59,6 +63,14 @@ class PlainRig:
         return np.asarray((moved[1:] - moved[0]).T / RELATIVE_STEP)
 
 
-def _system(rig: Rig) -> System:
-    with model_file(rig.toml()) as path:
-        return load(path)
+def _with_data(system: System, rig: Rig) -> System:
+    """The system with the data of a rig of the same shape."""
+    joints, links = [], []
+    below = 0.0
+    for joint, link, s in zip(system.joints, system.links, rig.segments, strict=True):
+        joints.append(replace(joint, xyz=constant([0.0, 0.0, below]), damping=s.damping, armature=s.armature))
+        links.append(
+            replace(link, mass=s.mass, com=constant([0.0, 0.0, -s.com]), inertia=constant(s.inertia * np.eye(3)))
+        )
+        below = -s.length
+    return replace(system, joints=tuple(joints), links=tuple(links))

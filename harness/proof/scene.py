@@ -56,7 +56,7 @@ class Run:
     def effort(self, t: Array | float) -> Array:
         """The commanded torque at the first joint [N·m]."""
         amplitudes, rates, phases = self._waves
-        return np.asarray(np.sin(np.multiply.outer(t, rates) + phases) @ amplitudes)
+        return np.asarray(np.sin(np.asarray(t)[..., None] * rates + phases) @ amplitudes)
 
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array]:
@@ -148,9 +148,9 @@ class Scene:
                 acting = stage(acting)
             first = truth.dof[self.rig.joints[0]]
 
-            def effort(t: float) -> Array:
-                force = np.zeros(truth.n)
-                force[first] = float(acting(np.asarray(t)))
+            def effort(t: Array | float) -> Array:
+                force = np.zeros((*np.shape(t), truth.n))
+                force[..., first] = acting(np.asarray(t))
                 return force
 
         key = (truth.xml, index, len(fine), q0.tobytes(), v0.tobytes())
