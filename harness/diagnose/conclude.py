@@ -16,7 +16,7 @@ from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straig
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
 from harness.diagnose.rivals import APART, near, preferred
-from harness.diagnose.study import STRETCHED
+from harness.diagnose.study import BEGUN, STRETCHED
 from harness.diagnose.uncertainty import estimates
 from harness.effects.effect import Family
 from harness.effects.scale import references
@@ -91,7 +91,8 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
     for k, member in enumerate(fitted.hypothesis.members):
         smaller = study.below(fitted, k)
         gain = smaller.score - fitted.score
-        price = study.price(member, len(fitted.hypothesis.members) - 1)
+        begun = max(fitted.vibrating - smaller.vibrating, 0.0)
+        price = study.price(member, len(fitted.hypothesis.members) - 1) + BEGUN * begun
         if len(fitted.hypothesis.members) >= MANY:
             price *= CROWDED
         enough = gain > max(price, (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2)

@@ -27,6 +27,7 @@ from harness.diagnose.problem import pose
 from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.search import Effort
+from harness.diagnose.study import BEGUN
 from harness.diagnose.uncertainty import Estimate, as_likely, estimates
 from harness.effects.effect import Effect
 from harness.effects.scale import references
@@ -201,7 +202,7 @@ def _tell(
         ranking.append(
             {
                 "effects": list(fitted.hypothesis.keys),
-                "bic": fitted.score + fitted.hypothesis.size * log_n,
+                "bic": fitted.score + fitted.hypothesis.size * log_n + BEGUN * fitted.vibrating,
                 "heldout_rmse": error,
                 "lost": why_lost(
                     study, conclusion.best, fitted, error, rmse(outcome, conclusion.held, 0), conclusion.doubted

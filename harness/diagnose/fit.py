@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.linearisation import Linearisation, eliminated, linearise
+from harness.diagnose.linearisation import Linearisation, eliminated, linearise, vibrating
 from harness.diagnose.objective import LOST, Objective, Residuals, States
 from harness.diagnose.step import Stepping, Trial
 from harness.diagnose.window_states import best_states, loosely_held, settled, suspects
@@ -29,7 +29,10 @@ LANES = 8  # that run together at the price of one
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The best point found. ``score`` is cost plus prior; ``converged`` says whether steps had become immaterial."""
+    """The best point found. ``score`` is cost plus prior; ``converged`` says whether steps had become immaterial.
+
+    vibrating: how many initial states of vibrations the data tell.
+    """
 
     hypothesis: Hypothesis
     windows: tuple[Window, ...]
@@ -39,6 +42,7 @@ class Fit:
     prior: float
     converged: bool
     free: NDArray[np.bool_]
+    vibrating: float = 0.0
 
     @property
     def cost(self) -> float:
@@ -211,7 +215,8 @@ def _descend(
             if converged or damping > HARDEST:
                 break
             damping = _harder(damping)
-    return Fit(objective.hypothesis, windows, x, current, here, prior / louder, converged, free)
+    begun = vibrating(here, stepping.stiff)
+    return Fit(objective.hypothesis, windows, x, current, here, prior / louder, converged, free, begun)
 
 
 def _tried(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -177,9 +178,10 @@ def investigate(
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
     groups = horizon_groups(study, first)
+    hints = ChainMap(study.scores, study.cheap)
     long_study = Study(
         problem, predictor, likelihood, tuple(candidates), groups,
-        first_states=first.states, swing=period, hints=study.scores,
+        first_states=first.states, swing=period, hints=hints,
     )  # fmt: skip
     empty = long_study.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
     progress("free runs of the nominal model")
@@ -199,7 +201,7 @@ def investigate(
     if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined.colours):
         final = Study(
             problem, predictor, refined, tuple(candidates), groups,
-            first_states=first.states, swing=period, hints=study.scores, before=long_study,
+            first_states=first.states, swing=period, hints=hints, before=long_study,
         )  # fmt: skip
         seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
         empty = final.fit(Hypothesis(), [empty.x], empty)

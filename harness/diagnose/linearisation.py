@@ -132,3 +132,21 @@ def _triangle(tall: Array) -> Array:
         qr(part, mode="r", check_finite=False)[0][: tall.shape[1]] for part in np.array_split(tall, len(tall) // BLOCK)
     ]
     return np.asarray(qr(np.vstack(parts), mode="r", check_finite=False)[0])
+
+
+def vibrating(here: Linearisation, stiff: Array) -> float:
+    """How many initial states of vibrations the data tell, of all windows: what they take of the noise with them.
+
+    stiff: one over what a vibration may plausibly begin with, zero for joints, (S,). Each counts by the share of its variance that
+    the data take away (the effective number of parameters of a ridge regression).
+    """
+    own = np.flatnonzero(stiff > 0.0)
+    if not len(own):
+        return 0.0
+    order = np.concatenate([np.flatnonzero(stiff == 0.0), own])
+    total = 0.0
+    for states, _, _ in here.triangles:
+        beside = np.asarray(qr(states[:, order], mode="r", check_finite=False)[0])[-len(own) :, -len(own) :]
+        squares = np.linalg.svd(beside / stiff[own], compute_uv=False) ** 2
+        total += float(np.sum(squares / (1.0 + squares)))
+    return total

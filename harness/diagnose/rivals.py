@@ -22,7 +22,7 @@ WORTH_FITTING = (
 HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
 MOST_WIDENED = 3
 FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
-APART = 6.0  # difference in the criterion (odds of twenty to one) below which hypotheses cannot be told apart
+APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
 
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:

@@ -16,6 +16,7 @@ from harness.diagnose.study import HOPELESS, Study
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 NEAR = 60.0  # in the criterion
+AS_WELL = 10.0  # in the criterion
 UNDER_WAY = 200.0  # in the criterion
 MOST_CARRIED = 4
 CARRIED_STEPS = 40
@@ -53,7 +54,8 @@ def grow(
     growth = Growth(study, effort, progress, {f.hypothesis.identity: f for f in seeds}, to_begin_with)
     if to_begin_with and any(_only_noise(study, f) for f in seeds):
         return growth.ordered()
-    frontier, excess = list(seeds), np.inf
+    frontier, excess = growth.ordered()[: effort.beam], np.inf
+    frontier += [f for f in seeds if not f.hypothesis.members and f not in frontier]
     for _ in range(effort.largest + 2):
         before, found = growth.best, len(growth.changed)
         for base in frontier:
@@ -111,6 +113,13 @@ class Growth:
         """The least score of any set."""
         return min(f.score for f in self.known.values())
 
+    def _plainest(self) -> Fit:
+        """The best set, or a smaller one that leaves nothing but noise and is nearly as good."""
+        best = self.ordered()[0]
+        limit = self.study.criterion(best) + AS_WELL
+        alike = [f for f in self.ordered() if _only_noise(self.study, f) and self.study.criterion(f) < limit]
+        return min([best, *alike], key=lambda f: len(f.hypothesis.members))
+
     def note(self, found: Fit, *, aloud: bool = False) -> None:
         """Keep a fit that is new or better than the known one of its set; aloud: and tell of it."""
         old = self.known.get(found.hypothesis.identity)
@@ -132,7 +141,8 @@ class Growth:
         promising = self._promising(base, best)
         if not promising:
             self.complete.append(base)
-        for found in _diverse(promising, self.effort.tries):
+        slow = any(dear(member) for member in base.hypothesis.members)
+        for found in _diverse(promising, self.effort.tries // 2 if slow else self.effort.tries):
             # Beside a set near the noise, what promises to leave far more is left to the search for its alternatives.
             near = self.lowest < HOPELESS * study.samples
             if near and base.score - found.gain > FAR * self.lowest:
@@ -153,13 +163,17 @@ class Growth:
         # What leaves far more than a set near the noise does would need an effect that the other has no use for.
         if self.lowest < HOPELESS * study.samples and base.score > FAR * self.lowest:
             return True
+        # What a smaller set explains as well, needs no further effect beside the larger one.
+        smaller = (f for key, f in self.known.items() if key < base.hypothesis.identity and _only_noise(study, f))
+        if any(study.criterion(f) < study.criterion(base) + AS_WELL for f in smaller):
+            return True
         full = len(base.hypothesis.members) >= self.effort.largest
         return full or _needless(study, base) or any(_alike(base, other) for other in self.complete)
 
     def _promising(self, base: Fit, best: float) -> list[Score]:
         """Further effects whose score test promises more than their price."""
         study, members = self.study, len(base.hypothesis.members)
-        found = [s for s in study.ranked(base) if s.gain > study.price(s.candidate, members)]
+        found = [s for s in study.likely(base) if s.gain > study.price(s.candidate, members)]
         # What is dear to fit waits until what explains most is there, and its own share of the rest is worth it.
         worth = WORTHY * (base.score - study.samples)
         found = [s for s in found if s.gain > worth or not dear(s.candidate)]
@@ -179,7 +193,7 @@ class Growth:
 
     def exchange(self) -> None:
         """Give relatives of the best set's members, and more general laws, their turn."""
-        study, best = self.study, self.ordered()[0]
+        study, best = self.study, self._plainest()
         if (
             _only_noise(study, best)
             and len(best.hypothesis.members) > 1
@@ -190,7 +204,7 @@ class Growth:
             for k in range(len(best.hypothesis.members)):
                 for other in relatives(study, best, k, self.effort.most_fits):
                     self.note(other)
-            best = self.ordered()[0]
+            best = self._plainest()
         if not _only_noise(study, best):
             for wider in generalized(study, best):
                 self.note(wider, aloud=True)

@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.coordinates import is_logarithmic, to_internal
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, whole_numbers
+from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, dear, whole_numbers
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
@@ -27,6 +27,10 @@ Array = NDArray[np.float64]
 HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
+BEGUN = (
+    2.0  # in the criterion, for how a vibration began (Akaike): every window has its own, and few samples that show it
+)
+SUFFICIENT = 0.8  # of what is left above the noise
 PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
 FAR_WORSE = 2.0  # times the cost of the fit that a start extends
 NOTICEABLE = 6.0  # in the score
@@ -42,6 +46,7 @@ WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie bef
 class Study:
     """Fits of hypotheses on one set of training windows under one likelihood.
 
+    scores: tests of all candidates; cheap: of those that are not dear to fit.
     exchanged: sets in which a candidate of this key took a member's place, with the score from where it did. extended: sets that
     a candidate was added to. carried: sets whose fit was carried on to its end. swing: length of the slowest swing [s], if known.
     hints: score tests on shorter windows of the same recordings, where what had to be bent far is nearer to what it stands for.
@@ -56,6 +61,7 @@ class Study:
     windows: tuple[Window, ...]
     fits: dict[frozenset[str], Fit] = field(default_factory=dict)
     scores: dict[frozenset[str], list[Score]] = field(default_factory=dict)
+    cheap: dict[frozenset[str], list[Score]] = field(default_factory=dict)
     first_states: Mapping[Window, Array] = field(default_factory=dict)
     exchanged: dict[tuple[frozenset[str], str], float] = field(default_factory=dict)
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
@@ -79,12 +85,14 @@ class Study:
     def criterion(self, fitted: Fit) -> float:
         """Extended Bayesian information criterion: cost, prior, parameters, and the number of sets to choose among.
 
-        Chen and Chen, Biometrika 95 (2008) 759, with γ = 1; effects that are seldom met pay for that as prior odds.
+        Chen and Chen, Biometrika 95 (2008) 759, with γ = 1; effects that are seldom met pay for that as prior odds, and those that
+        vibrate for how every window's vibration began.
         """
         count = len(fitted.hypothesis.members)
         sets = log_choose(len(self.candidates), count)
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
-        return fitted.score + fitted.hypothesis.size * float(np.log(self.samples)) + 2.0 * (sets + rare)
+        own = fitted.hypothesis.size * float(np.log(self.samples)) + BEGUN * fitted.vibrating
+        return fitted.score + own + 2.0 * (sets + rare)
 
     def evidence(self, fitted: Fit) -> float:
         """−2 log of the evidence (Laplace's method) up to a constant, to weigh rivals with equally many members.
@@ -104,7 +112,8 @@ class Study:
             inner = inner - across.T @ np.linalg.solve(information[np.ix_(nominal, nominal)], across)
         volume = float(np.sum(np.log1p(np.maximum(np.linalg.eigvalsh(inner), 0.0) * WIDTH**2))) if own.any() else 0.0
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
-        return fitted.score + min(volume, fitted.hypothesis.size * float(np.log(self.samples))) + 2.0 * rare
+        volume = min(volume, fitted.hypothesis.size * float(np.log(self.samples)))
+        return fitted.score + volume + BEGUN * fitted.vibrating + 2.0 * rare
 
     def price(self, candidate: Candidate, members: int = 0) -> float:
         """What the criterion asks for one more effect beside ``members``."""
@@ -276,16 +285,33 @@ class Study:
             # Beside what is left there, another estimate of the noise changes little.
             return self.before.scores[key]
         if key not in self.scores:
-            taken = base.hypothesis
-            open_ones = [c for c in self.candidates if compatible(taken, c)]
-            spaces = [nuisance(base, self.predictor)]
-            if self.stretched(base):
-                spaces.append(nuisance(base, self.predictor, softened=True))
-            found = score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
-            if len(spaces) > 1:
-                found = _larger(found, self.hints.get(key, []))
-            self.scores[key] = found
+            others = self.cheap.get(key)
+            if others is None:
+                others = self._tested(base, [c for c in self.candidates if not dear(c)])
+            self.scores[key] = _larger(others, self._tested(base, [c for c in self.candidates if dear(c)]))
         return self.scores[key]
+
+    def likely(self, base: Fit) -> list[Score]:
+        """The same without what is dear to fit where something else promises to explain nearly all that is left."""
+        key = base.hypothesis.identity
+        excess = base.score - self.samples
+        if key in self.scores or base.score < PLAINLY * self.samples:
+            return self.ranked(base)
+        if key not in self.cheap:
+            self.cheap[key] = self._tested(base, [c for c in self.candidates if not dear(c)])
+        best = max((s.gain for s in self.cheap[key]), default=0.0)
+        return self.cheap[key] if best > SUFFICIENT * excess else self.ranked(base)
+
+    def _tested(self, base: Fit, candidates: Sequence[Candidate]) -> list[Score]:
+        open_ones = [c for c in candidates if compatible(base.hypothesis, c)]
+        spaces = [nuisance(base, self.predictor)]
+        if not self.stretched(base):
+            return score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
+        spaces.append(nuisance(base, self.predictor, softened=True))
+        found = score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
+        keys = {c.key for c in open_ones}
+        hints = self.hints.get(base.hypothesis.identity, [])
+        return _larger(found, [s for s in hints if s.candidate.key in keys])
 
     def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""
