@@ -81,8 +81,8 @@ def free_part(system: System, recording: Recording) -> Recording:
     note = QualityNote(
         "carried_start",
         start.joint,
-        f"the first {start.time:.3g} s are not free motion: something carries it, with about {100.0 * start.share:.0f} % of "
-        "the largest force that the model has there",
+        f"the first {start.time:.3g} s are not the free motion of the rest: something carries it, with about "
+        f"{100.0 * start.share:.0f} % of the largest force that the model has there, or a slow sensor has yet to catch up",
         "left out",
         int(np.count_nonzero(~keep)),
         ((0.0, start.time),),

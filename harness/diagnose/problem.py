@@ -13,6 +13,7 @@ from scipy.signal import coherence
 from harness.effects.measured import Measured
 from harness.effects.scale import references
 from harness.errors import InputError
+from harness.recording.differences import SQUARE, third_differences
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -66,8 +67,8 @@ class Run:
 
         nan for a channel without samples.
         """
-        sizes = [d[np.isfinite(d)] for d in np.abs(np.diff(self.values, 3, axis=1))]
-        return np.array([np.median(d) / 0.6745 / np.sqrt(20.0) if len(d) else np.nan for d in sizes])
+        sizes = [d[np.isfinite(d)] for d in np.abs(third_differences(self.time, self.values))]
+        return np.array([np.median(d) / 0.6745 / np.sqrt(SQUARE) if len(d) else np.nan for d in sizes])
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.recording.differences import SQUARE, third_differences
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
@@ -40,15 +41,15 @@ def timing_jitter(time: Array, values: Array, step: float = 0.0) -> Jitter | Non
     """
     intervals = np.diff(time)
     usual = float(np.median(intervals))
-    third = np.diff(values, 3)
+    third = third_differences(time, values)
     even = np.abs(np.stack([intervals[:-2], intervals[1:-1], intervals[2:]]) - usual).max(axis=0) < 0.5 * usual
     speed = np.abs(values[3:] - values[:-3]) / (3.0 * usual)
     good = even & np.isfinite(third) & (speed * usual > 1.5 * step) & (speed > 0.0)
     if good.sum() < FEWEST:
         return None
     pairs = good[:-1] & good[1:]
-    square = third**2 / 20.0  # third differences of white noise have twenty times its variance
-    if np.sum(third[:-1][pairs] * third[1:][pairs]) > ALTERNATES * np.sum(square[good]) * 20.0:
+    square = third**2 / SQUARE
+    if np.sum(third[:-1][pairs] * third[1:][pairs]) > ALTERNATES * np.sum(square[good]) * SQUARE:
         return None
     order = np.argsort(speed[good])
     parts = np.array_split(order, GROUPS)

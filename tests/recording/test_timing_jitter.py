@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from harness.recording.differences import SQUARE, third_differences
 from harness.recording.jitter import jitter_note, timing_jitter
 
 RATE = 250.0
@@ -57,3 +58,23 @@ def test_rounding_and_rest_are_none(step: float) -> None:
 def test_true_motion_without_noise_is_none() -> None:
     time = np.arange(0.0, 12.0, 1.0 / RATE)
     assert timing_jitter(time, swing(time)) is None
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7])
+def test_uneven_readings_with_true_stamps_are_none(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    time = np.sort(np.arange(0.0, 12.0, 1.0 / RATE) + 8e-4 * rng.normal(size=int(12 * RATE)))
+    assert timing_jitter(time, swing(time) + 3e-4 * rng.normal(size=len(time))) is None
+
+
+def test_third_differences_of_uneven_samples() -> None:
+    rng = np.random.default_rng(8)
+    time = np.cumsum(rng.uniform(0.002, 0.006, 4000))
+    assert np.abs(third_differences(time, 2.0 - 3.0 * time + 0.4 * time**2)).max() < 1e-10
+    noise = third_differences(time, rng.normal(size=(2, len(time))))
+    assert noise.shape == (2, 3997)
+    # Overlapping: a third of 8000 are independent, whose variance is known to √(2/2700) = 3 %.
+    assert np.var(noise) == pytest.approx(SQUARE, rel=0.12)
+    even = np.arange(50) * 0.01
+    wave = np.sin(7.0 * even)
+    assert np.allclose(np.abs(third_differences(even, wave)), np.abs(np.diff(wave, 3)), rtol=0, atol=1e-12)

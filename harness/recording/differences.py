@@ -1,0 +1,24 @@
+"""Third differences: what four neighbouring samples tell of noise, for motion is smooth and noise is not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.system.description import Array
+
+SQUARE = 20.0  # variance of a third difference of white noise, times the noise's: 1 + 9 + 9 + 1
+
+
+def third_differences(time: Array, values: Array) -> Array:
+    """Third differences of samples (…, T) taken evenly or not, as large as those of even ones; (…, T − 3).
+
+    They vanish on parabolas, and independent errors make their variance ``SQUARE`` times their own. nan where stamps are equal.
+    """
+    stamps = np.stack([time[k : len(time) - 3 + k] for k in range(4)])
+    apart = stamps[:, None] - stamps[None, :]
+    apart[np.arange(4), np.arange(4)] = 1.0
+    product = np.prod(apart / (time[-1] - time[0]), axis=1)
+    weights = 1.0 / np.where(product == 0.0, np.nan, product)
+    weights *= np.sqrt(SQUARE / np.sum(weights**2, axis=0))
+    count = values.shape[-1] - 3
+    return np.asarray(sum(weights[k] * values[..., k : count + k] for k in range(4)))
