@@ -72,8 +72,11 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Conclusion:
-    """Verdict and what supports it. best: the fit claimed, on all recordings; own: on the training ones; held: judged on the
-    data held out."""
+    """Verdict and what supports it.
+
+    best: the fit claimed, on all recordings; own: on the training ones; held: judged on the data held out. level: what is left of
+    those over the noise [1].
+    """
 
     verdict: str
     best: Fit
@@ -82,6 +85,7 @@ class Conclusion:
     claims: tuple[Claim, ...]
     remains: Remains
     doubted: tuple[str, ...]
+    level: float
 
 
 def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
@@ -325,7 +329,10 @@ def conclude(outcome: Outcome) -> Conclusion:
     claims = _claims(outcome, best)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     verdict = with_ if claims else without
-    return Conclusion(verdict, best, trained(outcome, best), judge(outcome, best), claims, remains, tuple(doubted))
+    held = judge(outcome, best)
+    return Conclusion(
+        verdict, best, trained(outcome, best), held, claims, remains, tuple(doubted), _level(outcome, held)
+    )
 
 
 def _left_out(outcome: Outcome, best: Fit, keys: list[str]) -> Fit:
@@ -364,8 +371,12 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     for test in (_stretched(outcome, best), _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))
-    floor_ratio = float(np.sqrt(held.cost / max(study.likelihood.samples(outcome.held_windows), 1.0)))
-    return remains, remains.significant or floor_ratio > AT_FLOOR
+    return remains, remains.significant or _level(outcome, held) > AT_FLOOR
+
+
+def _level(outcome: Outcome, held: Fit) -> float:
+    """What is left of the data held out, over the noise [1]."""
+    return float(np.sqrt(held.cost / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0)))
 
 
 def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:

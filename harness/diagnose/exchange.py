@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from itertools import combinations, product
+from itertools import combinations, islice, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.fit import Fit
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, compatible, dear
-from harness.diagnose.study import Study
+from harness.diagnose.study import HOPELESS, NOTICEABLE, Study
 
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
 NEARLY = 0.6  # the same for candidates that are dear to fit
+MOST_SIZES, SIZING = 4, 10  # at which a candidate is begun in a member's place, and steps in which it finds its own
 NEAR = 60.0  # in the score
 MOST_TOGETHER = 6  # pairs of exchanges fitted
 LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
@@ -120,6 +121,38 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
             found.append(known)
         elif scored.gain > LEAST_SHARE * own:
             found.append(study.extend(without, scored))
+    if study.stretched(without) or without.score > HOPELESS * study.samples:
+        # All others have gone far to do without the member, so that tests there say little, and fits from there end elsewhere.
+        found += _in_its_place(study, best, k, most_fits)
+    return found
+
+
+def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
+    """Fits with relatives in the place of member ``k``, each begun from what it takes to do that member's work.
+
+    All others, the nominal quantities among them, stay where they stand in the set until the relative has found its size by itself.
+    """
+    rest, others = best.hypothesis.without(k), study.without(best, k)
+    found = []
+    for candidate in study.candidates:
+        member = best.hypothesis.members[k]
+        if candidate.key == member.key or not related(member, candidate) or dear(candidate):
+            continue
+        if not compatible(rest, candidate) or len(study.fits) >= most_fits:
+            continue
+        hypothesis = rest.with_(candidate)
+        known = study.known(hypothesis)
+        if known is not None and known.score < best.score + NOTICEABLE:
+            continue
+        if study.was_exchanged(best, candidate) and known is not None:
+            continue
+        held = np.arange(len(others) + candidate.size) < len(others)
+        states, objective = study.states_for(hypothesis, best), study.objective(hypothesis)
+        points = product(*(p.start_values(candidate.references) for p in candidate.effect.parameters))
+        starts = [np.concatenate([others, to_internal(candidate, np.array(p))]) for p in islice(points, MOST_SIZES)]
+        sized = [fit(objective, x, states, fixed=held, enough=0.2, most_steps=SIZING) for x in starts]
+        nearest = min(sized, key=lambda f: f.score)
+        found.append(study.fit(hypothesis, [nearest.x], nearest, target=best.score))
     return found
 
 

@@ -12,8 +12,7 @@ VERDICTS = {
     "earns a place.",
     "explained": "The nominal model leaves the recordings {severity}; with {names} the residual is at the noise floor, also on "
     "data held out.",
-    "partly_explained": "The nominal model leaves the recordings {severity}; {names} hold up on data held out, but a significant "
-    "remainder stays.",
+    "partly_explained": "The nominal model leaves the recordings {severity}; {names} {hold} up on data held out, but {rest}.",
     "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
 }
 
@@ -37,7 +36,11 @@ def summary(
 ) -> str:
     """The paragraph."""
     size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
-    text = VERDICTS[conclusion.verdict].format(severity=size, names=" and ".join(findings))
+    rest = "a significant remainder stays"
+    if not conclusion.remains.significant and not doubts:
+        rest = f"these are not yet predicted down to the noise ({conclusion.level:.2g} times it)"
+    hold = "hold" if len(findings) > 1 else "holds"
+    text = VERDICTS[conclusion.verdict].format(severity=size, names=" and ".join(findings), hold=hold, rest=rest)
     if rivals:
         text += " " + " ".join(rivals)
     if doubts:

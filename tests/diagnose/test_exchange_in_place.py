@@ -1,0 +1,58 @@
+"""What does the same work is found in a member's place, although without the member all others go astray."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from simulated_recordings import Rig, nominal, recording, swing
+
+from harness.diagnose.candidates import candidates
+from harness.diagnose.coordinates import to_internal
+from harness.diagnose.exchange import relatives
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.investigate import crude_colours
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor
+from harness.diagnose.problem import pose
+from harness.diagnose.study import Study
+from harness.diagnose.windows import whole
+
+NOISE, RATE, EXTRA = 2e-3, 200.0, 1.4
+WAVE, PERIODS, PHASE = 0.004, 18.0, -1.1
+
+
+@pytest.fixture
+def bench() -> Study:
+    """Two free swings of a pendulum a fifth slower than its model, over a small wave."""
+    rng = np.random.default_rng(31)
+    time = np.arange(0.0, 8.0, 1.0 / RATE)
+    rig = Rig(torque=lambda t, q, v: WAVE * np.sin(PERIODS * q + PHASE))
+    slow = Rig(inertia=EXTRA * rig.about_joint - rig.mass * rig.com**2, torque=rig.torque)
+    runs = [
+        recording(f"run{k}", time, {"pivot.position": swing(slow, a, time) + NOISE * rng.standard_normal(len(time))})
+        for k, a in enumerate((1.4, -1.0))
+    ]
+    system = nominal(tolerance=0.005)
+    posed = pose(system, runs)
+    known = tuple(candidates(system, runs, only=["com_offset", "added_inertia", "payload_mass", "cogging_torque"]))
+    return Study(posed, Predictor(posed), Likelihood(posed, crude_colours(posed)), known, whole(posed.runs, range(2)))
+
+
+def test_inertia_takes_the_place_of_a_shifted_centre_of_mass(bench: Study) -> None:
+    by_name = {c.effect.name: c for c in bench.candidates}
+    wave, centre = by_name["cogging_torque"], by_name["com_offset"]
+    # The period of a pendulum goes as √(I/(m g c)): a centre at c' is as slow as EXTRA times the inertia where
+    # (I + m c'²)/c' = EXTRA (I + m c²)/c.
+    rig = Rig()
+    inertia, target = rig.inertia / rig.mass, EXTRA * rig.about_joint / (rig.mass * rig.com)
+    places = np.roots([1.0, -target, inertia])
+    offset = min((float(p) - rig.com for p in places), key=abs)
+    start = np.concatenate([
+        np.zeros(len(bench.predictor.nominal)), to_internal(wave, np.array([WAVE, PERIODS, PHASE])),
+        to_internal(centre, np.array([offset])),
+    ])  # fmt: skip
+    best = bench.fit(Hypothesis((wave, centre)), [start], None, most_steps=40)
+    assert best.score < 1.1 * bench.samples
+    found = {f.hypothesis.identity: f for f in relatives(bench, best, 1, 60)}
+    other = found[frozenset({wave.key, by_name["added_inertia"].key})]
+    assert other.score < best.score + 2.0
