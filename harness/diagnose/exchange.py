@@ -16,6 +16,7 @@ LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promi
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
 NEARLY = 0.6  # the same for candidates that are dear to fit
 MOST_SIZES, SIZING = 4, 10  # at which a candidate is begun in a member's place, and steps in which it finds its own
+MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
 MOST_TOGETHER = 6  # pairs of exchanges fitted
 LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
@@ -212,6 +213,14 @@ def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
         start = np.concatenate([study.without(near, place), other.x[len(study.predictor.nominal) :][own]])
         found.append(study.fit(rest.with_(second), [start], near))
     return found
+
+
+def reduced(study: Study, best: Fit) -> list[Fit]:
+    """Fits without one member of sets nearly as good as the best one: what stands in a member's place may do without others."""
+    limit = study.criterion(best) + NEARLY_BEST
+    near = sorted((f for f in study.fits.values() if study.criterion(f) < limit), key=study.criterion)
+    larger = [f for f in near if len(f.hypothesis.members) > 1][:MOST_REDUCED]
+    return [study.reduce(f, k) for f in larger for k in range(len(f.hypothesis.members))]
 
 
 def pruned(study: Study, fitted: Fit, louder: float = 1.0) -> Fit:

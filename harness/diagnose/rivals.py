@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import generalized, like, pruned, related, relatives
+from harness.diagnose.exchange import generalized, like, pruned, reduced, related, relatives
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible
 from harness.diagnose.investigate import Outcome
@@ -104,8 +104,8 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         shaken = _shaken(outcome, best)
         if shaken:
             best = study.fit(best.hypothesis, shaken, best, most_steps=40, target=best.score)
-        better = min((f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)),
-                     key=study.criterion, default=best)  # fmt: skip
+        others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
+        better = min([*others, *reduced(study, best)], key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break
         best = better

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.diagnose.exchange import alternatives, generalized, pruned, relatives, together
+from harness.diagnose.exchange import alternatives, generalized, pruned, reduced, relatives, together
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis, dear
 from harness.diagnose.screen import Score
@@ -288,6 +288,7 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
             alternatives(study, best, k, effort.swaps, 2 * effort.most_fits)
             progress("alternatives to " + best.hypothesis.keys[k])
         together(study, best, 2 * effort.most_fits)
+        reduced(study, best)
         ordered = sorted(study.fits.values(), key=study.criterion)
         if study.criterion(ordered[0]) > before - 1e-6:
             break

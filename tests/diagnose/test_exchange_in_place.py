@@ -1,14 +1,14 @@
-"""What does the same work is found in a member's place, although without the member all others go astray."""
+"""Members exchanged: what does the same work is found in their place, and needs no others there."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from simulated_recordings import Rig, nominal, recording, swing
+from simulated_recordings import Rig, nominal, recording, releases, swing
 
 from harness.diagnose.candidates import candidates
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import relatives
+from harness.diagnose.exchange import reduced, relatives
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.investigate import crude_colours
 from harness.diagnose.likelihood import Likelihood
@@ -56,3 +56,23 @@ def test_inertia_takes_the_place_of_a_shifted_centre_of_mass(bench: Study) -> No
     found = {f.hypothesis.identity: f for f in relatives(bench, best, 1, 60)}
     other = found[frozenset({wave.key, by_name["added_inertia"].key})]
     assert other.score < best.score + 2.0
+
+
+def test_what_stands_in_a_members_place_is_tried_without_the_others() -> None:
+    system, runs = nominal(), releases(Rig(dry=0.004), (1.3, 0.9), 1e-3, seed=5)
+    posed = pose(system, runs)
+    names = ["coulomb_friction", "viscous_damping", "quadratic_drag"]
+    known = tuple(candidates(system, runs, only=names))
+    bench = Study(posed, Predictor(posed), Likelihood(posed, crude_colours(posed)), known, whole(posed.runs, range(2)))
+    dry, viscous, drag = (next(c for c in known if c.effect.name == name) for name in names)
+    nothing = np.zeros(len(bench.predictor.nominal))
+    pairs = [
+        bench.fit(
+            h, [np.concatenate([nothing, *(to_internal(m, m.effect.scales(m.references)) for m in h.members)])], None
+        )
+        for h in (Hypothesis((dry, viscous)), Hypothesis((dry, drag)))
+    ]
+    best = min(pairs, key=bench.criterion)
+    found = min(reduced(bench, best), key=bench.criterion)
+    assert found.hypothesis.identity == {dry.key}
+    assert bench.criterion(found) < bench.criterion(best)
