@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
@@ -108,6 +109,8 @@ def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) ->
 
     from joblib.externals.loky import get_reusable_executor
 
+    # A worker whose memory has grown is replaced by a fresh one; nothing is lost by that, and nobody needs to be warned.
+    warnings.filterwarnings("ignore", message="A worker stopped while some jobs", category=UserWarning)
     waiting = enumerate(items)
     running: set[Future[tuple[int, R]]] = set()
     # Only what the workers can hold is handed out: a pool that is stopped with a queue of work stumbles over it.
