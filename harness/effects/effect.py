@@ -50,12 +50,10 @@ class Parameter:
     linear_unit: the same at a prismatic joint, if it differs.
     lower, upper: what physics allows.
     scale: a typical size, as a rule over the natural sizes of system and recording.
-    starts: values to start a search from, in multiples of ``scale`` counted from ``neutral`` (from 0 if that is
-    infinite).
+    starts: values to start a search from, in multiples of ``scale`` counted from ``neutral`` (from 0 if that is infinite).
     neutral: the value at which the effect is absent, if one value alone does that.
-    search: "gradient" where a start near the truth is not needed, "spectrum" where the residual's spectrum must
-    give the
-        start, "range" where the motion's range must (the misfit has no slope far from the truth).
+    search: "gradient" where a start near the truth is not needed, "spectrum" where the residual's spectrum must give the start,
+        "range" where the motion's range must (the misfit has no slope far from the truth).
     """
 
     name: str
@@ -133,8 +131,7 @@ class Sensor:
     """Acts on a predicted channel.
 
     apply: (signal (B, T), time (T,), params (B, k)) -> (B, T); ``time`` may be uneven, but ascends.
-    stage: place in the chain from the motion to the file; lower comes first. Two effects of one channel apply in
-    this order.
+    stage: place in the chain from the motion to the file; lower comes first. Two effects of one channel apply in this order.
     every_channel: acts on all channels of a recording alike, whatever channel it is written at.
     clock: its first parameter is recorded over true time, so recorded efforts are stamped by it as well.
     linear: what it adds is proportional to how strongly it acts, so that a weak one is like a strong one made smaller.
@@ -161,8 +158,7 @@ class Input:
 class UserLaw:
     """A torque of the user's own at a joint.
 
-    torque: (position, velocity, time, parameters (k,)) -> torque [N·m or N] that acts on the joint, compilable by
-    numba.
+    torque: (position, velocity, time, parameters (k,)) -> torque [N·m or N] that acts on the joint, compilable by numba.
     """
 
     torque: Callable[[float, float, float, Any], float]
@@ -177,8 +173,7 @@ class Effect:
         the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending), "exact shapes" (a beam
         whose modes theory goes on with; samples end where they end).
     expressed_by: how each engine can say it; an engine that is not named cannot.
-    simpler: effects that this one contains as a special case. confusable_with: effects that some recordings cannot
-    tell from it.
+    simpler: effects that this one contains as a special case. confusable_with: effects that some recordings cannot tell from it.
     rarity: logarithm of how much rarer it is met than the plain effects, all else being equal (prior odds).
     law, reshape, sensor, input, user: exactly one is given.
     """

@@ -1,9 +1,8 @@
 """What sensors and actuators do to a signal: pure functions of many lanes at once.
 
 Every function has the form (signal (B, T), time (T,), params (B, k)) -> (B, T). ``time`` [s] ascends, evenly or
-not, and
-is counted from the first sample of the recording; a simulation that begins earlier or ends later than the recording
-(to give delays and filters their past) has negative times and times beyond the last one.
+not, and is counted from the first sample of the recording; a simulation that ends later than the recording has times
+beyond the last one.
 """
 
 from __future__ import annotations
