@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import combinations, islice, product
 
 import numpy as np
@@ -182,36 +183,46 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
     return sorted(found, key=study.criterion)
 
 
+@dataclass(frozen=True, eq=False)
+class Swap:
+    """A fit that differs from the best one by ``candidate`` in the place of member ``k``, and by how much it is worse."""
+
+    worse: float
+    k: int
+    candidate: Candidate
+    fit: Fit
+
+
+def _swaps(study: Study, best: Fit) -> list[Swap]:
+    """All known fits that differ from the best one by one member, likeliest first."""
+    base, found = best.hypothesis, []
+    for k, member in enumerate(base.members):
+        kept = base.identity - {member.key}
+        for key, other in study.fits.items():
+            if kept < key and member.key not in key and len(key) == len(base.members):
+                (new,) = (m for m in other.hypothesis.members if m.key not in kept)
+                found.append(Swap(study.criterion(other) - study.criterion(best), k, new, other))
+    return sorted(found, key=lambda s: s.worse)
+
+
 def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
     """Fits with two members exchanged at once, for what either exchange alone leaves nearly as good.
 
     Two wrong members may make up for one another, so that putting one of them right looks like a step back.
     """
-    limit, base = study.criterion(best) + NEAR, best.hypothesis
-    swaps: list[tuple[float, int, Candidate, Fit]] = []
-    for k, member in enumerate(base.members):
-        kept = base.identity - {member.key}
-        for key, other in list(study.fits.items()):
-            # One that was fitted in more than one order is known by its identity alone.
-            if kept < key and member.key not in key and len(key) == len(base.members):
-                (new,) = (m for m in other.hypothesis.members if m.key not in kept)
-                swaps.append((study.criterion(other) - limit + NEAR, k, new, other))
-    pairs = [
-        (one, two)
-        for one, two in combinations(sorted(swaps, key=lambda s: s[0]), 2)
-        if one[1] != two[1] and one[0] + two[0] < NEAR
-    ]
+    pairs = [(a, b) for a, b in combinations(_swaps(study, best), 2) if a.k != b.k and a.worse + b.worse < NEAR]
     found = []
-    for (_, _, _, near), (_, k, second, other) in sorted(pairs, key=lambda p: p[0][0] + p[1][0])[:MOST_TOGETHER]:
-        place = near.hypothesis.keys.index(base.keys[k])
-        rest = near.hypothesis.without(place)
-        if not compatible(rest, second) or study.known(rest.with_(second)) is not None:
+    for one, two in sorted(pairs, key=lambda p: p[0].worse + p[1].worse)[:MOST_TOGETHER]:
+        place = one.fit.hypothesis.keys.index(best.hypothesis.keys[two.k])
+        rest = one.fit.hypothesis.without(place)
+        if not compatible(rest, two.candidate) or study.known(rest.with_(two.candidate)) is not None:
             continue
         if len(study.fits) >= most_fits:
             break
-        own = other.hypothesis.span(other.hypothesis.keys.index(second.key))
-        start = np.concatenate([study.without(near, place), other.x[len(study.predictor.nominal) :][own]])
-        found.append(study.fit(rest.with_(second), [start], near))
+        span = two.fit.hypothesis.span(two.fit.hypothesis.keys.index(two.candidate.key))
+        own = two.fit.x[len(study.predictor.nominal) :][span]
+        start = np.concatenate([study.without(one.fit, place), own])
+        found.append(study.fit(rest.with_(two.candidate), [start], one.fit))
     return found
 
 
