@@ -376,9 +376,9 @@ def _remembered(
         course, size = sensor.memory(signal, stamps, values)
         course = course[:, : window.size]
         left = (record - reading - total)[:, seen]
-        stiffness = (run.roughness[c] / np.maximum(size, 1e-100)) ** 2
         own = course[:, seen]
-        amount = np.einsum("bt,bt->b", own, left) / (np.einsum("bt,bt->b", own, own) + stiffness)
+        whole = size**2 * np.einsum("bt,bt->b", own, own) + run.roughness[c] ** 2
+        amount = size**2 * np.einsum("bt,bt->b", own, left) / np.where(whole > 0.0, whole, 1.0)
         total += amount[:, None] * course
     return total
 

@@ -27,9 +27,7 @@ Array = NDArray[np.float64]
 HOPELESS = 2.0  # times the cost of noise alone
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
-BEGUN = (
-    2.0  # in the criterion, for how a vibration began (Akaike): every window has its own, and few samples that show it
-)
+BEGUN = 2.0  # in the criterion, for how a vibration began (Akaike): it shows in few samples of its own window
 SUFFICIENT = 0.8  # of what is left above the noise
 PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
 FAR_WORSE = 2.0  # times the cost of the fit that a start extends
