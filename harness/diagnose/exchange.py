@@ -17,6 +17,10 @@ LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promi
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
 NEARLY = 0.6  # the same for candidates that are dear to fit
 MOST_SIZES, SIZING = 4, 10  # at which a candidate is begun in a member's place, and steps in which it finds its own
+SAME_WORK = (
+    10.0  # times what the best set leaves, that a relative of its own size leaves at most where everything else stands
+)
+FAR = 3.0  # times what the best set leaves
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
 MOST_TOGETHER = 6  # pairs of exchanges fitted
@@ -135,7 +139,9 @@ def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     All others, the nominal quantities among them, stay where they stand in the set until the relative has found its size by itself.
     """
     rest, others = best.hypothesis.without(k), study.without(best, k)
-    found = []
+    found: list[Fit] = []
+    if any(dear(other) for other in rest.members):
+        return found
     for candidate in study.candidates:
         member = best.hypothesis.members[k]
         if candidate.key == member.key or not related(member, candidate) or dear(candidate):
@@ -154,7 +160,8 @@ def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
         starts = [np.concatenate([others, to_internal(candidate, np.array(p))]) for p in islice(points, MOST_SIZES)]
         sized = [fit(objective, x, states, fixed=held, enough=0.2, most_steps=SIZING) for x in starts]
         nearest = min(sized, key=lambda f: f.score)
-        found.append(study.fit(hypothesis, [nearest.x], nearest, target=best.score))
+        if nearest.score < SAME_WORK * best.score:
+            found.append(study.fit(hypothesis, [nearest.x], nearest, target=best.score))
     return found
 
 
@@ -227,11 +234,18 @@ def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
 
 
 def reduced(study: Study, best: Fit) -> list[Fit]:
-    """Fits without one member of sets nearly as good as the best one: what stands in a member's place may do without others."""
-    limit = study.criterion(best) + NEARLY_BEST
-    near = sorted((f for f in study.fits.values() if study.criterion(f) < limit), key=study.criterion)
-    larger = [f for f in near if len(f.hypothesis.members) > 1][:MOST_REDUCED]
-    return [study.reduce(f, k) for f in larger for k in range(len(f.hypothesis.members))]
+    """Fits of nearly as good sets without one of the members that they share with the best one.
+
+    What stands in a member's place may do without the others; none that the best set cannot do without are tried.
+    """
+    base, found = best.hypothesis, []
+    for swap in _swaps(study, best)[:MOST_REDUCED]:
+        if swap.worse > NEARLY_BEST:
+            break
+        for k, key in enumerate(base.keys):
+            if k != swap.k and study.reduce(best, k).score < FAR * best.score:
+                found.append(study.reduce(swap.fit, swap.fit.hypothesis.keys.index(key)))
+    return found
 
 
 def pruned(study: Study, fitted: Fit, louder: float = 1.0) -> Fit:
