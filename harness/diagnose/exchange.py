@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, compatible, dear
-from harness.diagnose.study import HOPELESS, NOTICEABLE, Study
+from harness.diagnose.study import FAR, HOPELESS, NOTICEABLE, Study
 
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
@@ -20,7 +20,6 @@ MOST_SIZES, SIZING = 4, 10  # at which a candidate is begun in a member's place,
 SAME_WORK = (
     10.0  # times what the best set leaves, that a relative of its own size leaves at most where everything else stands
 )
-FAR = 3.0  # times what the best set leaves
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
 MOST_TOGETHER = 6  # pairs of exchanges fitted

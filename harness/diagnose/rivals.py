@@ -11,8 +11,8 @@ from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
-from harness.diagnose.search import FAR, exhausted, finished
-from harness.diagnose.study import Study
+from harness.diagnose.search import exhausted, finished
+from harness.diagnose.study import FAR, Study
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted

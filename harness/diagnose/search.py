@@ -11,7 +11,7 @@ from harness.diagnose.exchange import alternatives, generalized, pruned, reduced
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis, dear
 from harness.diagnose.screen import Score
-from harness.diagnose.study import HOPELESS, Study
+from harness.diagnose.study import FAR, HOPELESS, Study
 
 Progress = Callable[[str], None]
 FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
@@ -20,7 +20,6 @@ AS_WELL = 10.0  # in the criterion
 UNDER_WAY = 200.0  # in the criterion
 MOST_CARRIED = 4
 CARRIED_STEPS = 40
-FAR = 3.0  # times what the best set leaves
 ALIKE = 0.01  # of the noise's variance
 CLEARLY = 3.0  # standard deviations of the cost of noise alone
 STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least

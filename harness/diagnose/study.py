@@ -25,6 +25,7 @@ from harness.diagnose.windows import Window
 Array = NDArray[np.float64]
 
 HOPELESS = 2.0  # times the cost of noise alone
+FAR = 3.0  # times what the best set leaves
 WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
 BEGUN = 2.0  # in the criterion, for how a vibration began (Akaike): it shows in few samples of its own window
