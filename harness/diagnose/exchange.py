@@ -137,12 +137,11 @@ def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
 
     All others, the nominal quantities among them, stay where they stand in the set until the relative has found its size by itself.
     """
-    rest, others = best.hypothesis.without(k), study.without(best, k)
+    member, rest, others = best.hypothesis.members[k], best.hypothesis.without(k), study.without(best, k)
     found: list[Fit] = []
     if any(dear(other) for other in rest.members):
         return found
     for candidate in study.candidates:
-        member = best.hypothesis.members[k]
         if candidate.key == member.key or not related(member, candidate) or dear(candidate):
             continue
         if not compatible(rest, candidate) or len(study.fits) >= most_fits:

@@ -20,7 +20,7 @@ LONGEST = 1e-4  # s; the error of a swing's step is then 1e-14 of it
 EVEN = 1e-9  # s
 
 
-def springs_alone(model: mujoco.MjModel) -> bool:
+def has_springs(model: mujoco.MjModel) -> bool:
     """Whether the mechanism has springs."""
     return bool(np.any(model.jnt_stiffness > 0.0))
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg.lapack import dposv
 
-from harness.proof.elastic_truth import even, run, springs_alone
+from harness.proof.elastic_truth import even, has_springs, run
 from harness.proof.rigs import Rig, Segment
 
 Array = NDArray[np.float64]
@@ -245,7 +245,7 @@ class Truth:
 
         effort: times of any shape -> generalized forces, shape (*shape, n).
         """
-        if self.hidden == Hidden() and springs_alone(self.model) and even(time):
+        if self.hidden == Hidden() and has_springs(self.model) and even(time):
             return run(self.model, q0, v0, time, effort)
         n = self.n
         rub = [f.dof for f in self.hidden.dry]
