@@ -16,13 +16,14 @@ from harness.diagnose.study import FAR, HOPELESS, NOTICEABLE, Study
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
 NEARLY = 0.6  # the same for candidates that are dear to fit
-MOST_SIZES, SIZING = 4, 10  # at which a candidate is begun in a member's place, and steps in which it finds its own
+# Sizes of a candidate looked at in a member's place, those it is begun at, and steps in which it finds its own.
+MOST_SIZES, MOST_SIZED, SIZING = 4, 2, 10
 SAME_WORK = (
     10.0  # times what the best set leaves, that a relative of its own size leaves at most where everything else stands
 )
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
-MOST_TOGETHER = 6  # pairs of exchanges fitted
+MOST_TOGETHER, MOST_SLOW = 6, 1  # pairs of exchanges fitted, and those of them that are dear beside a set that is not
 LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
 
 
@@ -150,15 +151,18 @@ def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
         known = study.known(hypothesis)
         if known is not None and known.score < best.score + NOTICEABLE:
             continue
-        if study.was_exchanged(best, candidate) and known is not None:
+        if study.was_exchanged(best, candidate, "in its place"):
             continue
         held = np.arange(len(others) + candidate.size) < len(others)
         states, objective = study.states_for(hypothesis, best), study.objective(hypothesis)
         points = product(*(p.start_values(candidate.references) for p in candidate.effect.parameters))
         starts = [np.concatenate([others, to_internal(candidate, np.array(p))]) for p in islice(points, MOST_SIZES)]
-        sized = [fit(objective, x, states, fixed=held, enough=0.2, most_steps=SIZING) for x in starts]
+        costs = [cost for cost, _ in objective.residuals([(x, states) for x in starts])]
+        likeliest = [starts[k] for k in np.argsort(costs)[:MOST_SIZED]]
+        alike = SAME_WORK * best.score
+        sized = [fit(objective, x, states, fixed=held, enough=0.2, most_steps=SIZING, target=alike) for x in likeliest]
         nearest = min(sized, key=lambda f: f.score)
-        if nearest.score < SAME_WORK * best.score:
+        if nearest.score < alike:
             found.append(study.fit(hypothesis, [nearest.x], nearest, target=best.score))
     return found
 
@@ -217,7 +221,12 @@ def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
     """
     pairs = [(a, b) for a, b in combinations(_swaps(study, best), 2) if a.k != b.k and a.worse + b.worse < NEAR]
     found = []
+    slow = 0
     for one, two in sorted(pairs, key=lambda p: p[0].worse + p[1].worse)[:MOST_TOGETHER]:
+        if any(dear(swap.candidate) and not any(map(dear, best.hypothesis.members)) for swap in (one, two)):
+            slow += 1
+            if slow > MOST_SLOW:
+                continue
         place = one.fit.hypothesis.keys.index(best.hypothesis.keys[two.k])
         rest = one.fit.hypothesis.without(place)
         if not compatible(rest, two.candidate) or study.known(rest.with_(two.candidate)) is not None:

@@ -18,6 +18,7 @@ from harness.diagnose.windows import Window
 Array = NDArray[np.float64]
 
 HOPE = 6.0  # a step's predicted gain times this is the most that the rest of a search is expected to bring
+PACED = 4  # places of a search that tell its pace
 SOFTEST = 1e-9  # least damping
 HARDEST = 1e8  # damping beyond which no step helps
 UNCHANGED = 3e-3  # a last step no longer than this (relative, at least to one) leaves the sensitivities as they are
@@ -162,10 +163,18 @@ def _descend(
     tried: dict[float, tuple[Trial, Residuals]] = {}
     mended, loosened = False, False
 
-    def beyond_reach(predicted: float) -> bool:
-        return here.cost + prior - HOPE * max(predicted, 0.0) > patience.target > -np.inf
+    scores = [here.cost + prior]
 
-    for _ in range(patience.most_steps):
+    def beyond_reach(predicted: float, left: int) -> bool:
+        if patience.target == -np.inf:
+            return False
+        missing, hope = here.cost + prior - patience.target, max(predicted, 0.0)
+        if missing > patience.target and len(scores) >= PACED:
+            # Far from any fit the linear view promises all there is; what the last steps brought says more.
+            hope = min(hope, left * (scores[-PACED] - scores[-1]) / (PACED - 1))
+        return missing > HOPE * hope
+
+    for left in range(patience.most_steps, 0, -1):
         if damping not in tried:
             trials = [stepping.trial(here, x, current, damping)]
             if trials[0].predicted < enough and damping > SOFTEST and not loosened:
@@ -176,13 +185,13 @@ def _descend(
                     damping, trials = SOFTEST, [loose]
             while len(trials) < together and trials[-1].predicted >= enough and trials[-1].damping <= HARDEST:
                 trials.append(stepping.trial(here, x, current, _harder(trials[-1].damping)))
-            if beyond_reach(trials[0].predicted):
+            if beyond_reach(trials[0].predicted, left):
                 free = trials[0].free
                 break
             tried = _tried(objective, stepping, here, prior, trials, enough)
         trial, found = tried[damping]
         free, predicted = trial.free, trial.predicted
-        if beyond_reach(predicted):
+        if beyond_reach(predicted, left):
             break
         if predicted < enough:
             converged = True
@@ -203,6 +212,7 @@ def _descend(
                 here = eliminated(found[0], found[1], here.bases, here.shared)
                 break
             here = linearise(objective, x, current, upper=upper, fixed=held, known=found)
+            scores.append(here.cost + prior)
             tried, mixed, mended, loosened = {}, mended, False, False
             # Quickly where the linear view holds: along a valley whose sides are steep, little damping is much.
             damping = max(

@@ -11,6 +11,7 @@ from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
+from harness.diagnose.places import replaced
 from harness.diagnose.search import exhausted, finished
 from harness.diagnose.study import FAR, Study
 
@@ -104,6 +105,7 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         shaken = _shaken(outcome, best)
         if shaken:
             best = study.fit(best.hypothesis, shaken, best, most_steps=40, target=best.score)
+        best = replaced(study, best)
         others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
         better = min([*others, *reduced(study, best)], key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:

@@ -162,9 +162,20 @@ def score(
         near = _near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
         at_size = _at_size(fitted, predictor, likelihood, batch, spaces)
         for (candidate, lines), (starts, changes, factors) in zip(batch, near, strict=True):
-            own = [_best_ray(candidate, lines, space, starts, changes, factors) for space in spaces]
+            own = [s for space in spaces for s in _along_rays(candidate, lines, space, starts, changes, factors)]
             own += at_size.get(candidate.key, [])
-            found += sorted((s for s in own if s is not None), key=lambda s: -s.gain)[:1]
+            found += sorted(own, key=lambda s: -s.gain)[:1]
+    return sorted(found, key=lambda s: -s.gain)
+
+
+def by_place(
+    fitted: Fit, predictor: Predictor, likelihood: Likelihood, candidate: Candidate, problem: Problem
+) -> list[Score]:
+    """One candidate's scores against a fit at every place that it is looked for at, best first."""
+    lines = rays(candidate, problem)
+    points = [[point for line in lines for point in line]]
+    ((starts, changes, factors),) = _near_changes(fitted, predictor, likelihood, [candidate], points, {})
+    found = _along_rays(candidate, lines, nuisance(fitted, predictor), starts, changes, factors)
     return sorted(found, key=lambda s: -s.gain)
 
 
@@ -174,7 +185,7 @@ def _at_size(
     likelihood: Likelihood,
     asked: Sequence[tuple[Candidate, Sequence[Ray]]],
     spaces: Sequence[Nuisance],
-) -> dict[str, list[Score | None]]:
+) -> dict[str, list[Score]]:
     """Scores of sensors whose readings are not linear in how strongly they act, at likely sizes; by candidate.
 
     A filter near the swing's frequency is another thing than a weak one many times stronger, which is a delay. Sensors cost no
@@ -184,7 +195,7 @@ def _at_size(
     points = [[point for line in lines for point in line] for _, lines in own]
     changes = change(fitted, predictor, likelihood, [candidate for candidate, _ in own], points)
     return {
-        candidate.key: [_best_ray(candidate, lines, space, at, moved, [1.0] * len(at)) for space in spaces]
+        candidate.key: [s for space in spaces for s in _along_rays(candidate, lines, space, at, moved, [1.0] * len(at))]
         for (candidate, lines), at, moved in zip(own, points, changes, strict=True)
     }
 
@@ -451,14 +462,15 @@ def _extents(predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> Array
     return np.sqrt(total)
 
 
-def _best_ray(
+def _along_rays(
     candidate: Candidate,
     lines: Sequence[Ray],
     space: Nuisance,
     near: Sequence[Array],
     changes: Sequence[Array],
     factors: Sequence[float],
-) -> Score | None:
+) -> Iterator[Score]:
+    """What each ray of a candidate promises, those that physics forbids or nothing shows of left out."""
     finite = np.ones(len(near), dtype=bool)
     for part in changes:
         finite &= np.all(np.isfinite(part), axis=1)
@@ -466,7 +478,6 @@ def _best_ray(
         changes = [np.nan_to_num(part) for part in changes]
     seen = space.measure(changes)
     along, squares, neighbours = seen.along, seen.squares, seen.neighbours
-    best: Score | None = None
     place = 0
     for line in lines:
         first = place
@@ -483,8 +494,6 @@ def _best_ray(
             r0, r1 = -float(along[first]), -float(along[first + 1])
             x, y = (s1 * r0 - c * r1) / determinant, (s0 * r1 - c * r0) / determinant
             gain = x * r0 + y * r1
-            if best is not None and gain <= best.gain:
-                continue
             found = combined(candidate, near[first], near[first + 1], x, y)
             if found is None:
                 continue
@@ -505,9 +514,7 @@ def _best_ray(
             elif factors[first] < 1.0:
                 start = _brought_near(candidate, near[first], float(np.clip(a0, 1e-2, reach)))
             start = np.clip(start, candidate.effect.lower, candidate.effect.upper)
-        if best is None or gain > best.gain:
-            best = Score(candidate, gain, start, visible)
-    return best
+        yield Score(candidate, gain, start, visible)
 
 
 def combined(candidate: Candidate, first: Array, second: Array, a: float, b: float) -> Array | None:

@@ -297,13 +297,15 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
 
 def transfer(study: Study, fits: Sequence[Fit], count: int, progress: Progress) -> list[Fit]:
     """The best hypotheses of one study fitted again on the windows of another, from where they stood."""
-    out = []
+    out: list[Fit] = []
     for old in fits[:count]:
         hypothesis: Hypothesis = old.hypothesis
         states_known = {
             w: old.states[v] for w in study.windows for v in old.windows if (v.run, v.first) == (w.run, w.first)
         }
         near = replace(old, states=states_known)
-        out.append(study.fit(hypothesis, [old.x], near))
+        # What was near the best under one estimate of the noise or on other windows need not be under this one.
+        within = min((f.score for f in out), default=-np.inf) + NEAR
+        out.append(study.fit(hypothesis, [old.x], near, target=within))
         progress("free runs of " + (" + ".join(hypothesis.keys) or "the nominal model"))
     return out

@@ -259,10 +259,10 @@ class Study:
                 found = self.fit(hypothesis, [earlier.x], earlier)
         return found
 
-    def was_exchanged(self, base: Fit, candidate: Candidate) -> bool:
+    def was_exchanged(self, base: Fit, candidate: Candidate, way: str = "") -> bool:
         """Whether a member of a set was exchanged for a candidate, from where the set stands or under an earlier estimate of the
-        noise; it counts as exchanged from now on."""
-        key = (base.hypothesis.identity, candidate.key)
+        noise; it counts as exchanged from now on. way: of beginning it, if there is more than one."""
+        key = (base.hypothesis.identity, candidate.key + way)
         tried = base.score > self.exchanged.get(key, np.inf) - NOTICEABLE
         if key not in self.exchanged and self.before is not None:
             tried = key in self.before.exchanged
@@ -396,7 +396,7 @@ class Study:
         held[:k] = True
         straight = fit(
             self.objective(hypothesis), start, self.states_for(hypothesis, near),
-            most_steps=most_steps, enough=0.2, fixed=held, others=self.others(hypothesis),
+            most_steps=most_steps, enough=0.2, fixed=held, target=FAR_WORSE * near.cost, others=self.others(hypothesis),
         )  # fmt: skip
         if straight.cost > FAR_WORSE * near.cost:
             straight = self._led_back(near, hypothesis, held) or straight
@@ -456,14 +456,19 @@ class Study:
         if known is not None:
             # Where the larger set stands may be nearer to the best fit than where the smaller one has ended.
             return self.fit(hypothesis, [others], base) if self._at(hypothesis, others, base) < known.score else known
-        found = self.fit(hypothesis, [others], base)
         nested = min(
-            (f for key, f in self.fits.items() if key < hypothesis.identity), key=lambda f: f.score, default=found
+            (f for key, f in self.fits.items() if key < hypothesis.identity), key=lambda f: f.score, default=None
         )
-        if nested.score < found.score:
-            # A special case cannot fit better, so this is a wrong valley; the nominal quantities there know the way.
+        ways = [(others, base)]
+        if nested is not None:
+            # A special case cannot fit better, and where it does, the nominal quantities there know the way out of a wrong valley.
             count = len(self.predictor.nominal)
-            found = self.fit(hypothesis, [np.concatenate([nested.x[:count], others[count:]])], nested)
+            ways.append((np.concatenate([nested.x[:count], others[count:]]), nested))
+            ways.sort(key=lambda way: self._at(hypothesis, *way))
+        for start, near in ways:
+            found = self.fit(hypothesis, [start], near)
+            if nested is None or found.score <= nested.score:
+                break
         if hypothesis.members and self.stretched(found) and found.cost < HOPELESS * self.samples:
             found = self._bent_back(base, found.x, hypothesis, most_steps=25)
         return found

@@ -115,12 +115,23 @@ def estimates(
             std = s * float(member.scales[j])
             low, high = value - WIDE * std, value + WIDE * std
         out[parameter.name] = Estimate(value, std, max(low, parameter.lower), min(high, parameter.upper))
+    elsewhere = [from_internal(member, x[first : first + member.size]) for x in others]
+    moved = any(round(float(there[j])) != round(float(values[j])) for there in elsewhere for j in np.flatnonzero(whole))
     for j, parameter in enumerate(member.effect.parameters):
-        if whole[j] or parameter.name == "phase":
-            continue
-        there = [float(from_internal(member, x[first : first + member.size])[j]) for x in others]
         found = out[parameter.name]
-        out[parameter.name] = replace(found, low=min([found.low, *there]), high=max([found.high, *there]))
+        if parameter.name == "phase":
+            if moved:
+                # Of waves of different length the phases cannot be compared.
+                out[parameter.name] = replace(
+                    found, std=np.pi / np.sqrt(3.0), low=found.value - np.pi, high=found.value + np.pi
+                )
+            continue
+        low = min([found.low, *(float(there[j]) for there in elsewhere)])
+        high = max([found.high, *(float(there[j]) for there in elsewhere)])
+        if whole[j]:
+            low, high = float(round(low)), float(round(high))
+            found = replace(found, std=0.25 * (high - low))
+        out[parameter.name] = replace(found, low=low, high=high)
     return out
 
 
