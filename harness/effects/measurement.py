@@ -72,13 +72,16 @@ def delay(signal: Array, time: Array, params: Array) -> Array:
     early = time[None, :] - params[:, :1] < time[0]
     if not early.any() or len(time) < 4:
         return shifted
-    # Speed and curvature at the start, of the cubic through the first four samples.
-    x = time[:4] - time[0]
-    cubic = np.linalg.solve(np.vander(x, increasing=True), signal[:, :4].T)
-    speed, half = cubic[1][:, None], cubic[2][:, None]
-    moving = speed**2 / (speed**2 + (2.0 * half * params[:, :1]) ** 2 + 1e-300)
+    speed, bend = _at_first(signal, time)
+    moving = speed**2 / (speed**2 + (bend * params[:, :1]) ** 2 + 1e-300)
     before = time[None, :] - params[:, :1] - time[0]
-    return np.where(early, signal[:, :1] + before * (speed + moving * half * before), shifted)
+    return np.where(early, signal[:, :1] + before * (speed + 0.5 * moving * bend * before), shifted)
+
+
+def _at_first(signal: Array, time: Array) -> tuple[Array, Array]:
+    """Speed and curvature at the first sample, of the cubic through the first four, each (B, 1)."""
+    cubic = np.linalg.solve(np.vander(time[:4] - time[0], increasing=True), signal[:, :4].T)
+    return cubic[1][:, None], 2.0 * cubic[2][:, None]
 
 
 def held_delay(signal: Array, time: Array, params: Array) -> Array:
@@ -178,15 +181,16 @@ def _beginning(signal: Array, time: Array, tau: Array) -> tuple[Array, Array, Ar
     Within a recording all are in motion; at its beginning a signal that starts from rest was held before.
     """
     # A wave about c has ẍ = −ω² (x − c): a regression over a few time constants, or over the first few samples if those are longer.
-    bends = _slope(_slope(signal, time), time)
     last = np.minimum(np.maximum(np.searchsorted(time, time[0] + STRETCH * tau), EDGE + FEW), len(time)) - 1
-    inside = np.arange(len(time)) >= EDGE
-    centred = signal - signal[:, :1]
-    products = (np.ones_like(signal), centred, bends, centred * bends, centred**2)
+    # The slopes of slopes up to there need a few samples more.
+    seen = slice(0, int(last.max()) + 1 + 2 * EDGE)
+    bends = _slope(_slope(signal[:, seen], time[seen]), time[seen])
+    inside = np.arange(len(time[seen])) >= EDGE
+    centred = signal[:, seen] - signal[:, :1]
+    products = (np.ones_like(bends), centred, bends, centred * bends, centred**2)
     count, x, b, xb, xx = (np.take_along_axis(np.cumsum(inside * p, axis=1), last, axis=1) for p in products)
     turns = tau**2 * np.maximum(x * b - count * xb, 0.0) / np.maximum(count * xx - x**2, 1e-300)
-    cubic = np.linalg.solve(np.vander(time[:4] - time[0], increasing=True), signal[:, :4].T)
-    speed, bend = cubic[1][:, None], 2.0 * cubic[2][:, None]
+    speed, bend = _at_first(signal, time)
     moving = np.ones_like(speed) if time[0] > 0.0 else speed**2 / (speed**2 + (bend * tau) ** 2 + 1e-300)
     return speed, bend, moving, turns
 
