@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from itertools import combinations, islice, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, compatible, dear
+from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, HOPELESS, NOTICEABLE, Study
 
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
@@ -24,7 +24,6 @@ SAME_WORK = (
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
 MOST_TOGETHER, MOST_SLOW = 6, 1  # pairs of exchanges fitted, and those of them that are dear beside a set that is not
-LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
 
 
 def generalized(study: Study, base: Fit) -> list[Fit]:
@@ -74,14 +73,6 @@ def specialized(study: Study, base: Fit) -> list[Fit]:
                 known = study.fit(hypothesis, [np.concatenate([study.without(base, k), own])], base)
             found.append(known)
     return found
-
-
-def like(wider: Candidate, amplitude: float) -> list[NDArray[np.float64]]:
-    """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``."""
-    first, *others = wider.effect.parameters
-    choices = [(LARGER * amplitude,) if p.unit == first.unit else p.start_values(wider.references) for p in others]
-    points = [np.array([amplitude, *rest]) for rest in product(*choices)]
-    return [np.clip(p, wider.effect.lower, wider.effect.upper) for p in points]
 
 
 def related(member: Candidate, other: Candidate) -> bool:

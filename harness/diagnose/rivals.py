@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import generalized, like, pruned, reduced, related, relatives
+from harness.diagnose.exchange import generalized, pruned, reduced, related, relatives
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
 from harness.diagnose.places import replaced
 from harness.diagnose.search import exhausted, finished
+from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, Study
 
 MOST = 9  # rivals fitted for each member

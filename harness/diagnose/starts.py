@@ -35,6 +35,8 @@ REACH = (
     0.97,
     0.99,
 )  # shares of the motion's extent at which a stop may stand
+LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
+GONE = 1e-3  # of the first size of a law
 CUT = (0.8, 0.95, 0.999)  # shares of a channel's extent at which it may saturate
 
 
@@ -141,3 +143,18 @@ def foretold(candidate: Candidate, system: System, start: Array) -> Array | None
         return None
     values = candidate.effect.named(start) | dict(reshape.expected(system, candidate.site))
     return np.array([values[name] for name in candidate.effect.parameter_names])
+
+
+def like(wider: Candidate, amplitude: float) -> list[Array]:
+    """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``."""
+    first, *others = wider.effect.parameters
+    choices = [(LARGER * amplitude,) if p.unit == first.unit else p.start_values(wider.references) for p in others]
+    points = [np.array([amplitude, *rest]) for rest in product(*choices)]
+    return [np.clip(p, wider.effect.lower, wider.effect.upper) for p in points]
+
+
+def shapeless(candidate: Candidate, values: Array) -> bool:
+    """Whether a law acts as its special case for want of the second size that makes it another."""
+    first, *others = candidate.effect.parameters
+    sizes = [value for p, value in zip(others, values[1:], strict=True) if p.unit == first.unit]
+    return bool(candidate.effect.simpler) and any(abs(size) < GONE * abs(values[0]) for size in sizes)

@@ -18,7 +18,7 @@ from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
-from harness.diagnose.starts import calmed, foretold
+from harness.diagnose.starts import calmed, foretold, like, shapeless
 from harness.diagnose.window_states import SHORTLY, measured_state
 from harness.diagnose.windows import Window
 
@@ -343,11 +343,29 @@ class Study:
             reached = self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
             if reached.score < promised + NOTICEABLE:
                 del starts[0]
-        fitted = self.fit(hypothesis, starts, base, most_steps=most_steps, target=target)
+        fitted = self._in_shape(self.fit(hypothesis, starts, base, most_steps=most_steps, target=target), target)
         settled = fitted.score < HOPELESS * self.samples and not self.stretched(fitted)
         if settled or not self.stretched(base):
             return fitted
         return self._bent_back(base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
+
+    def _in_shape(self, fitted: Fit, target: float) -> Fit:
+        """The fit with general laws that act as their special cases begun again from other shapes.
+
+        Where a law's second size is gone, its other numbers say nothing, and no small step leads back.
+        """
+        hypothesis = fitted.hypothesis
+        for k, member in enumerate(hypothesis.members):
+            values = self.predictor.effect_values(hypothesis, k, fitted.x)
+            if fitted.score < PLAINLY * self.samples or not shapeless(member, values):
+                continue
+            span, first = hypothesis.span(k), len(self.predictor.nominal)
+            starts = []
+            for point in like(member, float(values[0])):
+                starts.append(fitted.x.copy())
+                starts[-1][first + span.start : first + span.stop] = to_internal(member, point)
+            fitted = self.fit(hypothesis, starts, fitted, target=target)
+        return fitted
 
     def absent(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
         """The parameter vector with member ``k`` at its neutral values, where those are within reach; angles stay as they are."""
