@@ -18,7 +18,8 @@ from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
-from harness.diagnose.starts import calmed, foretold, like, shapeless
+from harness.diagnose.starts import calmed, foretold
+from harness.diagnose.valleys import bent_back, brought_back, in_shape
 from harness.diagnose.window_states import SHORTLY, measured_state
 from harness.diagnose.windows import Window
 
@@ -31,12 +32,7 @@ STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a 
 BEGUN = 2.0  # in the criterion, for how a vibration began (Akaike): it shows in few samples of its own window
 SUFFICIENT = 0.8  # of what is left above the noise
 PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
-FAR_WORSE = 2.0  # times the cost of the fit that a start extends
 NOTICEABLE = 6.0  # in the score
-LED = 0.01  # share of a nominal quantity by which it is bent back at a time
-FEWEST_LED, MOST_LED, LED_STEPS = 4, 16, 8
-FOLLOWING = 5  # steps in which everything else follows a new effect
-SHARES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # of the promised size
 SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
 WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
 
@@ -338,114 +334,16 @@ class Study:
         if likely is not None:
             own = to_internal(found.candidate, likely)
             starts.append(np.concatenate([base.x, own]))
-        nearer = self._brought_back(base, hypothesis, starts[0])
+        nearer = brought_back(self, base, hypothesis, starts[0])
         if nearer is not None:
             reached = self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
             if reached.score < promised + NOTICEABLE:
                 del starts[0]
-        fitted = self._in_shape(self.fit(hypothesis, starts, base, most_steps=most_steps, target=target), target)
+        fitted = in_shape(self, self.fit(hypothesis, starts, base, most_steps=most_steps, target=target), target)
         settled = fitted.score < HOPELESS * self.samples and not self.stretched(fitted)
         if settled or not self.stretched(base):
             return fitted
-        return self._bent_back(base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
-
-    def _in_shape(self, fitted: Fit, target: float) -> Fit:
-        """The fit with general laws that act as their special cases begun again from other shapes.
-
-        Where a law's second size is gone, its other numbers say nothing, and no small step leads back.
-        """
-        hypothesis = fitted.hypothesis
-        for k, member in enumerate(hypothesis.members):
-            values = self.predictor.effect_values(hypothesis, k, fitted.x)
-            if fitted.score < PLAINLY * self.samples or not shapeless(member, values):
-                continue
-            span, first = hypothesis.span(k), len(self.predictor.nominal)
-            starts = []
-            for point in like(member, float(values[0])):
-                starts.append(fitted.x.copy())
-                starts[-1][first + span.start : first + span.stop] = to_internal(member, point)
-            fitted = self.fit(hypothesis, starts, fitted, target=target)
-        return fitted
-
-    def absent(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
-        """The parameter vector with member ``k`` at its neutral values, where those are within reach; angles stay as they are."""
-        member, span = hypothesis.members[k], hypothesis.span(k)
-        own = slice(len(self.predictor.nominal) + span.start, len(self.predictor.nominal) + span.stop)
-        parameters = member.effect.parameters
-        away = to_internal(member, np.array([p.neutral for p in parameters], dtype=np.float64))
-        sized = np.array([k == 0 or p.unit != "rad" for k, p in enumerate(parameters)], dtype=bool)
-        out = x.copy()
-        out[own] = np.where(sized & np.isfinite(away) & np.logical_not(is_logarithmic(member)), away, x[own])
-        return out
-
-    def _brought_back(self, base: Fit, hypothesis: Hypothesis, start: Array) -> Fit | None:
-        """A fit to go on from instead of a start that is far worse than the fit it extends; None if the start will do.
-
-        A score test is linear, and lets everything else follow. So everything else follows first, with the new effect held at its
-        promised size; where a swing slips out of its cycle on the way there, at a share of it.
-        """
-        neutral = self.absent(hypothesis, len(hypothesis.members) - 1, start)
-        if np.array_equal(neutral, start):
-            return None
-        points = [neutral + share * (start - neutral) for share in SHARES]
-        states = self.states_for(hypothesis, base)
-        objective = self.objective(hypothesis)
-        costs = [cost for cost, _ in objective.residuals([(x, states) for x in points])]
-        if costs[0] < FAR_WORSE * base.linear.cost:
-            return None
-        held = self.whole(hypothesis)
-        held[len(start) - hypothesis.members[-1].size :] = True
-        found = []
-        for x in (points[0], points[int(np.argmin(costs))]):
-            found.append(fit(objective, x, states, most_steps=FOLLOWING, enough=0.2, fixed=held))
-            if found[-1].score < base.score:
-                break
-        return min(found, key=lambda f: f.score)
-
-    def _bent_back(self, near: Fit, x: Array, hypothesis: Hypothesis, most_steps: int, target: float = -np.inf) -> Fit:
-        """The fit of a hypothesis from a point with the nominal quantities as stated, and those freed only in the end.
-
-        What was bent far to do without an effect stands at the end of a valley so narrow and curved that steps along it are
-        short. Bent back at once, the effects alone find their size.
-        """
-        k = len(self.predictor.nominal)
-        start = np.concatenate([np.zeros(k), x[k:]])
-        held = self.whole(hypothesis)
-        held[:k] = True
-        straight = fit(
-            self.objective(hypothesis), start, self.states_for(hypothesis, near),
-            most_steps=most_steps, enough=0.2, fixed=held, target=FAR_WORSE * near.cost, others=self.others(hypothesis),
-        )  # fmt: skip
-        if straight.cost > FAR_WORSE * near.cost:
-            straight = self._led_back(near, hypothesis, held) or straight
-        return self.fit(hypothesis, [straight.x], straight, most_steps=most_steps, target=target)
-
-    def _led_back(self, near: Fit, hypothesis: Hypothesis, held: NDArray[np.bool_]) -> Fit | None:
-        """The fit with the nominal quantities as stated, reached along the valley from where they are bent and an effect is absent.
-
-        They are bent back a little at a time and the effects fitted again, which keeps every swing in its cycle. None where the way
-        is lost.
-        """
-        k = len(self.predictor.nominal)
-        bent = near.x[:k]
-        if hypothesis.without(len(hypothesis.members) - 1).keys != near.hypothesis.keys:
-            return None
-        x = self.absent(
-            hypothesis, len(hypothesis.members) - 1, np.concatenate([near.x, np.ones(len(held) - len(near.x))])
-        )
-        last, states, found = x, self.states_for(hypothesis, near), None
-        stages = int(np.clip(np.ceil(np.abs(bent).max() * self.problem.system.tolerance / LED), FEWEST_LED, MOST_LED))
-        for stage in range(stages):
-            # As much further as the last step went.
-            ahead = np.concatenate([bent * (1.0 - (stage + 1) / stages), 2.0 * x[k:] - last[k:]])
-            found = fit(
-                self.objective(hypothesis), ahead, states,
-                most_steps=LED_STEPS, enough=0.2, fixed=held,
-            )  # fmt: skip
-            if found.cost > FAR_WORSE * near.cost:
-                return None
-            last, x, states = x, found.x, dict(found.states)
-        return found
+        return bent_back(self, base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
 
     def below(self, base: Fit, k: int) -> Fit:
         """The best fit known without member ``k`` and without anything that ``base`` does not have.
@@ -488,7 +386,7 @@ class Study:
             if nested is None or found.score <= nested.score:
                 break
         if hypothesis.members and self.stretched(found) and found.cost < HOPELESS * self.samples:
-            found = self._bent_back(base, found.x, hypothesis, most_steps=25)
+            found = bent_back(self, base, found.x, hypothesis, most_steps=25)
         return found
 
     def _at(self, hypothesis: Hypothesis, x: Array, near: Fit) -> float:
