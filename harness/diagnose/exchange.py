@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations, islice, product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Candidate, compatible, dear
+from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, dear
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, HOPELESS, NOTICEABLE, Study
+from harness.diagnose.vibration_windows import FEWEST_SAMPLES
+
+Array = NDArray[np.float64]
 
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
 NEARLY = 0.6  # the same for candidates that are dear to fit
 # Sizes of a candidate looked at in a member's place, those it is begun at, and steps in which it finds its own.
 MOST_SIZES, MOST_SIZED, SIZING = 4, 2, 10
+BEGINNINGS = (0.0625, 0.25, 1.0)  # of every window
 SAME_WORK = (
     10.0  # times what the best set leaves, that a relative of its own size leaves at most where everything else stands
 )
+MOST_SECOND = 2  # nearly as good sets whose other members' relatives are tried
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
 MOST_TOGETHER, MOST_SLOW = 6, 1  # pairs of exchanges fitted, and those of them that are dear beside a set that is not
@@ -144,18 +151,39 @@ def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
             continue
         if study.was_exchanged(best, candidate, "in its place"):
             continue
-        held = np.arange(len(others) + candidate.size) < len(others)
-        states, objective = study.states_for(hypothesis, best), study.objective(hypothesis)
         points = product(*(p.start_values(candidate.references) for p in candidate.effect.parameters))
         starts = [np.concatenate([others, to_internal(candidate, np.array(p))]) for p in islice(points, MOST_SIZES)]
-        costs = [cost for cost, _ in objective.residuals([(x, states) for x in starts])]
-        likeliest = [starts[k] for k in np.argsort(costs)[:MOST_SIZED]]
-        alike = SAME_WORK * best.score
-        sized = [fit(objective, x, states, fixed=held, enough=0.2, most_steps=SIZING, target=alike) for x in likeliest]
-        nearest = min(sized, key=lambda f: f.score)
-        if nearest.score < alike:
+        nearest = _grown(study, best, hypothesis, starts)
+        if nearest.score < SAME_WORK * best.score:
             found.append(study.fit(hypothesis, [nearest.x], nearest, target=best.score))
     return found
+
+
+def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Array]) -> Fit:
+    """A fit of what differs from the best set by its last member, begun on the beginnings of the windows.
+
+    There another period has not yet slipped by a cycle. On the shortest ones the last member finds its size by itself; then all
+    follow, and the beginnings grow to whole windows.
+    """
+    objective, states = study.objective(hypothesis), study.states_for(hypothesis, best)
+    size = hypothesis.members[-1].size
+    alone = np.arange(len(starts[0])) < len(starts[0]) - size
+    found: Fit | None = None
+    for share in BEGINNINGS:
+        parts = {
+            w: replace(w, last=w.first + max(round(share * w.size), min(FEWEST_SAMPLES, w.size))) for w in study.windows
+        }
+        on, begun = objective.on(list(parts.values())), {part: states[w] for w, part in parts.items()}
+        if found is None:
+            costs = [cost for cost, _ in on.residuals([(x, begun) for x in starts])]
+            likeliest = [starts[k] for k in np.argsort(costs)[:MOST_SIZED]]
+            sized = [fit(on, x, begun, fixed=alone, enough=0.2, most_steps=SIZING) for x in likeliest]
+            found = min(sized, key=lambda f: f.score)
+        else:
+            found = fit(on, found.x, begun, fixed=study.whole(hypothesis), enough=0.2, most_steps=SIZING)
+        states = {w: found.states[part] for w, part in parts.items()}
+    assert found is not None
+    return replace(found, states=states)
 
 
 def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) -> list[Fit]:
@@ -228,6 +256,22 @@ def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
         own = two.fit.x[len(study.predictor.nominal) :][span]
         start = np.concatenate([study.without(one.fit, place), own])
         found.append(study.fit(rest.with_(two.candidate), [start], one.fit))
+    return found
+
+
+def second(study: Study, best: Fit, most_fits: int) -> list[Fit]:
+    """Fits of nearly as good sets with another one of their members exchanged for a relative too.
+
+    What looks like a step back may open the way to a relative of what the best set does not even need.
+    """
+    found = []
+    for swap in _swaps(study, best)[:MOST_SECOND]:
+        keys = swap.fit.hypothesis.keys
+        if swap.worse > NEAR or any(map(dear, swap.fit.hypothesis.members)):
+            continue
+        for k, key in enumerate(keys):
+            if key != swap.candidate.key and len(study.fits) < most_fits:
+                found += relatives(study, swap.fit, k, most_fits)
     return found
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.effects.effect import Effect
-from harness.effects.scale import References
+from harness.effects.scale import References, tip_of
 from harness.system import Joint, Link, System
 from harness.system.description import constant
 
@@ -106,9 +106,13 @@ def nominal_quantities(system: System) -> tuple[Nominal, ...]:
 
 
 def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[float]) -> System:
-    """The system with its nominal quantities multiplied by ``factors``."""
+    """The system with its nominal quantities multiplied by ``factors``.
+
+    Links keep the ends that the nominal model gives them, however their inertia is bent: an end worked out anew goes as a square
+    root beside a uniform rod's inertia.
+    """
     joints: dict[str, Joint] = {joint.name: joint for joint in system.joints}
-    links: dict[str, Link] = {link.name: link for link in system.links}
+    links: dict[str, Link] = {link.name: _with_end(link, system) for link in system.links}
     for quantity, factor in zip(quantities, factors, strict=True):
         kind, name = quantity.kind, quantity.name
         if factor == 1.0:
@@ -124,7 +128,8 @@ def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[floa
         elif kind == "inertia":
             links[name] = replace(link, inertia=constant(link.inertia * factor))
         else:
-            links[name] = replace(link, com=constant(link.com * factor))
+            end = None if link.end is None else constant(link.end * factor)
+            links[name] = replace(link, com=constant(link.com * factor), end=end)
         if kind == "length":
             for key, joint in joints.items():
                 if joint.parent == name:
@@ -134,6 +139,12 @@ def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[floa
         joints=tuple(joints[joint.name] for joint in system.joints),
         links=tuple(links[link.name] for link in system.links),
     )
+
+
+def _with_end(link: Link, system: System) -> Link:
+    """A rigid link that says where it ends, if it ends anywhere."""
+    end = tip_of(link, system)
+    return link if link.beam is not None or not end.any() else replace(link, end=constant(end))
 
 
 def _scaled_beam(link: Link, kind: str, factor: float) -> Link:

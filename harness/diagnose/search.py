@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.diagnose.exchange import alternatives, generalized, pruned, reduced, relatives, together
+from harness.diagnose.exchange import alternatives, generalized, pruned, reduced, relatives, second, together
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis, dear
 from harness.diagnose.screen import Score
@@ -25,6 +25,7 @@ CLEARLY = 3.0  # standard deviations of the cost of noise alone
 STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least
 WORTHY = 0.05  # the same that an effect which is dear to fit must promise
 GENEROUS = 2.0  # times what the linear view promises
+PROSPECTS, OFFERS = 4, 4  # single effects looked beside for another one, and sets of two tried of these
 TRUSTED = 1.5  # times what it promises of effects that are dear to fit, whose tests are made at their likely sizes
 
 
@@ -63,6 +64,7 @@ def grow(
         if to_begin_with and _only_noise(study, growth.ordered()[0]):
             break
         growth.exchange()
+        growth.prospect()
         ordered = growth.ordered()
         last, excess = excess, growth.lowest - study.samples
         if (
@@ -208,6 +210,25 @@ class Growth:
             for wider in generalized(study, best):
                 self.note(wider, aloud=True)
 
+    def prospect(self) -> None:
+        """Fit what single effects behind the best set promise together with one more.
+
+        Two effects may each explain little by itself where one that is neither explains some of both.
+        """
+        study, best = self.study, self.best
+        plainest = self._plainest()
+        if _only_noise(study, plainest) and len(plainest.hypothesis.members) < 2:
+            return
+        singles = [f for f in self.ordered() if len(f.hypothesis.members) == 1 and not dear(f.hypothesis.members[0])]
+        offers = [
+            (study.criterion(base) - found.gain + study.price(found.candidate, 1), base, found)
+            for base in singles[:PROSPECTS]
+            for found in study.likely(base)
+        ]
+        for promised, base, found in sorted(offers, key=lambda offer: offer[0])[:OFFERS]:
+            if promised < best and not dear(found.candidate) and len(study.fits) < self.effort.most_fits:
+                self.note(study.extend(base, found), aloud=True)
+
 
 def _only_noise(study: Study, fitted: Fit) -> bool:
     """Whether a fit leaves no more than noise alone would at times."""
@@ -287,6 +308,7 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
             alternatives(study, best, k, effort.swaps, 2 * effort.most_fits)
             progress("alternatives to " + best.hypothesis.keys[k])
         together(study, best, 2 * effort.most_fits)
+        second(study, best, 2 * effort.most_fits)
         reduced(study, best)
         ordered = sorted(study.fits.values(), key=study.criterion)
         if study.criterion(ordered[0]) > before - 1e-6:

@@ -31,6 +31,7 @@ WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbe
 STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
 BEGUN = 2.0  # in the criterion, for how a vibration began (Akaike): it shows in few samples of its own window
 SUFFICIENT = 0.8  # of what is left above the noise
+ALIKE = 0.1  # relative difference of scores under two estimates of the noise, up to which score tests serve for both
 PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
 NOTICEABLE = 6.0  # in the score
 SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
@@ -277,8 +278,10 @@ class Study:
         """Score tests of all candidates against a fit, best first."""
         key = base.hypothesis.identity
         if self.before is not None and key in self.before.scores and base.score > PLAINLY * self.samples:
-            # Beside what is left there, another estimate of the noise changes little.
-            return self.before.scores[key]
+            earlier = self.before.fits[key].score
+            if abs(earlier - base.score) < ALIKE * base.score:
+                # Beside what is left there, this other estimate of the noise changes little.
+                return self.before.scores[key]
         if key not in self.scores:
             others = self.cheap.get(key)
             if others is None:

@@ -51,6 +51,7 @@ EFFECT = Effect(
     needs=("motion",),
     confusable_with=(
         "joint_stiffness",
+        "cubic_stiffness",
         "encoder_interpolation",
         "com_offset",
         "payload_mass",

@@ -186,8 +186,8 @@ def _carried(system: System, link_name: str) -> set[str]:
 def tip_of(link: Link, system: System) -> Array:
     """Where a link ends, in its own frame [m], shape (3,).
 
-    A beam ends at its tip, a link that carries others at the farthest joint on it. Otherwise the link is taken for a
-    uniform rod with a point mass at its end that has the same mass, centre of mass and inertia:
+    A beam ends at its tip, a link that carries others at the farthest joint on it, one whose end is stated there. Otherwise the
+    link is taken for a uniform rod with a point mass at its end that has the same mass, centre of mass and inertia:
     with k² = J/m about the link's origin, c the distance of the centre of mass and x the point mass's share,
     k²/c² = (4/3) (1 + 2x)/(1 + x)² and the end lies at 2c/(1 + x).
     """
@@ -198,6 +198,8 @@ def tip_of(link: Link, system: System) -> Array:
         farthest = max(ends, key=lambda end: float(np.linalg.norm(end)))
         if np.linalg.norm(farthest) > 0.0:
             return np.asarray(farthest)
+    if link.end is not None:
+        return np.asarray(link.end)
     distance = float(np.linalg.norm(link.com))
     if distance == 0.0 or link.mass <= 0.0:
         return np.zeros(3)

@@ -149,6 +149,8 @@ class Link:
 
     mass, com, inertia: of the whole link undeformed (beam and payload included if flexible)
         [kg], [m] shape (3,), [kg·m²] about the centre of mass shape (3, 3).
+    end: where a rigid link ends, in its own frame [m] shape (3,); if None, at its farthest joint, or as a rod with a bob that has
+        its mass, centre and inertia would.
     """
 
     name: str
@@ -156,6 +158,7 @@ class Link:
     com: Array = field(default_factory=lambda: constant(np.zeros(3)))
     inertia: Array = field(default_factory=lambda: constant(np.zeros((3, 3))))
     beam: Beam | None = None
+    end: Array | None = None
 
     @property
     def flexible(self) -> bool:

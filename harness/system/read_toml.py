@@ -19,7 +19,6 @@ from harness.system.table import TableReader, locate
 from harness.system.topology import arrange
 
 DEFAULT_TOLERANCE = 0.01
-_RIGID_KEYS = ("mass", "com", "inertia")
 _NOT_MODELLED = ("floating", "planar", "free", "ball", "spherical", "universal")
 
 
@@ -188,7 +187,7 @@ def _joint(table: TableReader) -> Joint:
 def _link(table: TableReader, tolerance: float, notes: list[str]) -> Link:
     name = table.text("name")
     if table.has("length"):
-        for key in ("com", "inertia"):
+        for key in ("com", "inertia", "end"):
             if key in table.table:
                 table.refuse(f"{key!r} follows from length, section and mass", "take it out of a flexible link", key)
         link = read_flexible_link(table, name, tolerance)
@@ -213,6 +212,7 @@ def _link(table: TableReader, tolerance: float, notes: list[str]) -> Link:
         mass=mass,
         com=table.vector("com", (0.0, 0.0, 0.0)),
         inertia=table.tensor("inertia") if table.has("inertia") else constant(np.zeros((3, 3))),
+        end=table.vector("end", (0.0, 0.0, 0.0)) if table.has("end") else None,
     )
     table.finish()
     return link

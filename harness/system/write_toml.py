@@ -72,7 +72,8 @@ def _link(link: Link, left_out: list[str]) -> dict[str, Any]:
         return {"name": link.name} | _beam(link.beam)
     if link.mass == 0.0 and not np.any(link.inertia):
         return {"name": link.name, "mass": 0.0}
-    return {"name": link.name, "mass": link.mass, "com": _list(link.com), "inertia": _six(link.inertia)}
+    end = {} if link.end is None else {"end": _list(link.end)}
+    return {"name": link.name, "mass": link.mass, "com": _list(link.com), "inertia": _six(link.inertia)} | end
 
 
 def _same(a: float, b: float) -> bool:
