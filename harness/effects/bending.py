@@ -29,7 +29,8 @@ def bend(system: System, site: str, parameters: Mapping[str, float]) -> System:
     parameters: ``frequency`` [Hz], ``damping_ratio`` [1].
     Raises InputError if the link bends already or has no length or mass.
     """
-    link = system.link(site)
+    # Where it ends follows from its inertia here, whatever is stated: a longer rod would leave less than none at the joint.
+    link = replace(system.link(site), end=None)
     if link.beam is not None:
         raise InputError(f"link {site!r} bends already", mend="higher_mode adds a mode to it")
     tip = tip_of(link, system)

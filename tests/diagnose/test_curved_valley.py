@@ -54,4 +54,5 @@ def test_the_fit_reaches_the_bottom_from_where_the_bent_model_stands() -> None:
 
     bottom = fitted(np.zeros(len(bent.x)), LOAD, 60)
     assert bottom < 1.1 * likelihood.samples(windows)
-    assert fitted(bent.x, 0.5 * LOAD, 25) < bottom + 1.0
+    # Begun with less than the load the nominal quantities stay bent; with a quarter more, only steps along the curve get there.
+    assert fitted(bent.x, 1.25 * LOAD, 25) < bottom + 1.0
