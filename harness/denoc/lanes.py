@@ -315,7 +315,8 @@ class LaneModel:
         method: "adaptive" locates sudden changes and keeps to ``tolerance``; "exponential" is for smooth free motion of
             flexible links at evenly spaced times, with the fixed ``step`` (1 ms by default) that the swing needs and the
             vibration does not (``harness.denoc.lanes_exponential``). Halve the step to see what is left of its error.
-        step: longest step [s]; within it the step follows the error estimate held under ``tolerance``.
+            "rk4" is the classical Runge-Kutta method at evenly spaced times with that same fixed step, without dry friction and stops.
+        step: longest step [s]; within it the adaptive step follows the error estimate held under ``tolerance``.
         threads: threads to spread the copies over. A copy's result depends neither on that nor on the other copies.
         A copy whose motion cannot be followed (not a number, negative inertia) is nan from there on.
         Acceleration at a jump is the one after it.
@@ -335,8 +336,8 @@ class LaneModel:
             raise InputError("sample times do not increase", mend="sort them and drop duplicates")
         if hold not in ("linear", "zero"):
             raise InputError(f"hold={hold!r}", mend="linear or zero")
-        if method not in ("adaptive", "exponential"):
-            raise InputError(f"method={method!r}", mend="adaptive or exponential")
+        if method not in ("adaptive", "exponential", "rk4"):
+            raise InputError(f"method={method!r}", mend="adaptive, exponential or rk4")
         longest = (0.25 if method == "adaptive" else 1e-3) if step is None else float(step)
         if not longest > 0.0:
             raise InputError(f"step={step!r}", mend="a positive time in seconds")
@@ -356,6 +357,12 @@ class LaneModel:
             if effort.shape not in ((1, len(time), n), (copies, len(time), n)):
                 raise InputError(f"tau has shape {np.shape(tau)}", mend=f"expected ({len(time)}, {n}) or ({copies}, …)")
             driven = 2 if len(effort) > 1 else 1
+        if method == "rk4":
+            from harness.denoc import lanes_fixed_step
+
+            return lanes_fixed_step.simulate(
+                self, rows, start, time, longest, tau=effort, hold=int(hold == "linear"), threads=threads
+            )
         # The shaking of the base bounds a copy's step: the error estimate could step over whole periods.
         shaken = rows[:, self.slot("base", "excitation_amplitude")] != 0.0
         frequency = np.abs(rows[:, self.slot("base", "excitation_frequency")])

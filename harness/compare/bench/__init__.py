@@ -40,7 +40,7 @@ BENCHMARKS = {
     ),
     "simulation": Benchmark(
         "whole runs of 10 s at 1 kHz against mujoco.rollout",
-        ("simulation_many", "simulation_one", "simulation_one_rk4", "simulation_two_threads"),
+        ("simulation_many", "simulation_many_rk4", "simulation_one", "simulation_one_rk4", "simulation_two_threads"),
     ),
     "flexible": Benchmark(
         "a flexible pendulum against Exudyn's finite elements at the same accuracy",
