@@ -315,7 +315,7 @@ class LaneModel:
         method: "adaptive" locates sudden changes and keeps to ``tolerance``; "exponential" is for smooth free motion of
             flexible links at evenly spaced times, with the fixed ``step`` (1 ms by default) that the swing needs and the
             vibration does not (``harness.denoc.lanes_exponential``). Halve the step to see what is left of its error.
-            "rk4" is the classical Runge-Kutta method at evenly spaced times with that same fixed step, without dry friction and stops.
+            "rk4" is the classical Runge-Kutta method at evenly spaced times with that same step, without dry friction and stops.
         step: longest step [s]; within it the adaptive step follows the error estimate held under ``tolerance``.
         threads: threads to spread the copies over. A copy's result depends neither on that nor on the other copies.
         A copy whose motion cannot be followed (not a number, negative inertia) is nan from there on.
