@@ -18,6 +18,7 @@ from harness.diagnose.vibration_windows import FEWEST_SAMPLES
 
 Array = NDArray[np.float64]
 
+FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
 HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
 NEARLY = 0.6  # the same for candidates that are dear to fit
@@ -77,7 +78,9 @@ def specialized(study: Study, base: Fit) -> list[Fit]:
             known = study.known(hypothesis) if study.was_exchanged(base, simpler) else None
             if known is None:
                 own = to_internal(simpler, values[: len(simpler.effect.parameters)])
-                known = study.fit(hypothesis, [np.concatenate([study.without(base, k), own])], base)
+                # Out of reach of this, it would be of no use, however few its parameters are.
+                within = base.score + NEAR * study.loudness(base)
+                known = study.fit(hypothesis, [np.concatenate([study.without(base, k), own])], base, target=within)
             found.append(known)
     return found
 
@@ -105,11 +108,10 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     member = best.hypothesis.members[k]
     own = without.score - best.score
     found = []
-    for scored in study.ranked(without):
+    kin = [c for c in study.candidates if c.key == member.key or related(member, c)]
+    for scored in study.among(without, kin):
         if scored.candidate.key == member.key:
             found.append(study.extend(without, scored))
-            continue
-        if not related(member, scored.candidate):
             continue
         if len(study.fits) >= most_fits:
             break
@@ -195,7 +197,9 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
     member = best.hypothesis.members[k]
     needed = study.criterion(without) - study.criterion(best)
     found = []
-    tried = 0
+    tried = slow = 0
+    # Where the set leaves more than noise, of what is dear to fit only the likeliest is worth it.
+    most_slow = count if best.score < FLOOR * study.samples else MOST_SLOW
     for scored in study.ranked(without):
         if scored.candidate.key == member.key or tried >= count:
             continue
@@ -204,8 +208,9 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
         share = scored.gain / max(min(needed, without.score - best.score), 1e-300)
         if share < HALFWAY:
             break
-        if share < NEARLY and dear(scored.candidate):
+        if dear(scored.candidate) and (share < NEARLY or slow >= most_slow):
             continue
+        slow += dear(scored.candidate)
         tried += 1
         found.append(study.extend(without, scored))
     return sorted(found, key=study.criterion)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import ChainMap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -19,7 +18,7 @@ from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import carry_state
 from harness.diagnose.search import Effort, grow, polish, transfer
-from harness.diagnose.study import HOPELESS, Study
+from harness.diagnose.study import FAR, HOPELESS, Study
 from harness.diagnose.vibration_windows import stages
 from harness.diagnose.window_states import measured_state
 from harness.diagnose.windows import Window, cut
@@ -178,7 +177,7 @@ def investigate(
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
     groups = horizon_groups(study, first)
-    hints = ChainMap(study.scores, study.cheap)
+    hints = study.tests
     long_study = Study(
         problem, predictor, likelihood, tuple(candidates), groups,
         first_states=first.states, swing=period, hints=hints,
@@ -203,7 +202,8 @@ def investigate(
             problem, predictor, refined, tuple(candidates), groups,
             first_states=first.states, swing=period, hints=hints, before=long_study,
         )  # fmt: skip
-        seeds = [final.fit(f.hypothesis, [f.x], f) for f in ordered[: 2 * effort.beam]]
+        near = [f for f in ordered[: 2 * effort.beam] if f.score < FAR * ordered[0].score]
+        seeds = [final.fit(f.hypothesis, [f.x], f) for f in near]
         empty = final.fit(Hypothesis(), [empty.x], empty)
         ordered = grow(final, seeds, effort, progress)
     ordered = polish(final, ordered, effort, progress)

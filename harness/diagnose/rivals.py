@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.exchange import generalized, pruned, reduced, related, relatives
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import compatible
+from harness.diagnose.hypothesis import compatible, dear
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
 from harness.diagnose.places import replaced
@@ -21,8 +21,10 @@ ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue i
 WORTH_FITTING = (
     0.5  # share of a member's gain that a rival's score test must promise; the test is linear, the truth is not
 )
+DEARLY = 0.65  # the same for what is dear to fit, whose test is made at its likely size and so is closer to the truth
 HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
 MOST_WIDENED = 3
+FEWEST_TOLD = 2  # rivals, however far from the best set
 FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
 APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
 
@@ -47,6 +49,8 @@ def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
     for scored in study.ranked(without):
         if len(study.fits) >= ENOUGH_FITS or len(found) >= MOST or scored.gain < WORTH_FITTING * own:
             break
+        if dear(scored.candidate) and scored.gain < DEARLY * own:
+            continue
         if scored.candidate.key != member.key and not related(member, scored.candidate):
             found.append(study.extend(without, scored))
     # A general law in the place of another member helps only what comes near already.
@@ -141,7 +145,8 @@ def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
 
 
 def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:
-    """The likeliest hypotheses fitted; the one claimed comes first."""
-    computed = [f for f in outcome.study.fits.values() if f.cost < LOST]
-    shortlist = sorted(computed, key=outcome.study.criterion)[: count + 1]
-    return [best, *(f for f in shortlist if f is not best)][:count]
+    """The likeliest hypotheses fitted, of those far from the best one none but the first few; the one claimed comes first."""
+    computed = [f for f in outcome.study.fits.values() if f.cost < LOST and f is not best]
+    shortlist = sorted(computed, key=outcome.study.criterion)
+    near = [f for k, f in enumerate(shortlist) if k < FEWEST_TOLD or f.score < FAR * best.score]
+    return [best, *near][:count]

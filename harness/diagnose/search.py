@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.diagnose.exchange import alternatives, generalized, pruned, reduced, relatives, second, together
+from harness.diagnose.exchange import FLOOR, alternatives, generalized, pruned, reduced, relatives, second, together
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis, dear
 from harness.diagnose.screen import Score
 from harness.diagnose.study import FAR, HOPELESS, Study
 
 Progress = Callable[[str], None]
-FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
 NEAR = 60.0  # in the criterion
 AS_WELL = 10.0  # in the criterion
 UNDER_WAY = 200.0  # in the criterion

@@ -1,7 +1,8 @@
 """Runs of elastic mechanisms in steps that the swing needs and the vibration does not, where that shows in no channel.
 
-Every run is made twice, the second time in half the steps; what the first one changes in the channels says how far off the
+Runs are made twice, the second time in half the steps; what the first one changes in the channels says how far off the
 second can be. Where that could be seen behind the noise, steps are halved again, and in the end resolve the vibration.
+Of runs that hardly differ, as those for derivatives, one is made twice for all.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ Motion = tuple[Array, Array, Array]
 # it; of order 2, where efforts have kinks and several joints turn, a ninth.
 SHOWN = 0.3
 FINEST = 32  # steps between two states that are handed over
+EASILY = 1.0 / 300.0  # of that, below which steps twice as long will do next time
+KIN_ROWS, KIN_STATES = 1e-4, 1e-5  # how far parameters (relative) and initial states differ of runs that err alike
 STIFF = 0.5  # rad that the fastest vibration turns in a step; below, steps that resolve it cost no more
 FEWEST = 16  # states that are worth it
 
@@ -54,22 +57,27 @@ class StiffRuns:
         inner = self._usual.get(key, 2)
         linear = linearization(model, rows[left], states[left])
 
-        def run(steps: int) -> Motion:
-            forces = None if tau is None else tau[left]
-            return march(model, rows[left], states[left], time, steps, linear, tau=forces, threads=threads)[:3]
+        def run(steps: int, some: NDArray[np.intp]) -> Motion:
+            which = left[some]
+            forces = None if tau is None else tau[which]
+            return march(model, rows[which], states[which], time, steps, linear[some], tau=forces, threads=threads)[:3]
 
         coarse: Motion | None = None
         while len(left) and inner <= FINEST:
-            if coarse is None:
-                coarse = run(inner // 2)
-            fine = run(inner)
-            changed = self._changed(model, rows[left], coarse, fine)
-            bad = np.isin(requests[left], requests[left[~(changed < SHOWN)]])
+            # One run of each kind is made twice.
+            twice, kind = _kinds(rows[left], states[left], requests[left])
+            coarse = (
+                run(inner // 2, twice) if coarse is None else (coarse[0][twice], coarse[1][twice], coarse[2][twice])
+            )
+            fine = run(inner, np.arange(len(left)))
+            changed = self._changed(model, rows[left[twice]], coarse, (fine[0][twice], fine[1][twice], fine[2][twice]))
+            lost = ~np.isfinite(fine[0]).all(axis=(1, 2))
+            bad = np.isin(requests[left], requests[left[~(changed < SHOWN)[kind] | lost]])
             for array, part in zip(out, fine, strict=True):
                 array[left[~bad]] = part[~bad]
             slow[left[~bad]] = False
             if not bad.all():
-                self._usual[key] = inner
+                self._usual[key] = max(2, inner // 2) if changed.max() < EASILY * SHOWN else inner
             coarse, linear, left, inner = (fine[0][bad], fine[1][bad], fine[2][bad]), linear[bad], left[bad], 2 * inner
         if slow.any():
             q, qd = np.split(states[slow], 2, axis=1)
@@ -96,3 +104,18 @@ class StiffRuns:
             seen = [observe(model, rows, channel.site, channel.quantity, motion) for motion in (coarse, fine)]
             total += (((seen[0] - seen[1]) / noise) ** 2).sum(axis=1)
         return total
+
+
+def _kinds(rows: Array, states: Array, requests: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Runs (B,) that stand for all others of their request that hardly differ from them, and which of these each belongs to."""
+    found: list[int] = []
+    kind = np.full(len(rows), -1, dtype=np.intp)
+    while (kind < 0).any():
+        k = int(np.argmax(kind < 0))
+        alike = (requests == requests[k]) & (kind < 0)
+        alike &= (np.abs(rows - rows[k]) <= KIN_ROWS * np.abs(rows[k])).all(axis=1)
+        alike &= (np.abs(states - states[k]) <= KIN_STATES * np.maximum(1.0, np.abs(states[k]))).all(axis=1)
+        alike[k] = True
+        kind[alike] = len(found)
+        found.append(k)
+    return np.array(found, dtype=np.intp), kind

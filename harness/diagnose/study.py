@@ -19,7 +19,7 @@ from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
 from harness.diagnose.starts import calmed, foretold
-from harness.diagnose.valleys import bent_back, brought_back, in_shape
+from harness.diagnose.valleys import bent_back, brought_back, in_shape, ringing
 from harness.diagnose.window_states import SHORTLY, measured_state
 from harness.diagnose.windows import Window
 
@@ -42,9 +42,10 @@ WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie bef
 class Study:
     """Fits of hypotheses on one set of training windows under one likelihood.
 
-    scores: tests of all candidates; cheap: of those that are not dear to fit.
+    tests: of candidates by their keys; None for what changes nothing that could be seen.
     exchanged: sets in which a candidate of this key took a member's place, with the score from where it did. extended: sets that
-    a candidate was added to. carried: sets whose fit was carried on to its end. swing: length of the slowest swing [s], if known.
+    a candidate was added to. carried: sets whose fit was carried on to its end; rung: whose dead vibrations were begun anew.
+    swing: length of the slowest swing [s], if known.
     hints: score tests on shorter windows of the same recordings, where what had to be bent far is nearer to what it stands for.
     before: the study of the same windows under an earlier estimate of the noise. ends: where fits of a set have ended, by score,
     the best one among them. spent: whether sets have stopped to leave less by growing.
@@ -56,15 +57,15 @@ class Study:
     candidates: tuple[Candidate, ...]
     windows: tuple[Window, ...]
     fits: dict[frozenset[str], Fit] = field(default_factory=dict)
-    scores: dict[frozenset[str], list[Score]] = field(default_factory=dict)
-    cheap: dict[frozenset[str], list[Score]] = field(default_factory=dict)
+    tests: dict[frozenset[str], dict[str, Score | None]] = field(default_factory=dict)
     first_states: Mapping[Window, Array] = field(default_factory=dict)
     exchanged: dict[tuple[frozenset[str], str], float] = field(default_factory=dict)
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
     carried: set[frozenset[str]] = field(default_factory=set)
+    rung: set[frozenset[str]] = field(default_factory=set)
     swing: float = 0.0
     spent: bool = False
-    hints: Mapping[frozenset[str], list[Score]] = field(default_factory=dict)
+    hints: Mapping[frozenset[str], Mapping[str, Score | None]] = field(default_factory=dict)
     before: Study | None = None
     ends: dict[tuple[str, ...], list[tuple[float, Array]]] = field(default_factory=dict)
     _read: dict[tuple[Window, float], Array] = field(default_factory=dict)
@@ -180,8 +181,20 @@ class Study:
         stiff = any(m.effect.adds_coordinates for m in hypothesis.members)
         if whole.any() and not stiff and best.score < WORTH_COUNTING * self.samples:
             best = self._counted(best, whole, most_steps)
-        if best.linear.cost > HOPELESS * self.samples and self.stretched(best):
+        # What leaves far more than the best set does is out of the question, bent or not.
+        lowest = min((f.score for f in self.fits.values()), default=np.inf)
+        near_enough = best.score < FAR * lowest or not hypothesis.members
+        if best.linear.cost > HOPELESS * self.samples and near_enough and self.stretched(best):
             best = self._unbent(best, whole, most_steps)
+        if near_enough and hypothesis.identity not in self.rung:
+            ringing_start = ringing(self.predictor, best)
+            if ringing_start is not None:
+                self.rung.add(hypothesis.identity)
+                other = fit(
+                    objective, ringing_start, best.states,
+                    most_steps=most_steps, enough=0.2, target=best.score, others=others,
+                )  # fmt: skip
+                best = min(best, other, key=lambda f: f.score)
         self.fits[hypothesis.identity] = best
         return best
 
@@ -276,29 +289,32 @@ class Study:
 
     def ranked(self, base: Fit) -> list[Score]:
         """Score tests of all candidates against a fit, best first."""
+        return self.among(base, self.candidates)
+
+    def among(self, base: Fit, candidates: Sequence[Candidate]) -> list[Score]:
+        """Score tests of some candidates against a fit, best first."""
         key = base.hypothesis.identity
-        if self.before is not None and key in self.before.scores and base.score > PLAINLY * self.samples:
+        known = self.tests.setdefault(key, {})
+        if self.before is not None and key in self.before.tests and base.score > PLAINLY * self.samples:
             earlier = self.before.fits[key].score
             if abs(earlier - base.score) < ALIKE * base.score:
                 # Beside what is left there, this other estimate of the noise changes little.
-                return self.before.scores[key]
-        if key not in self.scores:
-            others = self.cheap.get(key)
-            if others is None:
-                others = self._tested(base, [c for c in self.candidates if not dear(c)])
-            self.scores[key] = _larger(others, self._tested(base, [c for c in self.candidates if dear(c)]))
-        return self.scores[key]
+                known.update({k: s for k, s in self.before.tests[key].items() if k not in known})
+        missing = [c for c in candidates if c.key not in known]
+        if missing:
+            known.update(dict.fromkeys((c.key for c in missing), None))
+            known.update({s.candidate.key: s for s in self._tested(base, missing)})
+        found = [known[c.key] for c in candidates]
+        return sorted((s for s in found if s is not None), key=lambda s: -s.gain)
 
     def likely(self, base: Fit) -> list[Score]:
         """The same without what is dear to fit where something else promises to explain nearly all that is left."""
-        key = base.hypothesis.identity
         excess = base.score - self.samples
-        if key in self.scores or base.score < PLAINLY * self.samples:
+        if base.score < PLAINLY * self.samples:
             return self.ranked(base)
-        if key not in self.cheap:
-            self.cheap[key] = self._tested(base, [c for c in self.candidates if not dear(c)])
-        best = max((s.gain for s in self.cheap[key]), default=0.0)
-        return self.cheap[key] if best > SUFFICIENT * excess else self.ranked(base)
+        cheap = self.among(base, [c for c in self.candidates if not dear(c)])
+        best = max((s.gain for s in cheap), default=0.0)
+        return cheap if best > SUFFICIENT * excess else self.ranked(base)
 
     def _tested(self, base: Fit, candidates: Sequence[Candidate]) -> list[Score]:
         open_ones = [c for c in candidates if compatible(base.hypothesis, c)]
@@ -308,8 +324,8 @@ class Study:
         spaces.append(nuisance(base, self.predictor, softened=True))
         found = score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
         keys = {c.key for c in open_ones}
-        hints = self.hints.get(base.hypothesis.identity, [])
-        return _larger(found, [s for s in hints if s.candidate.key in keys])
+        hints = self.hints.get(base.hypothesis.identity, {})
+        return _larger(found, [s for k, s in hints.items() if s is not None and k in keys])
 
     def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 AS_GOOD = 1.2  # times the cost of noise alone, below which a special case is as good as the general law
+DEAD = 0.5  # ratio of damping from which on nothing rings
 FAR_WORSE = 2.0  # times the cost of the fit that a start extends
+OFF_THE_WAY = 1.3  # the same, where a valley is to be followed
 LED = 0.01  # share of a nominal quantity by which it is bent back at a time
 FEWEST_LED, MOST_LED, LED_STEPS = 4, 16, 8
 FOLLOWING = 5  # steps in which everything else follows a new effect
@@ -43,6 +45,26 @@ def in_shape(study: Study, fitted: Fit, target: float) -> Fit:
             starts[-1][first + span.start : first + span.stop] = to_internal(member, point)
         fitted = study.fit(hypothesis, starts, fitted, target=target)
     return fitted
+
+
+def ringing(predictor: Predictor, fitted: Fit) -> Array | None:
+    """The same point with vibrations that do not ring made to ring as most do; None if there are none.
+
+    What is damped so strongly acts as a lag, and beside another lag it has a valley of its own.
+    """
+    hypothesis, x = fitted.hypothesis, fitted.x.copy()
+    for k, member in enumerate(hypothesis.members):
+        names = member.effect.parameter_names
+        values = predictor.effect_values(hypothesis, k, fitted.x)
+        if "damping_ratio" not in names or not member.effect.adds_coordinates:
+            continue
+        place = names.index("damping_ratio")
+        if values[place] < DEAD:
+            continue
+        values[place] = member.effect.parameters[place].scale(member.references)
+        span, first = hypothesis.span(k), len(predictor.nominal)
+        x[first + span.start : first + span.stop] = to_internal(member, values)
+    return None if np.array_equal(x, fitted.x) else x
 
 
 def absent(predictor: Predictor, hypothesis: Hypothesis, k: int, x: Array) -> Array:
@@ -128,7 +150,7 @@ def _led_back(study: Study, near: Fit, hypothesis: Hypothesis, held: NDArray[np.
             study.objective(hypothesis), ahead, states,
             most_steps=LED_STEPS, enough=0.2, fixed=held,
         )  # fmt: skip
-        if found.cost > FAR_WORSE * near.cost:
+        if found.cost > OFF_THE_WAY * near.cost:
             return None
         last, x, states = x, found.x, dict(found.states)
     return found

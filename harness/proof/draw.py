@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 RATES = (100.0, 200.0, 250.0, 500.0)
 # Of a quick proof's recordings: how many, and at most how long [s] and at what rate [Hz].
-SHORT_RUNS, SHORT_DURATION, SHORT_RATE = 2, 8.0, 250.0
+SHORT_RUNS, SHORT_DURATION, SHORT_RATE = 2, 6.0, 250.0
 STRENGTH_RANGE = (1e-4, 6.0)
 CLOSE = 0.25  # ratio, as a logarithm, of visibility and aim
 FASTEST = 2.5  # growth of the strength in one step, over which nuisances follow

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from harness.proof.rigs import Rig
-from harness.proof.truth import DryFriction, Hidden, Truth, mechanism_xml
+from harness.proof.truth import RELATIVE_TOLERANCE, DryFriction, Hidden, Truth, mechanism_xml
 
 Array = NDArray[np.float64]
 Signal = Callable[[Array], Array]
 
 FINE_STEP = 1e-3  # s, grid on which the truth is kept between the integrator and the sensor
+ROUGH = 1e-6  # relative tolerance of a step where it is only sought how strong a thing has to be
 LEAD = 0.25  # relative length simulated beyond the last sample, so that a slow clock still finds data
 
 
@@ -130,8 +131,11 @@ class Scene:
                 order.append(f"{s.joint}_extra")
         return order.index(joint)
 
-    def record(self, index: int, instants: Array | None = None) -> dict[str, Array]:
-        """Noise-free samples of one run: ``time``, ``<joint>.position`` and, if driven, ``<joint>.effort`` as commanded."""
+    def record(self, index: int, instants: Array | None = None, *, roughly: bool = False) -> dict[str, Array]:
+        """Noise-free samples of one run: ``time``, ``<joint>.position`` and, if driven, ``<joint>.effort`` as commanded.
+
+        roughly: to a ten thousandth of what shows, to find out how strong a thing has to be.
+        """
         run = self.runs[index]
         truth = self.truth()
         q0, v0 = np.zeros(truth.n), np.zeros(truth.n)
@@ -155,7 +159,7 @@ class Scene:
 
         key = (truth.xml, index, len(fine), q0.tobytes(), v0.tobytes())
         if truth.hidden != Hidden() or self.command:
-            q, v = truth.release(q0, v0, fine, effort=effort)
+            q, v = truth.release(q0, v0, fine, effort=effort, tolerance=ROUGH if roughly else RELATIVE_TOLERANCE)
         else:
             if key not in self.motions:
                 self.motions[key] = truth.release(q0, v0, fine, effort=effort)

@@ -240,10 +240,11 @@ class Truth:
         time: Array,
         *,
         effort: Callable[[Any], Array] | None = None,
+        tolerance: float = RELATIVE_TOLERANCE,
     ) -> tuple[Array, Array]:
         """Position and velocity of every degree of freedom at ``time``, each shape (T, n).
 
-        effort: times of any shape -> generalized forces, shape (*shape, n).
+        effort: times of any shape -> generalized forces, shape (*shape, n). tolerance: relative, of a step.
         """
         if self.hidden == Hidden() and has_springs(self.model) and even(time):
             return run(self.model, q0, v0, time, effort)
@@ -308,7 +309,7 @@ class Truth:
                     events.append(slips)
             y0 = np.concatenate([q, v, z])
             solution = solve_ivp(
-                rate, (t, stop), y0, method="DOP853", rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE,
+                rate, (t, stop), y0, method="DOP853", rtol=tolerance, atol=ABSOLUTE_TOLERANCE / RELATIVE_TOLERANCE * tolerance,
                 events=events or None, dense_output=True, max_step=0.05,
             )  # fmt: skip
             reached = float(solution.t[-1])

@@ -26,8 +26,7 @@ def _drawn(effect: str, index: int, visibility: float) -> Case:
     for attempt in range(REDRAWS):
         try:
             return draw_case(
-                "single", LEVELS[visibility], index + 1000 * attempt, effects=(effect,), target=visibility,
-                short=visibility != 50.0,
+                "single", LEVELS[visibility], index + 1000 * attempt, effects=(effect,), target=visibility, short=True
             )  # fmt: skip
         except UnseenError:
             continue

@@ -1,7 +1,8 @@
 """Pairs and a triple of effects, concealed by engines that are not ours, that a search once missed for another set.
 
-Rigs, noise, rates and sizes are drawn as in a proof. The truth is what was concealed. What was told instead, one by one: a wave
-over the angle and a shifted centre of mass; a shift, drag and damping; a bent model; nothing; an encoder's error.
+Rigs, noise, rates and sizes are drawn as in a proof, the last one's as in a quick one. The truth is what was concealed. What was told
+instead, one by one: a wave over the angle and a shifted centre of mass; a shift, drag and damping; a bent model; nothing; an
+encoder's error; a joint that gives for a link that bends, and no word of the link.
 """
 
 from __future__ import annotations
@@ -14,12 +15,15 @@ from harness.proof.run import Task, conceal, diagnose_folder
 from harness.proof.score import score_case
 from harness.proof.seal import unseal
 
-SEED = 1813693910
+FULL, QUICK = 1813693910, 604417153
+CASES = [
+    (FULL, "pair", 2), (FULL, "pair", 15), (FULL, "pair", 30), (FULL, "pair", 33), (FULL, "triple", 6), (QUICK, "pair", 4),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(("kind", "index"), [("pair", 2), ("pair", 15), ("pair", 30), ("pair", 33), ("triple", 6)])
-def test_concealed_set_is_named(kind: str, index: int, tmp_path: Path) -> None:
-    name, digest = conceal(Task(kind, index), SEED, tmp_path)
+@pytest.mark.parametrize(("seed", "kind", "index"), CASES)
+def test_concealed_set_is_named(seed: int, kind: str, index: int, tmp_path: Path) -> None:
+    name, digest = conceal(Task(kind, index), seed, tmp_path, short=seed == QUICK)
     found = diagnose_folder(tmp_path / "cases" / name)
     scored = score_case(name, unseal(name, tmp_path / "sealed", digest), found)
     assert "error" not in found
