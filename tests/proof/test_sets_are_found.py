@@ -1,7 +1,7 @@
 """Pairs and a triple of effects, concealed by engines that are not ours, that a search once missed for another set.
 
-Rigs, noise, rates and sizes are drawn as in a proof, the last one's as in a quick one. The truth is what was concealed. What was told
-instead, one by one: a wave over the angle and a shifted centre of mass; a shift, drag and damping; a bent model; nothing; an
+Rigs, noise, rates and sizes are drawn as in a proof, the last one's as in a quick one. The truth is what was concealed. What was
+told instead, one by one: a wave over the angle and a shifted centre of mass; a shift, drag and damping; a bent model; nothing; an
 encoder's error; a joint that gives for a link that bends, and no word of the link.
 """
 
