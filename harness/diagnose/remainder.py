@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import combinations
 from math import comb
 
 import numpy as np
@@ -155,6 +156,7 @@ TERMS: tuple[tuple[str, Callable[[Array, Array], Array]], ...] = (
 """Library of the sparsest form: forces over position q and velocity v of a joint."""
 
 MOST_TERMS = 3
+DEPENDENT = 1e-8  # ratio of eigenvalues of the columns' correlations
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +258,7 @@ def examine(
                 full = np.zeros(len(names))
                 full[index] = found * torque
                 smooth_maps[joint] = (names, full, low, high, fast)
-        forms[joint] = _sparse(own, space, joint, torque)
+        forms[joint] = sparsest(own, space, joint, torque)
         tests.append(_few_terms(forms[joint], noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
@@ -292,28 +294,39 @@ def _shape_values(q: Array, qd: Array, low: float, high: float, fast: float) -> 
     return state_shapes(q, qd, low, high, fast)[1]
 
 
-def _sparse(own: Probe, space: Nuisance, joint: str, torque: float) -> Form:
-    """Orthogonal matching of the residual by few terms of the library, as many as the Bayesian criterion pays for."""
+def sparsest(own: Probe, space: Nuisance, joint: str, torque: float) -> Form:
+    """The best of all combinations of few terms of the library, as many terms as the Bayesian criterion pays for.
+
+    All are compared, for two terms may each explain nothing and together everything, as drive and brake of a limit cycle do.
+    """
     seen = space.measure(own.changes(joint, lambda q, v: np.array([term(q, v) for _, term in TERMS])))
     price = float(np.log(len(space.residual))) + 2.0 * float(np.log(len(TERMS)))
-    chosen: list[int] = []
-    total, coefficients = 0.0, np.zeros(0)
-    while len(chosen) < MOST_TERMS:
-        options = []
-        for j in range(len(TERMS)):
-            if j not in chosen:
-                gain, found, size = solve_gain(seen, [*chosen, j], 1e-4)
-                if size == len(chosen) + 1:
-                    options.append((gain, j, found))
-        if not options:
-            break
-        gain, j, found = max(options, key=lambda o: o[0])
-        if gain - total < price:
-            break
-        chosen.append(j)
-        total, coefficients = gain, found
-    names = tuple(TERMS[j][0] for j in chosen)
+    best: tuple[int, ...] = ()
+    for size in range(1, MOST_TERMS + 1):
+        gain, chosen = _best_subset(seen, size)
+        if gain > solve_gain(seen, best, 1e-4)[0] + price * (size - len(best)):
+            best = chosen
+    total, coefficients, _ = solve_gain(seen, best, 1e-4)
+    names = tuple(TERMS[j][0] for j in best)
     return Form(joint, names, tuple(float(c) * torque for c in coefficients), total)
+
+
+def _best_subset(seen: Projected, size: int) -> tuple[float, tuple[int, ...]]:
+    """The greatest gain of so many columns together, those that are nearly dependent left out, and which they are."""
+    assert seen.gram is not None
+    norms = np.sqrt(np.maximum(seen.squares, 0.0))
+    usable = np.flatnonzero(norms > 1e-6 * max(float(norms.max(initial=0.0)), 1e-300))
+    if len(usable) < size:
+        return 0.0, ()
+    subsets = usable[np.array(list(combinations(range(len(usable)), size)))]
+    scaled = seen.gram / np.maximum(np.outer(norms, norms), 1e-300)
+    right = (seen.along / np.maximum(norms, 1e-300))[subsets]
+    values, vectors = np.linalg.eigh(scaled[subsets[:, :, None], subsets[:, None, :]])
+    along = np.einsum("kij,ki->kj", vectors, right)
+    independent = values[:, 0] > DEPENDENT * values[:, -1]
+    gains = np.where(independent, np.sum(along**2 / np.maximum(values, 1e-300), axis=1), 0.0)
+    best = int(np.argmax(gains))
+    return float(gains[best]), tuple(int(k) for k in subsets[best])
 
 
 def _few_terms(form: Form, noise: float) -> Test:
