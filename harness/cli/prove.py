@@ -17,7 +17,11 @@ from harness.cli.options import console, output_options, progress, wide_options,
     "--seed", type=click.IntRange(min=0), metavar="N", help="Draw the cases from this seed; default: a fresh one."
 )
 @click.option("--resume", metavar="DIR", help="Go on with an interrupted proof in its folder.")
-@click.option("--peers/--no-peers", default=True, help="Ask other methods about the same cases.")
+@click.option(
+    "--peers/--no-peers",
+    default=None,
+    help="Ask other methods about the same cases; default: in the full proof, not in the quick one.",
+)
 @output_options("Folder of the proof: cases, sealed answers, digests, answers found, proof.json; default: denoc-proof.")
 @wide_options
 def prove(
@@ -25,7 +29,7 @@ def prove(
     cases: int | None,
     seed: int | None,
     resume: str | None,
-    peers: bool,
+    peers: bool | None,
     out: Path | None,
     json_file: str | None,
     workers: int | None,

@@ -169,14 +169,15 @@ def prove(
     short: bool = True,
     workers: int | None = None,
     dask: str | None = None,
-    peers: bool = True,
+    peers: bool | None = None,
     progress: Progress | None = None,
 ) -> Proof:
     """The blind proof.
 
     out: folder of the proof; one that holds an interrupted proof is resumed (with its own seed and mix).
-    seed: fresh if None. counts: number of cases by kind. short: whether rigid rigs are recorded but twice, for at most 8 s and at
-    250 Hz, as befits a quick proof. progress: called with (stage, done, of).
+    seed: fresh if None. counts: number of cases by kind. short: whether rigid rigs are recorded but twice, for at most 6 s and at
+    250 Hz, as befits a quick proof. peers: whether other methods are asked; None: unless short.
+    progress: called with (stage, done, of).
     Raises InputError if ``out`` holds another proof or tampered answers.
     """
     out = Path(out)
@@ -224,7 +225,7 @@ def prove(
         found = json.loads((found_folder / f"{name}.json").read_text(encoding="utf-8"))
         scores.append(score_case(name, answer, found))
     versus: dict[str, Any] = {}
-    if peers:
+    if not short if peers is None else peers:
         from harness.proof.peers import compare_peers
 
         versus = compare_peers(out, scores, workers=workers, dask=dask, progress=progress)

@@ -25,12 +25,14 @@ def test_what_is_sealed_is_not_drawn_again(tmp_path: Path) -> None:
 
 def test_cases_that_were_answered_are_not_diagnosed_again(tmp_path: Path) -> None:
     counts = {"clean": 2}
-    first = prove(tmp_path, seed=SEED, counts=counts, workers=1, peers=False)
+    first = prove(tmp_path, seed=SEED, counts=counts, workers=1)
     found = tmp_path / "found" / "clean-0.json"
     marked = {**json.loads(found.read_text(encoding="utf-8")), "seconds": -1.0}
     found.write_text(json.dumps(marked), encoding="utf-8")
     (tmp_path / "found" / "clean-1.json").unlink()
-    again = prove(tmp_path, workers=1, peers=False)
+    again = prove(tmp_path, workers=1)
+    # Short proofs leave the peers out unless they are asked for.
+    assert dict(first.peers) == dict(again.peers) == {}
     assert again.seed == SEED
     assert [s.verdict for s in again.scores] == [s.verdict for s in first.scores]
     assert [s.seconds for s in again.scores if s.name == "clean-0"] == [-1.0]
