@@ -9,7 +9,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from harness.proof.run import QUICK, conceal, diagnose_folder, tasks
-from harness.proof.score import score_case
 from harness.proof.seal import unseal
 
 SEED = 604417153
@@ -19,7 +18,7 @@ def test_a_limit_cycle_is_no_shaken_base(tmp_path: Path) -> None:
     (task,) = (t for t in tasks(QUICK) if t.name == "outside-0")
     name, digest = conceal(task, SEED, tmp_path, short=True)
     found = diagnose_folder(tmp_path / "cases" / name)
-    scored = score_case(name, unseal(name, tmp_path / "sealed", digest), found)
-    assert [effect for effect, _ in scored.planted] == ["self_excitation"]
+    concealed = [planted["effect"] for planted in unseal(name, tmp_path / "sealed", digest)["planted"]]
+    assert concealed == ["self_excitation"]
     assert found["verdict"] in ("unexplained", "partly_explained"), found["findings"]
     assert found["findings"] == []
