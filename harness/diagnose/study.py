@@ -191,7 +191,7 @@ class Study:
             if ringing_start is not None:
                 self.rung.add(hypothesis.identity)
                 other = fit(
-                    objective, ringing_start, best.states,
+                    objective, ringing_start, best.states, fixed=whole if whole.any() else None,
                     most_steps=most_steps, enough=0.2, target=best.score, others=others,
                 )  # fmt: skip
                 best = min(best, other, key=lambda f: f.score)
