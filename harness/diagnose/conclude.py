@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -14,7 +15,7 @@ from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained
 from harness.diagnose.locate import rmse
-from harness.diagnose.remainder import SETS_IN, Remains, Test, examine
+from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump
 from harness.diagnose.rivals import APART, near, preferred
 from harness.diagnose.study import BEGUN, STRETCHED
 from harness.diagnose.uncertainty import estimates
@@ -175,17 +176,24 @@ def _probabilities(outcome: Outcome) -> dict[str, float]:
     return out
 
 
-def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) -> bool:
-    """Whether a force or a jump that nobody has named explains, better by ``margin``, what a member was called for."""
+def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *, exact: bool = False) -> bool:
+    """Whether a force or a jump that nobody has named explains, better by ``margin``, what a member was called for.
+
+    exact: ask only for what brings what it promises.
+    """
     study, problem = outcome.study, outcome.problem
     joints = problem.system.joint_names
     torques = [references(problem.system, joint).torque for joint in joints]
-    left = examine(outcome.predictor, study.likelihood, smaller, joints, torques, outcome.period)
+    tests: Sequence[Test]
+    if exact:
+        tests = [jump(outcome.predictor, study.likelihood, smaller)]
+    else:
+        tests = examine(outcome.predictor, study.likelihood, smaller, joints, torques, outcome.period).tests
     # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
     lasting = any(
         m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
     )
-    named = [t for t in left.tests if t.places >= 0 and not (lasting and t.name.startswith(SETS_IN))]
+    named = [t for t in tests if t.places >= 0 and not (lasting and t.name.startswith(SETS_IN))]
 
     own = smaller.score - best.score
     there = max(smaller.score - study.samples, own)
@@ -199,10 +207,11 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0) ->
     return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
 
 
-def _imitated_together(outcome: Outcome, best: Fit) -> list[str]:
+def _imitated_together(outcome: Outcome, best: Fit, remains: Remains) -> list[str]:
     """Members that a single force or jump that nobody has named explains, better than they do together.
 
-    A force of a shape that the catalogue does not have may be pieced together from several that it has.
+    A force of a shape that the catalogue does not have may be pieced together from several that it has. Beside a remainder every
+    force that nobody has named explains something; only what brings what it promises is then asked for.
     """
     found: list[str] = []
     members = range(len(best.hypothesis.members))
@@ -216,7 +225,7 @@ def _imitated_together(outcome: Outcome, best: Fit) -> list[str]:
                     if key in smaller.hypothesis.keys
                     else smaller
                 )
-            if _imitated(outcome, best, smaller, BETTER):
+            if _imitated(outcome, best, smaller, BETTER, exact=remains.significant):
                 found += [key for key in keys if key not in found]
     return found
 
@@ -308,7 +317,7 @@ def conclude(outcome: Outcome) -> Conclusion:
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if _doubtful(outcome, best, k, remains)]
-    together = [] if remains.significant else _imitated_together(outcome, best)
+    together = _imitated_together(outcome, best, remains)
     if shaky or together:
         firm = [key for k, key in enumerate(best.hypothesis.keys) if _firm(outcome, best, k)]
         best, fresh, saved = _without_doubtful(outcome, best, shaky, together)

@@ -22,7 +22,7 @@ def replaced(study: Study, best: Fit) -> Fit:
     """
     base = best.hypothesis
     for k, member in enumerate(base.members):
-        if not whole_numbers(member).any():
+        if not whole_numbers(member).any() or study.was_exchanged(best, member, " elsewhere"):
             continue
         place = int(np.flatnonzero(whole_numbers(member))[0])
         seen = {round(float(study.predictor.effect_values(base, k, best.x)[place]))}

@@ -226,7 +226,7 @@ def examine(
     which a test counts.
     """
     space = nuisance(fitted, predictor)
-    noise = max(1.0, float(np.median(_block_variance(fitted))))
+    noise = _loudness(fitted)
     tests: list[Test] = []
     excess, chosen, best_chance = 0.0, "", 1.0
     smooth_maps: dict[str, tuple[list[str], Array, float, float, float]] = {}
@@ -272,7 +272,7 @@ def examine(
         excess = max([excess, *(test.gain for test in tests[-2:] if _counts(test, level))])
     tests.append(_trend(fitted))
     tests.append(_spectrum(own_period=period, predictor=predictor, fitted=fitted))
-    tests.append(_jump(predictor, likelihood, fitted, space, noise))
+    tests.append(jump(predictor, likelihood, fitted, space))
     for test in tests[-2:]:
         if _counts(test, level):
             excess = max(excess, test.gain)
@@ -315,12 +315,14 @@ def _best_subset(seen: Projected, size: int) -> tuple[float, tuple[int, ...]]:
     """The greatest gain of so many columns together, those that are nearly dependent left out, and which they are."""
     assert seen.gram is not None
     norms = np.sqrt(np.maximum(seen.squares, 0.0))
-    usable = np.flatnonzero(norms > 1e-6 * max(float(norms.max(initial=0.0)), 1e-300))
+    visible = norms > 1e-6 * max(float(norms.max(initial=0.0)), 1e-300)
+    usable = np.flatnonzero(visible)
     if len(usable) < size:
         return 0.0, ()
     subsets = usable[np.array(list(combinations(range(len(usable)), size)))]
-    scaled = seen.gram / np.maximum(np.outer(norms, norms), 1e-300)
-    right = (seen.along / np.maximum(norms, 1e-300))[subsets]
+    units = np.where(visible, norms, np.inf)
+    scaled = seen.gram / np.outer(units, units)
+    right = (seen.along / units)[subsets]
     values, vectors = np.linalg.eigh(scaled[subsets[:, :, None], subsets[:, None, :]])
     along = np.einsum("kij,ki->kj", vectors, right)
     independent = values[:, 0] > DEPENDENT * values[:, -1]
@@ -373,6 +375,11 @@ def heldout_gain(before: Array, after: Array) -> float:
     blocks = np.array_split(after * delta, max(8, min(40, len(delta) // 50)))
     spread = 2.0 * max(float(np.sqrt(sum(float(np.sum(b)) ** 2 for b in blocks))), float(np.linalg.norm(delta)))
     return gain / spread if spread > 0.0 else 0.0
+
+
+def _loudness(fitted: Fit) -> float:
+    """Variance of what a fit leaves in most places, in units of the noise's; one at least."""
+    return max(1.0, float(np.median(_block_variance(fitted))))
 
 
 def _block_variance(fitted: Fit) -> Array:
@@ -526,8 +533,13 @@ def _spectrum(own_period: float, predictor: Predictor, fitted: Fit) -> Test:
     return Test("the spectrum around the swing", 2.0 * (total - count), count, chance, places=-1)
 
 
-def _jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisance, noise: float) -> Test:
-    """Largest gain by one lasting jump of a channel's reading, all channels and times counted in its chance."""
+def jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisance | None = None) -> Test:
+    """Largest gain by one lasting jump of a channel's reading, all channels and times counted in its chance.
+
+    space: what the hypothesis may adjust, if known already.
+    """
+    space = space or nuisance(fitted, predictor)
+    noise = _loudness(fitted)
     best, count, where = 0.0, 0, ("", "")
     chosen = []
     for window in fitted.windows:

@@ -12,7 +12,8 @@ from harness.diagnose.hypothesis import compatible, dear
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
 from harness.diagnose.places import replaced
-from harness.diagnose.search import exhausted, finished
+from harness.diagnose.search import NEAR, exhausted, finished
+from harness.diagnose.standing_in import standing_in
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, Study
 
@@ -24,6 +25,7 @@ WORTH_FITTING = (
 DEARLY = 0.65  # the same for what is dear to fit, whose test is made at its likely size and so is closer to the truth
 HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
 MOST_WIDENED = 3
+MOST_PLACED = 4  # rivals whose forces over the angle are tried at other places
 FEWEST_TOLD = 2  # rivals, however far from the best set
 FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
 APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
@@ -45,7 +47,7 @@ def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
     own = without.score - best.score
-    found = relatives(study, best, k, ENOUGH_FITS)
+    found = relatives(study, best, k, ENOUGH_FITS) + standing_in(study, best, k, ENOUGH_FITS)
     for scored in study.ranked(without):
         if len(study.fits) >= ENOUGH_FITS or len(found) >= MOST or scored.gain < WORTH_FITTING * own:
             break
@@ -112,6 +114,9 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
             best = study.fit(best.hypothesis, shaken, best, most_steps=40, target=best.score)
         best = replaced(study, best)
         others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
+        # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
+        near = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
+        others += [replaced(study, f) for f in sorted(near, key=study.criterion)[:MOST_PLACED]]
         better = min([*others, *reduced(study, best)], key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break

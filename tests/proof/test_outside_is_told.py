@@ -1,24 +1,28 @@
-"""A force outside the catalogue that several of its effects piece together is told as unexplained.
+"""What is outside the catalogue, and what several of its effects piece together, is told as unexplained.
 
-Air that feeds small swings and brakes large ones (van der Pol), concealed as in a quick proof, was once told as a shaken base and a
-high-pass, down to the noise. The truth is what was concealed.
+Concealed as in quick proofs, two kinds were once told by what they are not: air that feeds small swings and brakes large ones (van
+der Pol) as a shaken base and a high-pass, down to the noise; an encoder that skips counts as drift, a shaken base, a tilt, beside
+a remainder. The truth is what was concealed.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from harness.proof.run import QUICK, conceal, diagnose_folder, tasks
 from harness.proof.seal import unseal
 
-SEED = 604417153
+CASES = [(604417153, "outside-0", "self_excitation"), (685775202, "outside-2", "encoder_skip")]
 
 
-def test_a_limit_cycle_is_no_shaken_base(tmp_path: Path) -> None:
-    (task,) = (t for t in tasks(QUICK) if t.name == "outside-0")
-    name, digest = conceal(task, SEED, tmp_path, short=True)
+@pytest.mark.parametrize(("seed", "case", "kind"), CASES)
+def test_what_is_pieced_together_is_no_finding(seed: int, case: str, kind: str, tmp_path: Path) -> None:
+    (task,) = (t for t in tasks(QUICK) if t.name == case)
+    name, digest = conceal(task, seed, tmp_path, short=True)
     found = diagnose_folder(tmp_path / "cases" / name)
     concealed = [planted["effect"] for planted in unseal(name, tmp_path / "sealed", digest)["planted"]]
-    assert concealed == ["self_excitation"]
+    assert concealed == [kind]
     assert found["verdict"] in ("unexplained", "partly_explained"), found["findings"]
     assert found["findings"] == []

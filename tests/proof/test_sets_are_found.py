@@ -1,8 +1,9 @@
 """Pairs and a triple of effects, concealed by engines that are not ours, that a search once missed for another set.
 
-Rigs, noise, rates and sizes are drawn as in a proof, the last one's as in a quick one. The truth is what was concealed. What was
+Rigs, noise, rates and sizes are drawn as in a proof, the last three's as in a quick one. The truth is what was concealed. What was
 told instead, one by one: a wave over the angle and a shifted centre of mass; a shift, drag and damping; a bent model; nothing; an
-encoder's error; a joint that gives for a link that bends, and no word of the link.
+encoder's error; a joint that gives for a link that bends, and no word of the link; a wave of another length and a wrong scale for
+the wave and a constant torque; a wrong scale for a spring, and no word of the spring.
 """
 
 from __future__ import annotations
@@ -15,15 +16,16 @@ from harness.proof.run import Task, conceal, diagnose_folder
 from harness.proof.score import score_case
 from harness.proof.seal import unseal
 
-FULL, QUICK = 1813693910, 604417153
+FULL, QUICK, SHORT = 1813693910, 604417153, 685775202
 CASES = [
     (FULL, "pair", 2), (FULL, "pair", 15), (FULL, "pair", 30), (FULL, "pair", 33), (FULL, "triple", 6), (QUICK, "pair", 4),
+    (SHORT, "pair", 0), (SHORT, "pair", 2),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("seed", "kind", "index"), CASES)
 def test_concealed_set_is_named(seed: int, kind: str, index: int, tmp_path: Path) -> None:
-    name, digest = conceal(Task(kind, index), seed, tmp_path, short=seed == QUICK)
+    name, digest = conceal(Task(kind, index), seed, tmp_path, short=seed != FULL)
     found = diagnose_folder(tmp_path / "cases" / name)
     scored = score_case(name, unseal(name, tmp_path / "sealed", digest), found)
     assert "error" not in found
