@@ -19,7 +19,7 @@ from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
 from harness.diagnose.starts import calmed, foretold
-from harness.diagnose.valleys import bent_back, brought_back, in_shape, ringing
+from harness.diagnose.valleys import bent_back, brought_back, in_shape, made_to_ring
 from harness.diagnose.window_states import SHORTLY, measured_state
 from harness.diagnose.windows import Window
 
@@ -186,15 +186,8 @@ class Study:
         near_enough = best.score < FAR * lowest or not hypothesis.members
         if best.linear.cost > HOPELESS * self.samples and near_enough and self.stretched(best):
             best = self._unbent(best, whole, most_steps)
-        if near_enough and hypothesis.identity not in self.rung:
-            ringing_start = ringing(self.predictor, best)
-            if ringing_start is not None:
-                self.rung.add(hypothesis.identity)
-                other = fit(
-                    objective, ringing_start, best.states, fixed=whole if whole.any() else None,
-                    most_steps=most_steps, enough=0.2, target=best.score, others=others,
-                )  # fmt: skip
-                best = min(best, other, key=lambda f: f.score)
+        if near_enough:
+            best = made_to_ring(self, best, most_steps)
         self.fits[hypothesis.identity] = best
         return best
 

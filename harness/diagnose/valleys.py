@@ -47,6 +47,20 @@ def in_shape(study: Study, fitted: Fit, target: float) -> Fit:
     return fitted
 
 
+def made_to_ring(study: Study, fitted: Fit, most_steps: int) -> Fit:
+    """The better of a fit and of the same begun anew with dead vibrations ringing, once for each set."""
+    hypothesis = fitted.hypothesis
+    start = None if hypothesis.identity in study.rung else ringing(study.predictor, fitted)
+    if start is None:
+        return fitted
+    study.rung.add(hypothesis.identity)
+    other = fit(
+        study.objective(hypothesis), start, fitted.states, fixed=study.whole(hypothesis),
+        most_steps=most_steps, enough=0.2, target=fitted.score, others=study.others(hypothesis),
+    )  # fmt: skip
+    return min(fitted, other, key=lambda f: f.score)
+
+
 def ringing(predictor: Predictor, fitted: Fit) -> Array | None:
     """The same point with vibrations that do not ring made to ring as most do; None if there are none.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -22,6 +22,9 @@ ROUNDING = 1e-12
 # Of one run, by Denoc.simulate.
 RELATIVE = (1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 WANTED = 5.0
+
+Settings = dict[str, Any]
+"""Of a simulation: keywords of ``Denoc.simulate`` and of ``LaneModel.simulate``."""
 
 
 def run(options: Options) -> Iterator[Row]:
@@ -74,85 +77,77 @@ def _coarse() -> np.ndarray:
     return np.linspace(0.0, DURATION, 101)
 
 
+def _fine() -> np.ndarray:
+    return np.linspace(0.0, DURATION, round(DURATION / STEP) + 1)
+
+
 def _many(n: int, options: Options) -> Iterable[Row]:
     from harness.denoc.lanes import LaneModel
 
     system = damped(n)
     q0, qd0 = start(n)
     lanes = LaneModel(system)
-    row = lanes.row(system)[None]
-    time = np.linspace(0.0, DURATION, round(DURATION / STEP) + 1)
-    theirs = rollout(system, q0, qd0)
+    rows = np.repeat(lanes.row(system)[None], COPIES, axis=0)
 
-    rows = np.repeat(row, COPIES, axis=0)
+    def ours(settings: Settings) -> np.ndarray:
+        return np.asarray(lanes.simulate(rows, q0, qd0, _fine(), **settings)[0])
 
-    def ours(settings: dict[str, Any]) -> np.ndarray:
-        return np.asarray(lanes.simulate(rows, q0, qd0, time, **settings)[0])
-
-    truth = reference(system, q0[0], qd0[0])
-    their_error = float(np.abs(theirs()[0, 99::100] - truth[1:]).max())
-    # The lanes adapt their step: as loose as gives the peer's accuracy, or what rounding leaves of it.
-    for tolerance in TOLERANCES:
-        settings: dict[str, Any] = {"tolerance": tolerance}
-        our_error = float(np.abs(ours(settings)[0, ::100] - truth).max())
-        if our_error <= max(their_error, ROUNDING):
-            break
-    same: dict[str, Any] = {"method": "rk4", "step": STEP}
-    for what, chosen in (("simulation_many", settings), ("simulation_many_rk4", same)):
-        call = partial(ours, chosen)
-        our_error = float(np.abs(call()[0, ::100] - truth).max())
-        timings = side_by_side({"ours": call, "theirs": theirs}, rounds=max(3, options.rounds // 3))
-        per = {name: timing.per(COPIES) for name, timing in timings.items()}
-        how = "RK4 at 1 kHz" if chosen is same else "adaptive"
-        yield Row(
-            what,
-            n,
-            "mujoco",
-            per["ours"].median,
-            per["theirs"].median,
-            ours_spread=per["ours"].spread,
-            theirs_spread=per["theirs"].spread,
-            case="damped chain with general axes",
-            note=f"a run of {DURATION:g} s sampled at 1 kHz, {COPIES} at once, one thread; {how}, error {our_error:.0e} "
-            f"rad, against RK4 at 1 ms, {their_error:.0e} rad",
-            wanted=WANTED,
-        )
+    adaptive = [Settings(tolerance=tolerance) for tolerance in TOLERANCES]
+    how = f"a run of {DURATION:g} s sampled at 1 kHz, {COPIES} at once, one thread"
+    return _rows("simulation_many", system, (q0, qd0), ours, adaptive, how, options)
 
 
 def _one(n: int, options: Options) -> Iterable[Row]:
     system = damped(n)
     q0, qd0 = (x[:1] for x in start(n))
     model = native(system)
-    time = np.linspace(0.0, DURATION, round(DURATION / STEP) + 1)
-    theirs = rollout(system, q0, qd0)
 
-    def ours(settings: dict[str, Any]) -> np.ndarray:
-        return np.asarray(model.simulate(q0[0], qd0[0], time, **settings).position)
+    def ours(settings: Settings) -> np.ndarray:
+        return np.asarray(model.simulate(q0[0], qd0[0], _fine(), **settings).position)[None]
 
-    truth = reference(system, q0[0], qd0[0])
+    adaptive = [Settings(rtol=rtol, atol=0.01 * rtol) for rtol in RELATIVE]
+    how = f"one run of {DURATION:g} s sampled at 1 kHz"
+    return _rows("simulation_one", system, (q0, qd0), ours, adaptive, how, options)
+
+
+def _rows(
+    what: str,
+    system: System,
+    begun: tuple[np.ndarray, np.ndarray],
+    ours: Callable[[Settings], np.ndarray],
+    adaptive: Sequence[Settings],
+    how: str,
+    options: Options,
+) -> Iterator[Row]:
+    """A row for the loosest of the adaptive settings that is no less accurate than the peer, and one for the peer's own method.
+
+    begun: positions and velocities (B, n). ours: positions (B, T, n) by settings. The peer's own method stands for the adaptive one
+    too, if no setting of that is accurate enough.
+    """
+    theirs = rollout(system, *begun)
+    truth = reference(system, begun[0][0], begun[1][0])
     their_error = float(np.abs(theirs()[0, 99::100] - truth[1:]).max())
-    same: dict[str, Any] = {"method": "rk4", "step": STEP}
-    # The loosest of the adaptive method that is no less accurate; the peer's own method if there is none.
-    for settings in [*({"rtol": rtol, "atol": 0.01 * rtol} for rtol in RELATIVE), same]:
-        our_error = float(np.abs(ours(settings)[::100] - truth).max())
-        if our_error <= max(their_error, ROUNDING):
-            break
-    for what, chosen in (("simulation_one", settings), ("simulation_one_rk4", same)):
-        call = partial(ours, chosen)
-        our_error = float(np.abs(call()[::100] - truth).max())
-        timings = side_by_side({"ours": call, "theirs": theirs}, rounds=max(3, options.rounds // 3))
-        how = "RK4 at 1 kHz" if chosen is same else f"adaptive, rtol {chosen['rtol']:g}"
+
+    def error(settings: Settings) -> float:
+        return float(np.abs(ours(settings)[0, ::100] - truth).max())
+
+    same = Settings(method="rk4", step=STEP)
+    loosest = next((s for s in adaptive if error(s) <= max(their_error, ROUNDING)), same)
+    copies = len(begun[0])
+    for name, chosen in ((what, loosest), (f"{what}_rk4", same)):
+        timings = side_by_side({"ours": partial(ours, chosen), "theirs": theirs}, rounds=max(3, options.rounds // 3))
+        per = {side: timing.per(copies) for side, timing in timings.items()}
+        method = "RK4 at 1 kHz" if chosen is same else "adaptive, " + ", ".join(f"{k} {v:g}" for k, v in chosen.items())
         yield Row(
-            what,
-            n,
+            name,
+            len(system.joint_names),
             "mujoco",
-            timings["ours"].median,
-            timings["theirs"].median,
-            ours_spread=timings["ours"].spread,
-            theirs_spread=timings["theirs"].spread,
+            per["ours"].median,
+            per["theirs"].median,
+            ours_spread=per["ours"].spread,
+            theirs_spread=per["theirs"].spread,
             case="damped chain with general axes",
-            note=f"one run of {DURATION:g} s sampled at 1 kHz; {how}, error {our_error:.0e} rad, against RK4 at 1 ms, "
-            f"{their_error:.0e} rad",
+            note=f"{how}; {method}, error {error(chosen):.0e} rad, against RK4 at 1 ms, {their_error:.0e} rad",
             wanted=WANTED,
         )
 
