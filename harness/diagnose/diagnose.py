@@ -26,9 +26,10 @@ from harness.diagnose.lost import why_lost
 from harness.diagnose.problem import pose
 from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
+from harness.diagnose.rivals import with_the_same
 from harness.diagnose.search import Effort
 from harness.diagnose.study import BEGUN
-from harness.diagnose.uncertainty import Estimate, as_likely, estimates
+from harness.diagnose.uncertainty import Estimate, across, as_likely, estimates
 from harness.effects.effect import Effect
 from harness.effects.scale import references
 from harness.effects.user import load_user_effects
@@ -166,10 +167,18 @@ def _tell(
     elsewhere = (
         as_likely(study, conclusion.best) if conclusion.own.hypothesis.keys == conclusion.best.hypothesis.keys else []
     )
-    values = {
-        claim.candidate.key: estimates(outcome.predictor, conclusion.own, claim.index, outcome.training, elsewhere)
-        for claim in conclusion.claims
-    }
+    own = outcome.training.sharpened(conclusion.own)
+    values = {}
+    for claim in conclusion.claims:
+        key = claim.candidate.key
+        others = [
+            estimates(outcome.predictor, study.sharpened(other), other.hypothesis.keys.index(key))
+            for other in with_the_same(outcome, conclusion.best, key)
+        ]
+        values[key] = across(
+            estimates(outcome.predictor, own, claim.index, outcome.training, elsewhere),
+            others,
+        )
     findings = [_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims]
     nominal_held = judge(outcome, outcome.nominal)
     empty_held = judge(outcome, outcome.empty)

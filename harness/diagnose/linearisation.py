@@ -63,7 +63,7 @@ def linearise(
     vectors = np.tile(x, (1 + len(moves), 1))
     steps = np.zeros(len(moves))
     for row, k in enumerate(moves):
-        step = DIFFERENCE * max(1.0, abs(x[k]))
+        step = max(DIFFERENCE, 1e-9 * abs(x[k]))
         if upper is not None and x[k] + step > upper[k]:
             step = -step
         steps[row] = step
@@ -102,6 +102,42 @@ def linearise(
         bases.append(both[:, :n])
         shared.append(both[:, n:])
     return eliminated(cost, residuals, bases, shared)
+
+
+CHANGE = 10.0  # norm of the change of the whitened prediction by one step of a sharp difference quotient
+LEAST, MOST = 1e-7, 1e-3  # of such a step
+
+
+def sharply(objective: Objective, x: Array, states: States, rough: Linearisation) -> Linearisation:
+    """The same linear view with the sensitivities of the shared parameters good to many more digits.
+
+    Of parameters whose effects nearly make up for one another, only a small difference of long columns is told by the data. The
+    curvature in a simple difference quotient looks like such a difference, and intervals would be far too narrow. So these are
+    central differences over steps that change the prediction alike, extrapolated (Richardson, Phil. Trans. A 210 (1911) 307).
+    """
+    norms = np.sqrt(sum(np.sum(np.asarray(columns) ** 2, axis=0) for columns in rough.shared))
+    steps = np.maximum(np.clip(CHANGE / np.maximum(norms, 1e-300), LEAST, MOST), 1e-9 * np.abs(x))
+    lower, upper = objective.bounds()
+    # What stands at a bound cannot be moved both ways, what is held was not moved at all.
+    moves = np.flatnonzero((norms > 0.0) & (x - steps >= lower) & (x + steps <= upper))
+    if not len(moves):
+        return rough
+    points = []
+    for k in moves:
+        for share in (1.0, -1.0, 0.5, -0.5):
+            points.append(x.copy())
+            points[-1][k] += share * steps[k]
+    found = [residuals for _, residuals in objective.residuals([(point, states) for point in points])]
+    shared = []
+    for number, columns in enumerate(rough.shared):
+        sharp = np.array(columns)
+        for j, k in enumerate(moves):
+            far, back, near, nearly_back = (found[4 * j + i][number] for i in range(4))
+            quotient = (8.0 * (near - nearly_back) - (far - back)) / (6.0 * steps[k])
+            if np.isfinite(quotient).all():
+                sharp[:, k] = quotient
+        shared.append(sharp)
+    return eliminated(rough.cost, rough.residuals, rough.bases, shared)
 
 
 def eliminated(

@@ -16,6 +16,7 @@ from harness.diagnose.search import NEAR, exhausted, finished
 from harness.diagnose.standing_in import standing_in
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, Study
+from harness.diagnose.uncertainty import VALLEYS
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
@@ -29,6 +30,7 @@ MOST_PLACED = 4  # rivals whose forces over the angle are tried at other places
 FEWEST_TOLD = 2  # rivals, however far from the best set
 FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
 APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
+LIKELY = 6.0  # the same for odds of twenty, beyond which a set has no say in an interval of 95 %
 
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
@@ -62,10 +64,22 @@ def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
         generalized(study, base)
 
 
+def with_the_same(outcome: Outcome, best: Fit, key: str) -> list[Fit]:
+    """Other sets that hold a member of the best one too and that are at least a twentieth as likely."""
+    study, limit = outcome.study, _limit(outcome, best, LIKELY)
+    others = (f for identity, f in study.fits.items() if key in identity and identity != best.hypothesis.identity)
+    return [f for f in others if f.score < LOST and study.evidence(f) < limit]
+
+
+def _limit(outcome: Outcome, best: Fit, apart: float) -> float:
+    """The evidence of sets that are ``apart`` from the best one."""
+    vibrates = any(m.effect.adds_coordinates for m in best.hypothesis.members)
+    return outcome.study.evidence(best) + apart + (VALLEYS if vibrates else 0.0)
+
+
 def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Rivals of member ``k`` that the recordings do not part from the best set, likeliest first."""
-    study = outcome.study
-    limit = study.evidence(best) + APART
+    study, limit = outcome.study, _limit(outcome, best, APART)
     found = sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
     known = {f.hypothesis.identity for f in found}
     return found + [f for f in unseen(outcome, best, k) if f.hypothesis.identity not in known]

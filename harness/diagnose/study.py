@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import lgamma
 
 import numpy as np
@@ -14,6 +14,7 @@ from harness.diagnose.coordinates import is_logarithmic, to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, dear, whole_numbers
 from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.linearisation import sharply
 from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
@@ -190,6 +191,11 @@ class Study:
             best = made_to_ring(self, best, most_steps)
         self.fits[hypothesis.identity] = best
         return best
+
+    def sharpened(self, fitted: Fit) -> Fit:
+        """The same fit with its linear view good to many more digits, for intervals."""
+        objective = self.objective(fitted.hypothesis).on(fitted.windows)
+        return replace(fitted, linear=sharply(objective, fitted.x, fitted.states, fitted.linear))
 
     def _unbent(self, best: Fit, whole: NDArray[np.bool_], most_steps: int) -> Fit:
         """The same fit with residuals taken to be as loud as they are.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from harness.diagnose.coordinates import from_internal, is_logarithmic
-from harness.diagnose.fit import Fit, covariance
+from harness.diagnose.fit import Fit, covariance, fit
 from harness.diagnose.hypothesis import whole_numbers
+from harness.diagnose.objective import States
 from harness.diagnose.predict import Predictor
 from harness.diagnose.study import Study
 
@@ -39,6 +40,11 @@ def inflation(fitted: Fit) -> float:
 
 
 MOST_NEIGHBOURS = 5
+MOST_DOUBLED, OUTWARD_STEPS = 5, 10  # times that an interval is doubled outward; steps of a fit there
+FARTHEST = 4.0  # of a logarithm, that it may reach
+UNKNOWN = 1.0  # of a logarithm: what is as uncertain as that is wide enough
+# What vibrates fits the noise a little at every frequency, in valleys a hundredth wide: twice the logarithm of how many there are.
+VALLEYS = 8.0
 
 
 def whole_interval(study: Study, fitted: Fit, index: int) -> tuple[float, float]:
@@ -60,6 +66,43 @@ def as_likely(study: Study, best: Fit) -> list[Array]:
     """Parameter vectors at which other fits of the same hypothesis have ended, no less likely than the ends of an interval."""
     limit = best.score + float(chi2.ppf(0.95, 1)) * inflation(best)
     return [x for score, x in study.ends.get(best.hypothesis.keys, ()) if score < limit]
+
+
+def reached(study: Study, fitted: Fit, index: int, width: float) -> float:
+    """How far from where it stands a parameter may lie, everything else fitted again; ``width`` at least, in the fit's coordinates.
+
+    Of what vibrates a fit knows one of many narrow valleys, and its curvature says nothing of the next. A place counts if a fit
+    there is as likely as the truth would be beside the best of so many valleys.
+    """
+    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted) + VALLEYS
+    objective = study.objective(fitted.hypothesis).on(fitted.windows)
+    lower, upper = objective.bounds()
+    held = study.whole(fitted.hypothesis)
+    held[index] = True
+
+    def likely(x: Array, states: States) -> Fit | None:
+        if not lower[index] <= x[index] <= upper[index]:
+            return None
+        found = fit(objective, x, states, fixed=held, most_steps=OUTWARD_STEPS, enough=0.2, target=limit)
+        return found if found.score < limit else None
+
+    good, last = width, fitted
+    for power in range(1, MOST_DOUBLED + 1):
+        # Beyond a ridge there may be as good a valley.
+        away = 2.0**power * width
+        further = likely(_moved(last, index, fitted.x[index] + away), last.states) if abs(away) < FARTHEST else None
+        if further is not None:
+            good, last = away, further
+    for factor in (2.0**0.5, 2.0**0.25) if last is not fitted else ():
+        if likely(_moved(last, index, fitted.x[index] + factor * good), last.states) is not None:
+            good *= factor
+    return good
+
+
+def _moved(fitted: Fit, index: int, value: float) -> Array:
+    x = fitted.x.copy()
+    x[index] = value
+    return x
 
 
 def estimates(
@@ -109,8 +152,11 @@ def estimates(
             out[parameter.name] = Estimate(value, None, max(low, parameter.lower), min(high, parameter.upper))
             continue
         if log[j]:
-            low, high = value * float(np.exp(-WIDE * min(s, 20.0))), value * float(np.exp(WIDE * min(s, 20.0)))
-            std = value * s
+            down, up = -WIDE * min(s, 20.0), WIDE * min(s, 20.0)
+            if study is not None and member.effect.adds_coordinates and s < UNKNOWN:
+                down, up = reached(study, fitted, first + j, down), reached(study, fitted, first + j, up)
+            low, high = value * float(np.exp(down)), value * float(np.exp(up))
+            std = value * s * (up - down) / (2.0 * WIDE * min(s, 20.0))
         else:
             std = s * float(member.scales[j])
             low, high = value - WIDE * std, value + WIDE * std
@@ -132,6 +178,27 @@ def estimates(
             low, high = float(round(low)), float(round(high))
             found = replace(found, std=0.25 * (high - low))
         out[parameter.name] = replace(found, low=low, high=high)
+    return out
+
+
+def across(own: Mapping[str, Estimate], others: Sequence[Mapping[str, Estimate]]) -> dict[str, Estimate]:
+    """Estimates whose intervals reach over those of the same effect in other sets that the recordings do not part from this one.
+
+    What stands beside an effect is part of what its numbers mean: beside a payload in place of a shifted centre of mass, every
+    torque is another one (averaging over models: Hoeting et al., Statist. Sci. 14 (1999) 382). Phases and whole numbers stay.
+    """
+    out = dict(own)
+    for name, estimate in own.items():
+        if name in ("phase", "periods") or estimate.std is None:
+            continue
+        low = min([estimate.low, *(other[name].low for other in others)])
+        high = max([estimate.high, *(other[name].high for other in others)])
+        std = (
+            max(estimate.std, (high - low) / (2.0 * WIDE))
+            if (low, high) != (estimate.low, estimate.high)
+            else estimate.std
+        )
+        out[name] = replace(estimate, std=std, low=low, high=high)
     return out
 
 
