@@ -1,0 +1,62 @@
+"""Intervals where parameters make up for one another: only a small difference of long columns is told by the data.
+
+A free swing of one rigid pendulum depends on one number, moment of gravity over inertia (Goldstein, Classical Mechanics, ch. 3), so
+mass, length, inertia and a shift of the centre of mass leave the motion as it is along three directions. No more may be told.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, releases
+
+from harness.diagnose.candidates import candidates
+from harness.diagnose.colour import Colour
+from harness.diagnose.coordinates import to_internal
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor
+from harness.diagnose.problem import pose
+from harness.diagnose.study import Study
+from harness.diagnose.uncertainty import Estimate, across, estimates
+from harness.diagnose.windows import whole
+
+NOISE, RATE, TOLERANCE, SHIFT = 1e-4, 100.0, 0.02, -0.09
+
+
+def test_nothing_is_told_of_what_leaves_the_motion_as_it_is() -> None:
+    system = nominal(TOLERANCE)
+    runs = releases(Rig(com=COM + SHIFT), (1.2, -0.8), NOISE, seed=5, duration=20.0, rate=RATE)
+    posed = pose(system, runs)
+    known = tuple(candidates(system, runs, only=["com_offset"]))
+    colours = (Colour(white=NOISE, interval=1.0 / RATE),)
+    study = Study(posed, Predictor(posed), Likelihood(posed, colours), known, whole(posed.runs, range(2)))
+    count = len(study.predictor.nominal)
+    start = np.concatenate([np.zeros(count), to_internal(known[0], np.array([SHIFT]))])
+    rough = study.fit(Hypothesis(known), [start], None, most_steps=40)
+    best = study.sharpened(rough)
+    assert best.score < 1.1 * study.samples
+    told = np.linalg.svd(best.linear.matrix, compute_uv=False)
+    assert told[0] > 1e3
+    # Beside a tolerance, whose standard deviation is one, a hundredth of one says nothing.
+    assert (told[1:] < 0.01).all(), told
+    for sharp, plain in zip(best.linear.shared, rough.linear.shared, strict=True):
+        assert np.linalg.norm(sharp - plain) < 0.01 * np.linalg.norm(plain)
+    # So the shift is known as well as the stated quantities let it be: m c g / (I + m c²) is what is known of them.
+    (shift,) = estimates(study.predictor, best, 0, study).values()
+    assert shift.std is not None
+    c = COM + SHIFT
+    slope = 1.0 / c - 2.0 * MASS * c / (INERTIA + MASS * c**2)  # of the logarithm, by the centre of mass
+    wide = INERTIA / (INERTIA + MASS * c**2)  # by the logarithm of the inertia, the sign left out
+    assert shift.std == pytest.approx(TOLERANCE * np.hypot(wide / slope, COM), rel=0.2)
+    assert shift.low < SHIFT < shift.high
+
+
+def test_intervals_reach_over_sets_that_are_not_parted() -> None:
+    own = {"torque": Estimate(1.0, 0.1, 0.8, 1.2), "phase": Estimate(0.0, 0.1, -0.2, 0.2)}
+    other = {"torque": Estimate(1.5, 0.1, 1.3, 1.7), "phase": Estimate(3.0, 0.1, 2.8, 3.2)}
+    found = across(own, [other])
+    assert (found["torque"].value, found["torque"].low, found["torque"].high) == (1.0, 0.8, 1.7)
+    assert found["torque"].std == pytest.approx(0.9 / 2 / 1.96, rel=1e-3)
+    assert found["phase"] == own["phase"]
+    assert across(own, []) == own
