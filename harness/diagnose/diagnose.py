@@ -168,16 +168,16 @@ def _tell(
         as_likely(study, conclusion.best) if conclusion.own.hypothesis.keys == conclusion.best.hypothesis.keys else []
     )
     own = outcome.training.sharpened(conclusion.own)
+    sharp: dict[frozenset[str], Fit] = {}
     values = {}
     for claim in conclusion.claims:
         key = claim.candidate.key
-        others = [
-            estimates(outcome.predictor, study.sharpened(other), other.hypothesis.keys.index(key))
-            for other in with_the_same(outcome, conclusion.best, key)
-        ]
+        likely = with_the_same(outcome, conclusion.best, key)
+        sharp |= {f.hypothesis.identity: study.sharpened(f) for f in likely if f.hypothesis.identity not in sharp}
+        others = (sharp[f.hypothesis.identity] for f in likely)
         values[key] = across(
             estimates(outcome.predictor, own, claim.index, outcome.training, elsewhere),
-            others,
+            [estimates(outcome.predictor, f, f.hypothesis.keys.index(key)) for f in others],
         )
     findings = [_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims]
     nominal_held = judge(outcome, outcome.nominal)
