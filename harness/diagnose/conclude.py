@@ -17,6 +17,7 @@ from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straig
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump
 from harness.diagnose.rivals import APART, near, preferred
+from harness.diagnose.screen import scanned
 from harness.diagnose.study import BEGUN, STRETCHED
 from harness.diagnose.uncertainty import estimates
 from harness.effects.effect import Family
@@ -412,9 +413,18 @@ def _nowhere(outcome: Outcome, best: Fit, k: int) -> bool:
     return place.low <= 0.0 <= place.high
 
 
+def _placed(member: Candidate) -> bool:
+    """Whether an effect was chosen among many places: numbers of periods, frequencies, angles."""
+    return scanned(member) or "phase" in member.effect.parameter_names
+
+
 def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
-    """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves."""
-    if _nowhere(outcome, best, k):
+    """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves.
+
+    Never of a force or error that could be put at many places: one of them always fits some of what something else makes, and
+    recordings of one rig repeat that.
+    """
+    if _nowhere(outcome, best, k) or _placed(best.hypothesis.members[k]):
         return False
     held, smaller = judge(outcome, best), outcome.study.below(best, k)
     if _carries(outcome, held, smaller, AMPLY):

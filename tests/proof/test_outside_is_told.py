@@ -1,8 +1,8 @@
 """What is outside the catalogue, and what several of its effects piece together, is told as unexplained.
 
-Concealed as in quick proofs, two kinds were once told by what they are not: air that feeds small swings and brakes large ones (van
+Concealed as in quick proofs, three kinds were once told by what they are not: air that feeds small swings and brakes large ones (van
 der Pol) as a shaken base and a high-pass, down to the noise; an encoder that skips counts as drift, a shaken base, a tilt, beside
-a remainder. The truth is what was concealed.
+a remainder; liquid in the bob as a cogging torque, beside a remainder. The truth is what was concealed.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ import pytest
 from harness.proof.run import QUICK, conceal, diagnose_folder, tasks
 from harness.proof.seal import unseal
 
-CASES = [(604417153, "outside-0", "self_excitation"), (685775202, "outside-2", "encoder_skip")]
+CASES = [
+    (604417153, "outside-0", "self_excitation"), (685775202, "outside-2", "encoder_skip"), (685775202, "outside-7", "sloshing_bob"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("seed", "case", "kind"), CASES)
