@@ -1,7 +1,7 @@
 """What is outside the catalogue, and what several of its effects piece together, is told as unexplained.
 
-Concealed as in quick proofs, three kinds were once told by what they are not: air that feeds small swings and brakes large ones (van
-der Pol) as a shaken base and a high-pass, down to the noise; an encoder that skips as drift, a shaken base and a tilt, beside a
+As in quick proofs, three kinds were once told by what they are not: air that feeds small swings and brakes large ones (van der
+Pol) as a shaken base and a high-pass, down to the noise; an encoder that skips as drift, a shaken base and a tilt, beside a
 remainder; liquid in the bob as a cogging torque, beside a remainder. The truth is what was concealed.
 """
 
