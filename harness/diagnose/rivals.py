@@ -81,8 +81,24 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Rivals of member ``k`` that the recordings do not part from the best set, likeliest first."""
     study, limit = outcome.study, _limit(outcome, best, APART)
     found = sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
+    found += _instead_of_several(outcome, best, k)
     known = {f.hypothesis.identity for f in found}
     return found + [f for f in unseen(outcome, best, k) if f.hypothesis.identity not in known]
+
+
+def _instead_of_several(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
+    """Known sets in which one effect stands in the place of member ``k`` and of others, that do as well for their number."""
+    study, own = outcome.study, best.hypothesis
+    limit = study.criterion(best) + APART
+    return [
+        f
+        for identity, f in study.fits.items()
+        if own.members[k].key not in identity
+        and len(identity - own.identity) == 1
+        and len(identity) < len(own.members)
+        and f.score < LOST
+        and study.criterion(f) < limit
+    ]
 
 
 def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.proof.run import Task, conceal, diagnose_folder
+from harness.proof.run import Task, conceal, diagnose_folder, scaled, tasks
 from harness.proof.score import score_case
 from harness.proof.seal import unseal
 
@@ -30,3 +30,15 @@ def test_concealed_set_is_named(seed: int, kind: str, index: int, tmp_path: Path
     scored = score_case(name, unseal(name, tmp_path / "sealed", digest), found)
     assert "error" not in found
     assert scored.in_class, (scored.planted, scored.found, found["verdict"])
+
+
+def test_one_effect_is_named_beside_two_that_do_its_work(tmp_path: Path) -> None:
+    """Stribeck friction of this swing is matched by damping and a friction that grows with the load, of one number each."""
+    (task,) = (t for t in tasks(scaled(400)) if t.name == "single-130")
+    name, digest = conceal(task, 254273263, tmp_path)
+    found = diagnose_folder(tmp_path / "cases" / name)
+    (planted,) = unseal(name, tmp_path / "sealed", digest)["planted"]
+    assert planted["effect"] == "stribeck_friction"
+    assert found["findings"]
+    for finding in found["findings"]:
+        assert "stribeck_friction" in {finding["effect"], *finding["indistinguishable_from"]}
