@@ -19,8 +19,9 @@ from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
 
-# Step of difference quotients, in the fit's own coordinates (order one); of large initial states, relative to them. Over a free run of a hundred radians
-# curvature costs a ten thousandth of the quotient, which is less than most noise; rounding of the runs costs less still.
+# Step of difference quotients, in the fit's own coordinates (order one); of large initial states, relative to them. Over a free
+# run of a hundred radians curvature costs a ten thousandth of the quotient, which is less than most noise; rounding of the runs
+# costs less still.
 DIFFERENCE = 1e-6
 BLOCK = 1024  # rows factorised at once, so that they stay in the cache
 
