@@ -182,14 +182,9 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *,
 
     exact: ask only for what brings what it promises.
     """
-    study, problem = outcome.study, outcome.problem
-    joints = problem.system.joint_names
-    torques = [references(problem.system, joint).torque for joint in joints]
+    study = outcome.study
     tests: Sequence[Test]
-    if exact:
-        tests = [jump(outcome.predictor, study.likelihood, smaller)]
-    else:
-        tests = examine(outcome.predictor, study.likelihood, smaller, joints, torques, outcome.period).tests
+    tests = [jump(outcome.predictor, study.likelihood, smaller)] if exact else _examined(outcome, smaller).tests
     # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
     lasting = any(
         m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
@@ -372,12 +367,18 @@ def _without_doubtful(
     return best, dropped, [key for key in shaky if key not in dropped]
 
 
+def _examined(outcome: Outcome, fitted: Fit) -> Remains:
+    """The tests of what a fit leaves, at every joint."""
+    system = outcome.problem.system
+    torques = [references(system, joint).torque for joint in system.joint_names]
+    likelihood = outcome.study.likelihood
+    return examine(outcome.predictor, likelihood, fitted, system.joint_names, torques, outcome.period, LEVEL)
+
+
 def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     """What a set of effects leaves, and whether that is more than noise anywhere."""
-    study, system = outcome.study, outcome.problem.system
     held = judge(outcome, best)
-    torques = [references(system, joint).torque for joint in system.joint_names]
-    remains = examine(outcome.predictor, study.likelihood, best, system.joint_names, torques, outcome.period, LEVEL)
+    remains = _examined(outcome, best)
     for test in (_stretched(outcome, best), _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))

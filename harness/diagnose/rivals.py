@@ -145,8 +145,8 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         best = replaced(study, best)
         others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
         # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
-        near = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
-        others += [replaced(study, f) for f in sorted(near, key=study.criterion)[:MOST_PLACED]]
+        close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
+        others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED]]
         better = min([*others, *reduced(study, best)], key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break

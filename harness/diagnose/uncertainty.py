@@ -156,7 +156,7 @@ def estimates(
             if study is not None and member.effect.adds_coordinates and s < UNKNOWN:
                 down, up = reached(study, fitted, first + j, down), reached(study, fitted, first + j, up)
             low, high = value * float(np.exp(down)), value * float(np.exp(up))
-            std = value * s * (up - down) / (2.0 * WIDE * min(s, 20.0))
+            std = value * max(s, (up - down) / (2.0 * WIDE))
         else:
             std = s * float(member.scales[j])
             low, high = value - WIDE * std, value + WIDE * std
@@ -193,12 +193,8 @@ def across(own: Mapping[str, Estimate], others: Sequence[Mapping[str, Estimate]]
             continue
         low = min([estimate.low, *(other[name].low for other in others)])
         high = max([estimate.high, *(other[name].high for other in others)])
-        std = (
-            max(estimate.std, (high - low) / (2.0 * WIDE))
-            if (low, high) != (estimate.low, estimate.high)
-            else estimate.std
-        )
-        out[name] = replace(estimate, std=std, low=low, high=high)
+        if (low, high) != (estimate.low, estimate.high):
+            out[name] = replace(estimate, std=max(estimate.std, (high - low) / (2.0 * WIDE)), low=low, high=high)
     return out
 
 

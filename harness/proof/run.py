@@ -225,7 +225,8 @@ def prove(
         found = json.loads((found_folder / f"{name}.json").read_text(encoding="utf-8"))
         scores.append(score_case(name, answer, found))
     versus: dict[str, Any] = {}
-    if not short if peers is None else peers:
+    asked = not short if peers is None else peers
+    if asked:
         from harness.proof.peers import compare_peers
 
         versus = compare_peers(out, scores, workers=workers, dask=dask, progress=progress)
