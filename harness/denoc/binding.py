@@ -25,8 +25,11 @@ from harness.denoc.rows import COLUMNS, WIDTH
 Array = NDArray[np.float64]
 
 # Words of the header that stands for a model on the way in.
-BODIES, COORDINATES, ROWS, TOPOLOGY, ELASTIC, ELASTIC_SIZE, ARRAY_TYPE, FLOAT_TYPE, FORWARD, INVERSE = range(10)
-HEADER_SIZE = 10
+# FORWARD and INVERSE: addresses of the dynamics. RECURSION: of the forward dynamics that read the bodies' rows at every call.
+(
+    BODIES, COORDINATES, ROWS, TOPOLOGY, ELASTIC, ELASTIC_SIZE, ARRAY_TYPE, FLOAT_TYPE, FORWARD, INVERSE, RECURSION, CHAIN,
+) = range(12)  # fmt: skip
+HEADER_SIZE = 12
 
 #: What an entry returns besides 0 and the row of a body without inertia.
 NOT_PLAIN, NOT_FINITE = -1, -2
@@ -142,7 +145,7 @@ def make_header(
     header[BODIES], header[COORDINATES] = bodies, n
     header[ROWS], header[TOPOLOGY] = rows.ctypes.data, topology.ctypes.data
     header[ELASTIC], header[ELASTIC_SIZE] = elastic.ctypes.data, len(elastic)
-    header[FORWARD], header[INVERSE] = forward, inverse
+    header[FORWARD], header[INVERSE], header[RECURSION] = forward, inverse, forward
     if works():
         header[ARRAY_TYPE], header[FLOAT_TYPE] = id(np.ndarray), id(np.dtype(np.float64))
     return header

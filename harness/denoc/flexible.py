@@ -500,17 +500,18 @@ def outward(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector) 
 def forward_dynamics(
     bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, tau: Vector, qdd: Vector
 ) -> int:
-    """Accelerations by articulated-body elimination, modes before joints; 0, or the row of the first body with D <= 0."""
+    """Accelerations by articulated-body elimination, modes before joints; 0, or the row of the outermost body with D <= 0."""
     singular = 0
     outward(bodies, d, t, e, q, qd)
     for i in range(bodies, 0, -1):
         m = t[i, MODES]
         own = t[i, FIRST]
-        if m > 0 and not eliminate_modes(d, t, e, i, q, qd, tau):
+        # The outermost: what divides by nothing makes everything further in no number.
+        if m > 0 and not eliminate_modes(d, t, e, i, q, qd, tau) and singular == 0:
             singular = i
         if t[i, KIND] != FIXED:
             u = tau[own] - d[i, DAMPING] * qd[own] - d[i, STIFFNESS] * (q[own] - d[i, REST])
-            if not eliminate_joint(d, t, i, u):
+            if not eliminate_joint(d, t, i, u) and singular == 0:
                 singular = i
         if t[i, PARENT] > 0:
             hand_on(d, t, e, i)

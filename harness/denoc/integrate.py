@@ -127,7 +127,8 @@ def _integrate(
     acceleration: Array,
 ) -> str:
     """Run a compiled integrator; raises InputError where it fails, returns what to add about how it went."""
-    function = model.forward_address
+    # Joints that rest are locked by their rows.
+    function = model.recursion_address if friction.any() else model.forward_address
     # Tasks are called as the methods are.
     ahead.ready(chosen)
     if chosen == "dop853":

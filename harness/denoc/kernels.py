@@ -45,6 +45,12 @@ def _rigid() -> None:
     entry(inverse_entry, 4)
 
 
+def _chain() -> None:
+    from harness.denoc.rigid_address import chain_address
+
+    chain_address()
+
+
 def _rigid_others() -> None:
     from harness.denoc import rigid, rigid_mass
     from harness.denoc.binding import entry
@@ -153,6 +159,7 @@ TASKS = {
     "batches": Task(_batches, "batch_kernels", "mass_matrix"),
     "gauss": Task(_gauss, "fixed_step", "gauss_legendre6"),
     "rigid": Task(_rigid, "rigid_address", "inverse"),
+    "chain": Task(_chain, "rigid_address", "chain"),
     "rigid_others": Task(_rigid_others, "rigid", "locate"),
     "planar": Task(_planar, "lanes_address", "planar_at"),
     "exponential": Task(_exponential, "lanes_exponential", "march_groups"),

@@ -9,8 +9,8 @@ import numpy as np
 from numpy import empty
 from numpy.typing import ArrayLike, NDArray
 
-from harness.denoc import rigid
-from harness.denoc.binding import FORWARD, INVERSE, NOT_FINITE, NOT_PLAIN, entry, make_header
+from harness.denoc import rigid, rigid_chain
+from harness.denoc.binding import CHAIN, FORWARD, INVERSE, NOT_FINITE, NOT_PLAIN, RECURSION, entry, make_header
 from harness.denoc.dynamics_call import addresses, call_rows, forward_entry, inverse_entry
 from harness.denoc.elastic import pack_beams
 from harness.denoc.rows import EXTERNAL, FIRST, POSITION, TURN
@@ -39,6 +39,7 @@ class Denoc:
 
     __slots__ = (
         "_arguments",
+        "_chain",
         "_elastic",
         "_forward",
         "_header",
@@ -77,6 +78,12 @@ class Denoc:
             self._elastic,
             *addresses(flexible),
         )
+        self._chain: Array | None = None
+        if rigid_chain.fits(tree):
+            from harness.denoc.rigid_address import chain_address
+
+            self._chain = rigid_chain.pack(tree)
+            self._header[FORWARD], self._header[CHAIN] = chain_address(), self._chain.ctypes.data
         self._model = int(self._header.ctypes.data)
         self._zero = np.zeros(tree.n)
         self._forward = entry(forward_entry, 4)
@@ -345,6 +352,11 @@ class Denoc:
         return int(self._header[FORWARD])
 
     @property
+    def recursion_address(self) -> int:
+        """The same, of what reads the bodies' rows at every call: for whoever changes them under way."""
+        return int(self._header[RECURSION])
+
+    @property
     def header_address(self) -> int:
         """Address of the header that stands for this model in kernels; valid while the model lives."""
         return self._model
@@ -429,9 +441,11 @@ class Denoc:
                 arm = rows[seat.body, TURN : TURN + 9].reshape(3, 3) @ seat.origin
                 rows[seat.body, EXTERNAL : EXTERNAL + 3] += wrench[:3] + np.cross(arm, wrench[3:])
                 rows[seat.body, EXTERNAL + 3 : EXTERNAL + 6] += wrench[3:]
+        forward, self._header[FORWARD] = int(self._header[FORWARD]), self._header[RECURSION]
         try:
             result: Array = method(q, *arguments)
         finally:
+            self._header[FORWARD] = forward
             rows[:, EXTERNAL : EXTERNAL + 6] = 0.0
         return result
 

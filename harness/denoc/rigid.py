@@ -202,7 +202,7 @@ def add_shifted_inertia(
 
 @internal
 def forward_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, tau: Vector, qdd: Vector) -> int:
-    """Accelerations by the articulated-body recursion; 0, or the row of the first body with D <= 0."""
+    """Accelerations by the articulated-body recursion; 0, or the row of the outermost body with D <= 0."""
     singular = 0
     for i in range(1, n + 1):
         place(d, t, i, q[i - 1], qd[i - 1])
@@ -228,7 +228,8 @@ def forward_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, tau: V
             u3, u4, u5 = m0 * zx + m1 * zy + m2 * zz, m1 * zx + m3 * zy + m4 * zz, m2 * zx + m4 * zy + m5 * zz
             pivot = u3 * zx + u4 * zy + u5 * zz + d[i, ARMATURE]
             u -= zx * fx + zy * fy + zz * fz
-        if not pivot > 0.0:
+        # What divides by nothing makes everything further in no number: the outermost is the one.
+        if singular == 0 and not pivot > 0.0:
             singular = i
         inverse = 1.0 / pivot
         d[i, COLUMN], d[i, COLUMN + 1], d[i, COLUMN + 2] = u0, u1, u2

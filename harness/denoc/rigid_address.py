@@ -13,9 +13,11 @@ from numba import cfunc, types
 
 from harness.denoc.binding import (
     BODIES,
+    CHAIN,
     COORDINATES,
     NOT_FINITE,
     NOT_PLAIN,
+    RECURSION,
     header_at,
     matrix_of,
     rows_of,
@@ -24,8 +26,11 @@ from harness.denoc.binding import (
     vector_data,
 )
 from harness.denoc.compiled import compiled
+from harness.denoc.dynamics_call import call
 from harness.denoc.pipeline import Kernel
 from harness.denoc.rigid import forward_dynamics, inverse_dynamics, subtract_passive
+from harness.denoc.rigid_chain import SIZE as CHAIN_SIZE
+from harness.denoc.rigid_chain import forward_dynamics as chain_dynamics
 from harness.denoc.rigid_mass import mass_matrix
 
 _SIGNATURE = types.int64(*[types.int64] * 5)
@@ -35,6 +40,13 @@ _SIGNATURE = types.int64(*[types.int64] * 5)
 def addresses() -> tuple[int, int]:
     """Addresses of forward and of inverse dynamics."""
     return int(_forward().address), int(_inverse().address)
+
+
+@functools.cache
+def chain_address() -> int:
+    """Address of the forward dynamics of a short chain, whose table stands at the header's CHAIN."""
+    addresses()
+    return int(_chain().address)
 
 
 @compiled
@@ -66,6 +78,21 @@ def _forward() -> Any:
         return forward_dynamics(header[BODIES], d, t, at[0], at[1], at[2], at[3])
 
     return forward
+
+
+@functools.cache
+def _chain() -> Any:
+    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    def chain(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
+        header = header_at(model)
+        n = header[COORDINATES]
+        table = vector_at(header[CHAIN], CHAIN_SIZE)
+        at = vector_at(q, n), vector_at(qd, n), vector_at(tau, n), vector_at(qdd, n)
+        if chain_dynamics(n, table, at[0], at[1], at[2], at[3]) == 0:
+            return 0
+        return call(header[RECURSION], model, q, qd, tau, qdd)
+
+    return chain
 
 
 @functools.cache

@@ -24,12 +24,13 @@ from harness.diagnose.investigate import Outcome, investigate, judge, trained
 from harness.diagnose.locate import locate, rmse
 from harness.diagnose.lost import why_lost
 from harness.diagnose.problem import pose
+from harness.diagnose.profile_likelihood import as_likely, profiled, spanning
 from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.rivals import with_the_same
 from harness.diagnose.search import Effort
 from harness.diagnose.study import BEGUN
-from harness.diagnose.uncertainty import Estimate, across, as_likely, estimates
+from harness.diagnose.uncertainty import Estimate, across, estimates
 from harness.effects.effect import Effect
 from harness.effects.scale import references
 from harness.effects.user import load_user_effects
@@ -154,6 +155,26 @@ def _short(key: str, site: str) -> str:
     return name if at == site else key
 
 
+def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
+    """Estimates of what is claimed, by the effect's key: as far as other valleys and other sets that are as likely let them be."""
+    study, predictor, best = outcome.study, outcome.predictor, conclusion.best
+    own = outcome.training.sharpened(conclusion.own)
+    same = conclusion.own.hypothesis.keys == best.hypothesis.keys
+    sharp: dict[frozenset[str], Fit] = {}
+    values = {}
+    for claim in conclusion.claims:
+        k, key = claim.index, claim.candidate.key
+        likely = with_the_same(outcome, best, key)
+        sharp |= {f.hypothesis.identity: study.sharpened(f) for f in likely if f.hypothesis.identity not in sharp}
+        others = (sharp[f.hypothesis.identity] for f in likely)
+        alone = profiled(outcome.training, own, k, estimates(predictor, own, k))
+        values[key] = across(
+            spanning(own.hypothesis.members[k], alone, as_likely(study, best, k) if same else []),
+            [estimates(predictor, f, f.hypothesis.keys.index(key)) for f in others],
+        )
+    return values
+
+
 def _tell(
     outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None
 ) -> Diagnosis:
@@ -164,21 +185,7 @@ def _tell(
     ]
     side, site = _side_and_site(outcome, conclusion)
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
-    elsewhere = (
-        as_likely(study, conclusion.best) if conclusion.own.hypothesis.keys == conclusion.best.hypothesis.keys else []
-    )
-    own = outcome.training.sharpened(conclusion.own)
-    sharp: dict[frozenset[str], Fit] = {}
-    values = {}
-    for claim in conclusion.claims:
-        key = claim.candidate.key
-        likely = with_the_same(outcome, conclusion.best, key)
-        sharp |= {f.hypothesis.identity: study.sharpened(f) for f in likely if f.hypothesis.identity not in sharp}
-        others = (sharp[f.hypothesis.identity] for f in likely)
-        values[key] = across(
-            estimates(outcome.predictor, own, claim.index, outcome.training, elsewhere),
-            [estimates(outcome.predictor, f, f.hypothesis.keys.index(key)) for f in others],
-        )
+    values = _intervals(outcome, conclusion)
     findings = [_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims]
     nominal_held = judge(outcome, outcome.nominal)
     empty_held = judge(outcome, outcome.empty)

@@ -12,11 +12,11 @@ from harness.diagnose.hypothesis import compatible, dear
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
 from harness.diagnose.places import replaced
+from harness.diagnose.profile_likelihood import VALLEYS
 from harness.diagnose.search import NEAR, exhausted, finished
 from harness.diagnose.standing_in import standing_in
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, Study
-from harness.diagnose.uncertainty import VALLEYS
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted

@@ -18,6 +18,7 @@ from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
+from harness.diagnose.profile_likelihood import profiled
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import Estimate, estimates
 from harness.diagnose.windows import whole
@@ -43,7 +44,7 @@ def fitted(dry: float, viscous: float, seed: int, *, stated_noise: float = NOISE
     hypothesis = Hypothesis(known)
     own = [to_internal(c, 0.1 * c.scales) for c in known]
     best = study.fit(hypothesis, [np.concatenate([np.zeros(len(study.predictor.nominal)), *own])], None, most_steps=40)
-    return {c.effect.name: estimates(study.predictor, best, k, study) for k, c in enumerate(known)}
+    return {c.effect.name: profiled(study, best, k, estimates(study.predictor, best, k)) for k, c in enumerate(known)}
 
 
 def held(found: list[Estimate], truth: float) -> int:

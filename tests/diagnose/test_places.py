@@ -15,6 +15,7 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.places import replaced
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
+from harness.diagnose.profile_likelihood import profiled, spanning
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import estimates
 from harness.diagnose.windows import whole
@@ -50,18 +51,15 @@ def test_a_wave_fitted_at_a_wrong_number_of_periods_is_found_at_the_right_one(be
     wrong = fitted(bench, 41)
     assert abs(estimates(bench.predictor, wrong, 0)["periods"].value - PERIODS) > 5
     best = replaced(bench, wrong)
-    found = estimates(bench.predictor, best, 0, bench)
+    found = profiled(bench, best, 0, estimates(bench.predictor, best, 0))
     assert found["periods"].value == PERIODS
     assert abs(found["amplitude"].value - WAVE) < 5.0 * (found["amplitude"].std or 0.0)
 
 
 def test_intervals_reach_to_places_that_are_as_likely_and_the_phase_is_then_open(bench: Study) -> None:
     best = fitted(bench, PERIODS)
-    other = best.x.copy()
-    member = best.hypothesis.members[0]
-    other[-member.size :] = to_internal(member, np.array([0.5 * WAVE, 31.0, 2.0]))
     alone = estimates(bench.predictor, best, 0)
-    both = estimates(bench.predictor, best, 0, others=[other])
+    both = spanning(best.hypothesis.members[0], alone, [np.array([0.5 * WAVE, 31.0, 2.0])])
     assert (both["periods"].low, both["periods"].high) == (PERIODS, 31.0)
     assert both["amplitude"].low <= 0.5 * WAVE < alone["amplitude"].low
     assert both["phase"].high - both["phase"].low == pytest.approx(2.0 * np.pi)

@@ -17,6 +17,7 @@ from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
+from harness.diagnose.profile_likelihood import profiled
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import Estimate, across, estimates
 from harness.diagnose.windows import whole
@@ -43,7 +44,7 @@ def test_nothing_is_told_of_what_leaves_the_motion_as_it_is() -> None:
     for sharp, plain in zip(best.linear.shared, rough.linear.shared, strict=True):
         assert np.linalg.norm(sharp - plain) < 0.01 * np.linalg.norm(plain)
     # So the shift is known as well as the stated quantities let it be: m c g / (I + m c²) is what is known of them.
-    (shift,) = estimates(study.predictor, best, 0, study).values()
+    (shift,) = profiled(study, best, 0, estimates(study.predictor, best, 0)).values()
     assert shift.std is not None
     c = COM + SHIFT
     slope = 1.0 / c - 2.0 * MASS * c / (INERTIA + MASS * c**2)  # of the logarithm, by the centre of mass

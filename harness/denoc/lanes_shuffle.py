@@ -1,0 +1,107 @@
+"""Lane vectors whose lanes are neighbours, such as the bodies of a chain: lanes moved, summed up along the vector, copied to all.
+
+Outward is from lane 7 to lane 0, inward from lane 0 to lane 7. Tuples of vectors are treated one vector like the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from llvmlite import ir  # type: ignore[import-untyped]
+from numba import types
+from numba.extending import intrinsic
+
+from harness.denoc.lanes_vector import LANES, lane_vector
+
+_INDEX = ir.IntType(32)
+_NOTHING = ir.Constant(ir.VectorType(ir.DoubleType(), LANES), [0.0] * LANES)
+_DOUBLINGS = (1, 2, 4)
+
+
+def _shuffled(builder: Any, first: Any, second: Any, lanes: Sequence[int]) -> Any:
+    """A vector of lanes of two others, those of the second counted on from the first's."""
+    return builder.shuffle_vector(first, second, ir.Constant(ir.VectorType(_INDEX, LANES), list(lanes)))
+
+
+def _outward(by: int) -> list[int]:
+    return [k + by for k in range(LANES)]
+
+
+def _inward(by: int) -> list[int]:
+    return [k - by if k >= by else LANES + k for k in range(LANES)]
+
+
+def _of_each(context: Any, builder: Any, kind: Any, values: Any, change: Any) -> Any:
+    """A tuple of vectors with each of them changed."""
+    parts = [change(k, builder.extract_value(values, k)) for k in range(kind.count)]
+    return context.make_tuple(builder, kind, parts)
+
+
+def _moved_outward_code(typingctx: Any, values: Any, behind: Any, by: Any) -> Any:
+    """Every lane gets what stood ``by`` (a constant) lanes further in; the last ones get the first lanes of ``behind``."""
+    if not isinstance(by, types.IntegerLiteral):
+        return None
+    lanes = _outward(by.literal_value)
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        if not isinstance(values, types.UniTuple):
+            return _shuffled(builder, args[0], args[1], lanes)
+        fill = [builder.extract_value(args[1], k) for k in range(values.count)]
+        return _of_each(context, builder, values, args[0], lambda k, v: _shuffled(builder, v, fill[k], lanes))
+
+    return values(values, behind, by), codegen
+
+
+moved_outward: Any = intrinsic(_moved_outward_code)
+
+
+def _running_sum(lanes: Any) -> Any:
+    def typed(typingctx: Any, values: Any) -> Any:
+        def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            def summed(k: int, vector: Any) -> Any:
+                for by in _DOUBLINGS:
+                    moved = _shuffled(builder, vector, _NOTHING, lanes(by))
+                    vector = builder.fadd(vector, moved, flags=("contract",))
+                return vector
+
+            return _of_each(context, builder, values, args[0], summed)
+
+        return values(values), codegen
+
+    return intrinsic(typed)
+
+
+summed_outward: Any = _running_sum(_outward)
+"""Every lane with the sum of itself and all lanes further in, of a tuple of vectors."""
+summed_inward: Any = _running_sum(_inward)
+"""Every lane with the sum of itself and all lanes further out, of a tuple of vectors."""
+
+
+def _spread_lane_code(typingctx: Any, values: Any, lane: Any) -> Any:
+    """One lane (a constant) in every lane, of a vector or of each of a tuple."""
+    if not isinstance(lane, types.IntegerLiteral):
+        return None
+    lanes = [lane.literal_value] * LANES
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        if not isinstance(values, types.UniTuple):
+            return _shuffled(builder, args[0], args[0], lanes)
+        return _of_each(context, builder, values, args[0], lambda k, v: _shuffled(builder, v, v, lanes))
+
+    return values(values, lane), codegen
+
+
+spread_lane: Any = intrinsic(_spread_lane_code)
+
+
+def _first_lane_code(typingctx: Any, value: Any) -> Any:
+    """The number in lane 0."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.extract_element(args[0], ir.Constant(_INDEX, 0))
+
+    return types.float64(lane_vector), codegen
+
+
+first_lane: Any = intrinsic(_first_lane_code)
