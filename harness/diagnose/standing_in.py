@@ -7,7 +7,7 @@ import numpy as np
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible, dear
-from harness.diagnose.screen import nuisance, score
+from harness.diagnose.screen import Score, nuisance, score
 from harness.diagnose.study import HOPELESS, NOTICEABLE, Study
 
 MOST = 6  # fitted in the place of one member
@@ -21,16 +21,13 @@ def standing_in(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     little, and a fit begun there ends in a valley of its own. Only what is not dear to fit is tried, and nothing where the set
     without the member is neither bent nor far off: there its own score tests say as much.
     """
-    member, rest, without = best.hypothesis.members[k], best.hypothesis.without(k), study.reduce(best, k)
+    rest, without = best.hypothesis.without(k), study.reduce(best, k)
     if (not study.stretched(without) and without.score < HOPELESS * study.samples) or any(map(dear, rest.members)):
         return []
     x = study.without(best, k)
-    here = fit(study.objective(rest), x, study.states_for(rest, best), fixed=study.whole(rest), most_steps=0)
-    space = nuisance(here, study.predictor)
-    left = float(space.residual @ space.residual) - best.score
-    open_ones = [c for c in study.candidates if c.key != member.key and not dear(c) and compatible(rest, c)]
+    left, tests = _tested(study, best, k)
     found: list[Fit] = []
-    for scored in score(here, study.predictor, study.likelihood, open_ones, study.problem, [space]):
+    for scored in tests:
         if scored.gain < DOES_ITS_WORK * left or len(found) >= MOST or len(study.fits) >= most_fits:
             break
         hypothesis = rest.with_(scored.candidate)
@@ -41,3 +38,17 @@ def standing_in(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
         start = np.concatenate([x, to_internal(scored.candidate, scored.start)])
         found.append(study.fit(hypothesis, [start], best, target=best.score))
     return found
+
+
+def _tested(study: Study, best: Fit, k: int) -> tuple[float, list[Score]]:
+    """What all others leave beyond the best set where they stand without member ``k``, and tests of candidates there."""
+    member, rest = best.hypothesis.members[k], best.hypothesis.without(k)
+    key = (best.hypothesis.identity, member.key, best.score)
+    if key not in study.substitutes:
+        x, states = study.without(best, k), study.states_for(rest, best)
+        here = fit(study.objective(rest), x, states, fixed=study.whole(rest), most_steps=0)
+        space = nuisance(here, study.predictor)
+        open_ones = [c for c in study.candidates if c.key != member.key and not dear(c) and compatible(rest, c)]
+        found = score(here, study.predictor, study.likelihood, open_ones, study.problem, [space])
+        study.substitutes[key] = float(space.residual @ space.residual) - best.score, found
+    return study.substitutes[key]

@@ -43,7 +43,8 @@ WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie bef
 class Study:
     """Fits of hypotheses on one set of training windows under one likelihood.
 
-    tests: of candidates by their keys; None for what changes nothing that could be seen.
+    tests: of candidates by their keys; None for what changes nothing that could be seen. substitutes: by set, member and score,
+    what the rest leaves where it stands without the member, and tests of candidates there.
     exchanged: sets in which a candidate of this key took a member's place, with the score from where it did. extended: sets that
     a candidate was added to. carried: sets whose fit was carried on to its end; rung: whose dead vibrations were begun anew.
     swing: length of the slowest swing [s], if known.
@@ -59,6 +60,7 @@ class Study:
     windows: tuple[Window, ...]
     fits: dict[frozenset[str], Fit] = field(default_factory=dict)
     tests: dict[frozenset[str], dict[str, Score | None]] = field(default_factory=dict)
+    substitutes: dict[tuple[frozenset[str], str, float], tuple[float, list[Score]]] = field(default_factory=dict)
     first_states: Mapping[Window, Array] = field(default_factory=dict)
     exchanged: dict[tuple[frozenset[str], str], float] = field(default_factory=dict)
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)

@@ -12,20 +12,15 @@ from numpy.typing import NDArray
 
 from harness.proof.concealments import CONCEALMENTS, Concealment
 from harness.proof.outside import OUTSIDE
-from harness.proof.plain import PlainRig
 from harness.proof.rigs import Rig, deviate, draw_rig
 from harness.proof.scene import Planted, Run, Scene, Sensor
-from harness.proof.visibility import distance, moves, observe, profiled
+from harness.proof.strength import Sight
 
 Array = NDArray[np.float64]
 
 RATES = (100.0, 200.0, 250.0, 500.0)
 # Of a quick proof's recordings: how many, and at most how long [s] and at what rate [Hz].
 SHORT_RUNS, SHORT_DURATION, SHORT_RATE = 2, 6.0, 250.0
-STRENGTH_RANGE = (1e-4, 6.0)
-CLOSE = 0.25  # ratio, as a logarithm, of visibility and aim
-FASTEST = 2.5  # growth of the strength in one step, over which nuisances follow
-STRENGTH_STEPS = 12
 FAINTEST = 1.0  # visibility that what is concealed has at least
 # Effects that leave one and the same trace on an angle, or cannot both be planted at one place.
 FAMILIES = (
@@ -206,55 +201,7 @@ def draw_case(
         return Case(f"{kind}-{index}", kind, rig, true, (), (), lambda on: build(on, off, 0.0))
 
     lowest, highest = (3.0, 300.0) if kind in ("single",) else (15.0, 300.0)
-    may = moves(true, len(runs))
-    plain = PlainRig(true, runs, sensor, may)
-    without = np.concatenate(observe(build(true, off, 0.0)))
-    at_zero = np.zeros(len(may.sigma))
-    plainly = plain.simulate(at_zero[None])[0]
-    sensitivities = plain.sensitivities(at_zero)
-
-    def far(target: Array, start: Array) -> tuple[float, Array]:
-        """Distance from what the nuisances can make, and the nuisances that come nearest."""
-        return profiled(
-            target - without + plainly,
-            lambda z: plain.simulate(z[None])[0],
-            plain.sensitivities,
-            may.sigma,
-            start=start,
-        )
-
-    def seek(make: Callable[[float], Scene], aim: float) -> tuple[float, float]:
-        """The strength whose visibility is nearest to the aim, and that visibility.
-
-        The linear view, which takes for visible what large changes of the nuisances could make, says where to begin; from there
-        nuisances follow the strength, since from far away there is no way to them.
-        """
-        strength = 0.2
-        for _ in range(3):
-            seen = distance(np.concatenate(observe(make(strength))) - without, sensitivities, may.sigma)
-            strength = float(np.clip(strength * np.clip(aim / max(seen, 1e-3), 1e-2, 30.0), *STRENGTH_RANGE))
-            if 0.5 < aim / max(seen, 1e-3) < 2.0:
-                break
-        known: dict[float, tuple[float, Array]] = {}
-        for _ in range(STRENGTH_STEPS):
-            from_ = min(known, key=lambda f: abs(np.log(f / strength)), default=strength)
-            start = known[from_][1] * (strength / from_) if known else at_zero
-            known[strength] = far(np.concatenate(observe(make(strength))), start)
-            below = [f for f, (d, _) in known.items() if d < aim]
-            above = [f for f, (d, _) in known.items() if d >= aim]
-            nearest = min(known, key=lambda f: abs(np.log(max(known[f][0], 1e-3) / aim)))
-            if abs(np.log(max(known[nearest][0], 1e-3) / aim)) < CLOSE:
-                break
-            if below and above:
-                strength = float(np.sqrt(max(below) * min(above)))
-            elif below:
-                strength = max(below) * float(np.clip(aim / max(known[max(below)][0], 1e-3), 1.2, FASTEST))
-            else:
-                strength = min(above) / FASTEST
-            strength = float(np.clip(strength, *STRENGTH_RANGE))
-            if strength in known:
-                break
-        return nearest, known[nearest][0]
+    sight = Sight.of(true, runs, sensor, build(true, off, 0.0))
 
     # Of several effects, each by itself: how far they mask one another is for the diagnosis to find out.
     strengths: list[float] = []
@@ -265,13 +212,13 @@ def draw_case(
         def make(f: float, i: int = i) -> Scene:
             return build(true, [f if j == i else 0.0 for j in range(len(chosen))], 0.0)
 
-        f, d = seek(make, aim)
+        f, d = sight.strength(make, aim)
         strengths.append(f)
         seen.append(d)
     outside = 0.0
     if kind == "outside":
         aim = target or float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
-        outside, d = seek(lambda f: build(true, off, f), aim)
+        outside, d = sight.strength(lambda f: build(true, off, f), aim)
         seen.append(d)
     if min(seen) < FAINTEST:
         raise UnseenError(f"{kind} {index} conceals something that does not show")

@@ -1,0 +1,267 @@
+"""From what was concluded to the answer: findings with intervals, fits before and after, ranking, remainder, next experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from harness.diagnose.conclude import Claim, Conclusion
+from harness.diagnose.curves import curves
+from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.differing_levels import Differing
+from harness.diagnose.experiment import propose
+from harness.diagnose.explain import finding_words, summary
+from harness.diagnose.fit import Fit
+from harness.diagnose.hypothesis import scaled
+from harness.diagnose.investigate import Outcome, judge, trained
+from harness.diagnose.locate import Mismatch, locate, rmse
+from harness.diagnose.lost import why_lost
+from harness.diagnose.profile_likelihood import as_likely, profiled, spanning
+from harness.diagnose.remainder import Remains
+from harness.diagnose.replay import LONGEST, Opening
+from harness.diagnose.rivals import ranking as likeliest
+from harness.diagnose.rivals import with_the_same
+from harness.diagnose.study import BEGUN
+from harness.diagnose.uncertainty import Estimate, across, estimates
+from harness.effects.room import STATED
+from harness.recording import Recording
+from harness.system import Attachment, System
+
+SHOWN = 8  # hypotheses in the ranking
+
+
+def answer(
+    outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None
+) -> Diagnosis:
+    """The answer; recordings: all of them, the one held out too, for what was found of their quality."""
+    problem, study = outcome.problem, outcome.study
+    noise = [
+        {"channel": c.name, "std": colour.std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
+        for c, colour in zip(problem.channels, study.likelihood.colours, strict=True)
+    ]
+    side, site = _side_and_site(outcome, conclusion)
+    places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
+    values = _intervals(outcome, conclusion)
+    return Diagnosis(
+        verdict=conclusion.verdict,
+        summary=" ".join([_summary(outcome, conclusion, values), *([levels.sentence] if levels else [])]),
+        noise=noise,
+        mismatch=[_mismatch(place) for place in places],
+        findings=[_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims],
+        ranking=_ranking(outcome, conclusion),
+        fit=_fit_rows(outcome, conclusion),
+        remainder=_remainder(conclusion.remains, conclusion.doubted),
+        next_experiment=_next(outcome, conclusion),
+        quality=[
+            {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
+            for r in recordings
+            for n in getattr(r, "quality", ())
+        ],
+        augmented=augmented(outcome, conclusion, values),
+        curves=curves(outcome, conclusion.own, conclusion.held),
+        opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
+        levels=levels.document if levels else None,
+        levelled=levels.system if levels else None,
+    )
+
+
+def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
+    """What the mismatch is attributed to: the weightiest claim, else the best score test of the empty hypothesis."""
+    if conclusion.claims:
+        claim = max(conclusion.claims, key=lambda c: c.gain)
+        return claim.candidate.effect.side, claim.candidate.site
+    ranked = outcome.study.ranked(outcome.empty)
+    if ranked:
+        return ranked[0].candidate.effect.side, ranked[0].candidate.site
+    return "dynamics", outcome.problem.system.joint_names[0]
+
+
+def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
+    member = claim.candidate
+    joints = {j.name: j.prismatic for j in outcome.problem.system.joints}
+    unit = next((c.unit for c in outcome.problem.channels if c.name == member.site), "")
+    units = member.effect.units(prismatic=joints.get(member.site, False), channel_unit=unit)
+    return dict(zip(member.effect.parameter_names, units, strict=True))
+
+
+def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate]) -> dict[str, Any]:
+    units = _units(outcome, claim)
+    return {
+        "effect": claim.candidate.effect.name,
+        "site": claim.candidate.site,
+        "parameters": {
+            name: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[name]}
+            for name, e in values.items()
+        },
+        "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
+        "indistinguishable_from": [_short(key, claim.candidate.site) for key in claim.rivals],
+    }
+
+
+def _short(key: str, site: str) -> str:
+    """The effect's name alone where it sits at the same site, else with its own."""
+    name, _, at = key.partition("@")
+    return name if at == site else key
+
+
+def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
+    """Estimates of what is claimed, by the effect's key: as far as other valleys and other sets that are as likely let them be."""
+    study, predictor, best = outcome.study, outcome.predictor, conclusion.best
+    own = outcome.training.sharpened(conclusion.own)
+    same = conclusion.own.hypothesis.keys == best.hypothesis.keys
+    sharp: dict[frozenset[str], Fit] = {}
+    values = {}
+    for claim in conclusion.claims:
+        k, key = claim.index, claim.candidate.key
+        likely = with_the_same(outcome, best, key)
+        sharp |= {f.hypothesis.identity: study.sharpened(f) for f in likely if f.hypothesis.identity not in sharp}
+        others = (sharp[f.hypothesis.identity] for f in likely)
+        alone = profiled(outcome.training, own, k, estimates(predictor, own, k))
+        values[key] = across(
+            spanning(own.hypothesis.members[k], alone, as_likely(study, best, k) if same else []),
+            [estimates(predictor, f, f.hypothesis.keys.index(key)) for f in others],
+        )
+    return values
+
+
+def _summary(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> str:
+    """The answer in plain words."""
+    colours = outcome.study.likelihood.colours
+    severity = max((rmse(outcome, outcome.nominal, c) / colour.std for c, colour in enumerate(colours)), default=0.0)
+    titles = [
+        finding_words(c.candidate.effect.title, c.candidate.site, values[c.candidate.key], _units(outcome, c))
+        for c in conclusion.claims
+    ]
+    rivals = [
+        f"{c.candidate.effect.title.capitalize()} cannot be told here from "
+        + ", ".join(_short(k, c.candidate.site) for k in c.rivals)
+        + "."
+        for c in conclusion.claims
+        if c.rivals
+    ]
+    return summary(conclusion, severity, titles, rivals, conclusion.doubted)
+
+
+def _mismatch(place: Mismatch) -> dict[str, Any]:
+    return {
+        "channel": place.channel, "side": place.side, "site": place.site, "time": [list(t) for t in place.time],
+        "frequency_hz": list(place.frequency_hz), "region": {k: list(v) for k, v in place.region.items()},
+        "severity": place.severity, "what": place.what,
+    }  # fmt: skip
+
+
+def _fit_rows(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
+    """Errors of every channel before and after, on the data fitted and on those held out."""
+    fits = {
+        "nominal": (outcome.nominal, judge(outcome, outcome.nominal)),
+        "refitted": (trained(outcome, outcome.empty), judge(outcome, outcome.empty)),
+        "augmented": (conclusion.own, conclusion.held),
+    }
+    rows = []
+    for c, channel in enumerate(outcome.problem.channels):
+        row: dict[str, Any] = {"channel": channel.name, "unit": channel.unit}
+        for name, (train, held) in fits.items():
+            row[name] = {"train_rmse": rmse(outcome, train, c), "heldout_rmse": rmse(outcome, held, c)}
+        rows.append({**row, "noise_floor": outcome.study.likelihood.colours[c].std})
+    return rows
+
+
+def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
+    """The likeliest hypotheses, the one claimed first, and why the others lost."""
+    study, best = outcome.study, conclusion.best
+    own = rmse(outcome, conclusion.held, 0)
+    rows = []
+    for fitted in likeliest(outcome, best, SHOWN):
+        error = rmse(outcome, judge(outcome, fitted), 0)
+        paid = fitted.hypothesis.size * float(np.log(study.samples)) + BEGUN * fitted.vibrating
+        rows.append(
+            {
+                "effects": list(fitted.hypothesis.keys),
+                "bic": fitted.score + paid,
+                "heldout_rmse": error,
+                "lost": why_lost(study, best, fitted, error, own, conclusion.doubted),
+            }
+        )
+    return rows
+
+
+def _remainder(remains: Remains, doubted: Sequence[str]) -> dict[str, Any]:
+    """What is left: its tests, its sparsest form and its map."""
+    found: dict[str, Any] = {
+        "significant": remains.significant,
+        "tests": [{"what": t.name, "gain": t.gain, "chance": t.chance, "where": list(t.where)} for t in remains.tests],
+        "doubted": list(doubted),
+    }
+    if remains.form is not None:
+        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} N·m"
+    if remains.force_map is not None:
+        m = remains.force_map
+        found["map"] = {"joint": m.joint, "position": m.position, "velocity": m.velocity, "torque": m.force}
+    return found
+
+
+def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) -> Opening:
+    """The start of the recording held out, as the model that is told was fitted to it."""
+    window = outcome.held_windows[0]
+    run = outcome.problem.runs[window.run]
+    names = outcome.predictor.mechanism(conclusion.own.hypothesis).names
+    state = conclusion.held.states[window]
+    count = int(min(LONGEST, run.time[window.last - 1] - run.time[window.first]) / run.interval)
+    time = np.arange(count + 1, dtype=np.float64) * run.interval
+    tau = None
+    if run.effort is not None:
+        coordinates = outcome.problem.system.coordinate_names
+        tau = np.zeros((len(time), len(coordinates)))
+        stamps = run.time - run.time[window.first]
+        for column, joint in enumerate(outcome.problem.system.joint_names):
+            tau[:, coordinates.index(joint)] = np.interp(time, stamps, run.effort[:, column])
+    position, velocity = (dict(zip(names, part.tolist(), strict=True)) for part in np.split(state, 2))
+    return Opening(run.name, position, velocity, time, tau, noise)
+
+
+def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
+    """The experiment that would part what these recordings cannot."""
+    study = outcome.study
+    pairs: list[tuple[Fit, Fit, tuple[str, ...]]] = []
+    for claim in conclusion.claims:
+        smaller = study.reduce(conclusion.best, claim.index)
+        for rival in claim.rival_candidates:
+            other = study.fits.get(smaller.hypothesis.with_(rival).identity)
+            if other is not None:
+                pairs.append((conclusion.best, other, (claim.candidate.effect.name, rival.effect.name)))
+    if not pairs and conclusion.best.hypothesis.members:
+        # Nothing is left open; the runner-up would still be the first to doubt.
+        for other in outcome.ordered:
+            names = {m.effect.name for m in other.hypothesis.members} ^ {
+                m.effect.name for m in conclusion.best.hypothesis.members
+            }
+            if names and len(other.hypothesis.members) == len(conclusion.best.hypothesis.members):
+                pairs.append((conclusion.best, other, tuple(sorted(names))))
+                break
+    proposal = propose(outcome, pairs[:3])
+    if proposal is None:
+        return {"what": "", "separates": []}
+    return {"what": proposal.what, "separates": list(proposal.separates), "expected_sigma": proposal.separation}
+
+
+def augmented(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> System:
+    """The nominal system with its quantities refitted within tolerance and the findings attached."""
+    predictor = outcome.predictor
+    factors = np.exp(outcome.problem.system.tolerance * conclusion.own.x[: len(predictor.nominal)])
+    system = scaled(outcome.problem.system, predictor.nominal, list(factors))
+    attachments = []
+    for claim in conclusion.claims:
+        name, site = claim.candidate.effect.name, claim.candidate.site
+        found = {k: e.value for k, e in values[claim.candidate.key].items()}
+        if name in STATED and next(iter(found.values())) < 0.0:
+            # Less than the model states is no effect to attach, but another number in the model.
+            joint, field = system.joint(site), STATED[name]
+            less = max(getattr(joint, field) + next(iter(found.values())), 0.0)
+            system = system.replace_joint(replace(joint, **{field: less}))
+            continue
+        spread = {k: e.std for k, e in values[claim.candidate.key].items() if e.std is not None}
+        attachments.append(Attachment(name, site, found, spread))
+    return replace(system, attachments=(*system.attachments, *attachments))
