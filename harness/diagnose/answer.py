@@ -121,7 +121,8 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
         others = (sharp[f.hypothesis.identity] for f in likely)
         alone = profiled(outcome.training, own, k, estimates(predictor, own, k))
         values[key] = across(
-            spanning(own.hypothesis.members[k], alone, as_likely(study, best, k) if same else []),
+            claim.candidate,
+            spanning(claim.candidate, alone, as_likely(study, best, k) if same else []),
             [estimates(predictor, f, f.hypothesis.keys.index(key)) for f in others],
         )
     return values

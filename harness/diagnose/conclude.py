@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
+from harness.diagnose.creep import creeps, motion_where_held
 from harness.diagnose.exchange import specialized
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained
+from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained, training_gain
 from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump
 from harness.diagnose.rivals import APART, near, preferred
@@ -30,6 +31,9 @@ PRACTICAL = 0.05  # an effect must change the prediction by this share of the no
 HELD_OUT = 1.5  # standard deviations by which it must improve data held out
 BLIND = (
     4.0  # noise standard deviations between predictions of data held out, up to which those cannot confirm an effect
+)
+UNREPEATED = (
+    0.05  # share of what an effect explains, below which training says nothing of it, unless that pays its price
 )
 CONTRARY = 3.0  # standard deviations by which they then may fall short
 AMPLE = 5.0  # times its price that such an effect must gain
@@ -111,7 +115,9 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
             needed = -WORSE
         elif enough and visible and gain > AMPLE * price:
             needed = min(needed, _contrary(outcome, smaller, fitted))
-        if not (z > needed) and min(z, gain / 100.0) < worst_value:
+        # What only the data held out ask for has been fitted to them, and nothing has confirmed it.
+        repeated = z > needed and training_gain(outcome, smaller, fitted) > min(price, UNREPEATED * gain)
+        if not repeated and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
 
@@ -382,6 +388,9 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     for test in (_stretched(outcome, best), _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))
+    crept = motion_where_held(outcome, best) if remains.significant else None
+    if crept is not None:
+        remains = replace(remains, tests=(*remains.tests, crept))
     return remains, remains.significant or _level(outcome, held) > AT_FLOOR
 
 
@@ -394,7 +403,7 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     """Whether member ``k`` may only stand in for something that nobody has named."""
     study = outcome.study
     smaller = study.below(best, k)
-    if _nowhere(outcome, best, k):
+    if _nowhere(outcome, best, k) or creeps(outcome, smaller, best, k):
         return True
     if not remains.significant:
         return _imitated(outcome, best, smaller, BETTER)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from harness.diagnose.conclude import Conclusion
+from harness.diagnose.creep import WHERE_HELD
 from harness.diagnose.uncertainty import Estimate
 
 VERDICTS = {
@@ -31,6 +32,10 @@ def finding_words(title: str, site: str, values: dict[str, Estimate], units: dic
     return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
 
 
+# Share of the greatest gain that a test must have to be told instead, because it says more.
+TELLING = 0.25
+
+
 def summary(
     conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], doubts: Sequence[str]
 ) -> str:
@@ -46,7 +51,10 @@ def summary(
     if doubts:
         text += " The remainder could have imitated " + ", ".join(doubts) + ", so that is not claimed."
     if conclusion.remains.significant:
-        tests = sorted(conclusion.remains.tests, key=lambda t: t.chance)
-        where = ", ".join(w for w in tests[0].where if w)
-        text += f" What is left shows as {tests[0].name.split(' at ')[0]} ({where})."
+        tests = conclusion.remains.tests
+        plainest = min(tests, key=lambda t: (t.chance, -t.gain))
+        # Other tests see a creep too, but that one says where it comes from.
+        plainest = next((t for t in tests if t.name == WHERE_HELD and t.gain > TELLING * plainest.gain), plainest)
+        where = ", ".join(w for w in plainest.where if w)
+        text += f" What is left shows as {plainest.name.split(' at ')[0]}" + (f" ({where})." if where else ".")
     return text

@@ -305,14 +305,23 @@ def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
     return float(np.sign(gain) * np.sqrt(abs(gain) / level))
 
 
+def training_gain(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
+    """How much better the larger hypothesis fits the training data alone."""
+    return _within(outcome, smaller) - _within(outcome, larger)
+
+
 def _added(outcome: Outcome, fitted: Fit) -> float:
     """Cost that the data held out add.
 
     Either fit bounds the other: the one of all recordings costs no less on the training data than those do by themselves, and no
     more in all than the training fit carried on to the data held out. A fit that has ended in a wrong valley is so found out.
     """
+    carried_on = trained(outcome, fitted).score + judge(outcome, fitted).cost
+    return max(min(fitted.score, carried_on) - _within(outcome, fitted), 0.0)
+
+
+def _within(outcome: Outcome, fitted: Fit) -> float:
+    """Score of a hypothesis on the training data alone."""
     own = trained(outcome, fitted)
     pairs = zip(fitted.windows, fitted.linear.residuals, strict=True)
-    within = fitted.prior + sum(float(r @ r) for window, r in pairs if window in own.windows)
-    carried_on = own.score + judge(outcome, fitted).cost
-    return max(min(fitted.score, carried_on) - min(own.score, within), 0.0)
+    return min(own.score, fitted.prior + sum(float(r @ r) for window, r in pairs if window in own.windows))

@@ -96,13 +96,17 @@ def _bound_width(fitted: Fit, index: int, nominal: int) -> float:
     return min(float(1.0 / np.sqrt(information)), WIDEST) if information > 0.0 else WIDEST
 
 
-def across(own: Mapping[str, Estimate], others: Sequence[Mapping[str, Estimate]]) -> dict[str, Estimate]:
+def across(
+    member: Candidate, own: Mapping[str, Estimate], others: Sequence[Mapping[str, Estimate]]
+) -> dict[str, Estimate]:
     """Estimates whose intervals reach over those of the same effect in other sets that the recordings do not part from this one.
 
     What stands beside an effect is part of what its numbers mean: beside a payload in place of a shifted centre of mass, every
-    torque is another one (averaging over models: Hoeting et al., Statist. Sci. 14 (1999) 382). Phases and whole numbers stay.
+    torque is another one (averaging over models: Hoeting et al., Statist. Sci. 14 (1999) 382). Sets in which the effect may as
+    well be absent say what else it could be, and nothing of its size. Phases and whole numbers stay.
     """
     out = dict(own)
+    others = [other for other in others if _present(member, other)]
     for name, estimate in own.items():
         if name in ("phase", "periods") or estimate.std is None:
             continue
@@ -111,3 +115,12 @@ def across(own: Mapping[str, Estimate], others: Sequence[Mapping[str, Estimate]]
         if (low, high) != (estimate.low, estimate.high):
             out[name] = replace(estimate, std=max(estimate.std, (high - low) / (2.0 * WIDE)), low=low, high=high)
     return out
+
+
+def _present(member: Candidate, values: Mapping[str, Estimate]) -> bool:
+    """Whether an interval of how strongly an effect acts leaves out that it does not act."""
+    if not member.effect.parameters:
+        return True
+    first = member.effect.parameters[0]
+    size, origin = values[first.name], first.neutral if np.isfinite(first.neutral) else 0.0
+    return abs(size.value - origin) > WIDE * (size.std or 0.0)

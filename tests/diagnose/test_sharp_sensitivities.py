@@ -54,10 +54,15 @@ def test_nothing_is_told_of_what_leaves_the_motion_as_it_is() -> None:
 
 
 def test_intervals_reach_over_sets_that_are_not_parted() -> None:
-    own = {"torque": Estimate(1.0, 0.1, 0.8, 1.2), "phase": Estimate(0.0, 0.1, -0.2, 0.2)}
-    other = {"torque": Estimate(1.5, 0.1, 1.3, 1.7), "phase": Estimate(3.0, 0.1, 2.8, 3.2)}
-    found = across(own, [other])
-    assert (found["torque"].value, found["torque"].low, found["torque"].high) == (1.0, 0.8, 1.7)
-    assert found["torque"].std == pytest.approx(0.9 / 2 / 1.96, rel=1e-3)
+    runs = releases(Rig(), (1.0, -0.7), NOISE, seed=1, duration=2.0, rate=RATE)
+    (wave,) = candidates(nominal(TOLERANCE), runs, only=["cogging_torque"])
+    own = {"amplitude": Estimate(1.0, 0.1, 0.8, 1.2), "phase": Estimate(0.0, 0.1, -0.2, 0.2)}
+    other = {"amplitude": Estimate(1.5, 0.1, 1.3, 1.7), "phase": Estimate(3.0, 0.1, 2.8, 3.2)}
+    found = across(wave, own, [other])
+    assert (found["amplitude"].value, found["amplitude"].low, found["amplitude"].high) == (1.0, 0.8, 1.7)
+    assert found["amplitude"].std == pytest.approx(0.9 / 2 / 1.96, rel=1e-3)
     assert found["phase"] == own["phase"]
-    assert across(own, []) == own
+    assert across(wave, own, []) == own
+    # Beside something that does the same, it may as well be absent: that says nothing of its size.
+    made_up_for = {"amplitude": Estimate(1.5, 40.0, -80.0, 80.0), "phase": Estimate(0.0, 0.1, -0.2, 0.2)}
+    assert across(wave, own, [made_up_for]) == own
