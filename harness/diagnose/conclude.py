@@ -403,7 +403,7 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     """Whether member ``k`` may only stand in for something that nobody has named."""
     study = outcome.study
     smaller = study.below(best, k)
-    if _nowhere(outcome, best, k) or creeps(outcome, smaller, best, k):
+    if _nowhere(outcome, best, k) or creeps(outcome, best, k):
         return True
     if not remains.significant:
         return _imitated(outcome, best, smaller, BETTER)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.fit import Fit
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.remainder import Test
 from harness.diagnose.windows import Window
@@ -17,35 +17,47 @@ from harness.effects.effect import Family
 Array = NDArray[np.float64]
 
 WHERE_HELD = "motion where dry friction holds the model"
-MOSTLY = 0.5  # of what a member explains
+MOSTLY = 0.5  # of what a member explains, and of a stretch
 FEWEST = 8  # samples of a stretch
+STILL = 1e-3  # of the noise, by which a prediction that stands still changes from sample to sample at most
 
 
-def creeps(outcome: Outcome, smaller: Fit, best: Fit, k: int) -> bool:
+def creeps(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether member ``k`` mostly explains that recordings move where dry friction holds the model without it.
 
     Friction that gives way slowly (as lubricants do, and as most simulators have it) keeps nothing at rest. The catalogue holds its
     joints for good, so anything that frees them, such as a base that shakes, would seem to be there. Where a joint rests is
-    another matter: what is counted is how readings change within a stretch in which the model stands still.
+    another matter: a tilted base moves that, and holds it there. Of what a sensor does, which never rests, only how readings
+    change within a stretch in which the model stands still is counted. All other effects stand as they are beside the member:
+    fitted without it, they would give way as well.
     """
-    if best.hypothesis.members[k].effect.family is Family.DISSIPATION:
+    effect = best.hypothesis.members[k].effect
+    if effect.family is Family.DISSIPATION:
         return False
-    moving = total = 0.0
-    residuals = dict(zip(best.windows, best.linear.residuals, strict=True))
-    for window, channels, before in _predicted(outcome, smaller):
-        after = residuals[window].reshape(before.shape)
+    study, rest = outcome.study, best.hypothesis.without(k)
+    states = study.states_for(rest, best)
+    without = fit(study.objective(rest), study.without(best, k), states, fixed=study.whole(rest), most_steps=0)
+    frees = effect.side == "dynamics"
+    there = total = 0.0
+    with_it = {window: (still, rows) for window, still, rows in _predicted(outcome, best)}
+    for window, still, before in _predicted(outcome, without):
+        rests, after = with_it[window]
         total += float(np.sum(before**2) - np.sum(after**2))
-        for first, last in _held(channels):
-            moving += _variation(before[:, first:last]) - _variation(after[:, first:last])
-    return moving > MOSTLY * total > 0.0
+        for first, last in _stretches(still):
+            one, other = before[:, first:last], after[:, first:last]
+            if not frees:
+                there += _variation(one) - _variation(other)
+            elif np.mean(rests[first:last]) < 1.0 - MOSTLY:
+                there += float(np.sum(one**2) - np.sum(other**2))
+    return there > MOSTLY * total > 0.0
 
 
 def motion_where_held(outcome: Outcome, fitted: Fit) -> Test | None:
     """A test of whether readings change where dry friction holds the model, if it does anywhere; names the plainest stretch."""
     found: list[tuple[float, int, str]] = []
-    for window, channels, rows in _predicted(outcome, fitted):
+    for window, still, rows in _predicted(outcome, fitted):
         run = outcome.problem.runs[window.run]
-        for first, last in _held(channels):
+        for first, last in _stretches(still):
             begun = run.time[window.first + first] - run.time[0]
             found.append(
                 (_variation(rows[:, first:last]), rows[:, first + 1 : last].size, f"{run.name} from {begun:.3g} s on")
@@ -57,19 +69,20 @@ def motion_where_held(outcome: Outcome, fitted: Fit) -> Test | None:
     return Test(WHERE_HELD, cost - size, size, float(chi2.sf(cost, size)), (where,), -1)
 
 
-def _predicted(outcome: Outcome, fitted: Fit) -> Iterator[tuple[Window, Array, Array]]:
-    """Every window with what a fit predicts there and what it leaves, in deviations of the noise, (C, T) each."""
+def _predicted(outcome: Outcome, fitted: Fit) -> Iterator[tuple[Window, NDArray[np.bool_], Array]]:
+    """Every window with where the prediction stands still, (T,), and what it leaves, in deviations of the noise, (C, T)."""
     lanes = [(0, window, fitted.states[window]) for window in fitted.windows]
     predicted = outcome.predictor.predict(fitted.hypothesis, fitted.x[None], lanes)
+    slow = STILL * np.array([[colour.std] for colour in outcome.study.likelihood.colours])
     for window, channels, left in zip(fitted.windows, predicted, fitted.linear.residuals, strict=True):
-        yield window, channels, left.reshape(len(channels), -1)
+        still = np.all(np.abs(np.diff(channels, axis=1)) <= slow, axis=0)
+        yield window, np.append(still, still[-1:]), left.reshape(len(channels), -1)
 
 
-def _held(channels: Array) -> list[tuple[int, int]]:
-    """Stretches of samples in which no predicted channel (C, T) changes at all."""
-    still = np.concatenate([[False], np.all(np.diff(channels, axis=1) == 0.0, axis=0), [False]])
-    edges = np.flatnonzero(np.diff(still.astype(int)))
-    return [(int(a), int(b) + 1) for a, b in edges.reshape(-1, 2) if b + 1 - a >= FEWEST]
+def _stretches(still: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First sample of every stretch that is still, and the one after its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if b - a >= FEWEST]
 
 
 def _variation(rows: Array) -> float:
