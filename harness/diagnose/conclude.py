@@ -32,9 +32,9 @@ HELD_OUT = 1.5  # standard deviations by which it must improve data held out
 BLIND = (
     4.0  # noise standard deviations between predictions of data held out, up to which those cannot confirm an effect
 )
-UNREPEATED = (
-    0.05  # share of what an effect explains, below which training says nothing of it, unless that pays its price
-)
+# Share of what an effect explains, below which training says nothing of it, unless that pays its price. (A weak spring may show in
+# the difference between amplitudes alone: tolerances leave half a hundredth of it to the training.)
+UNREPEATED = 0.002
 CONTRARY = 3.0  # standard deviations by which they then may fall short
 AMPLE = 5.0  # times its price that such an effect must gain
 MANY = 3  # members from which on a set may piece together what nobody has named,
