@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from harness.denoc import ahead
 from harness.denoc import lanes_tree as nodes
 from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes_vector import aligned
 from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 from harness.system import System
@@ -56,7 +57,7 @@ class BatchModel:
 
         def part(first: int, last: int, out: Array, *arrays: Array) -> None:
             forward_dynamics(
-                first, last, self._tree, self._constants, self._workspace(), _aligned(accumulators), self._gravity,
+                first, last, self._tree, self._constants, self._workspace(), aligned(accumulators), self._gravity,
                 *arrays, out,
             )  # fmt: skip
 
@@ -85,7 +86,7 @@ class BatchModel:
     def _workspace(self) -> Array:
         from harness.denoc.batch_kernels import BODY
 
-        return _aligned(self.n * BODY * _EIGHT)
+        return aligned(self.n * BODY * _EIGHT)
 
     def _states(self, name: str, values: ArrayLike) -> Array:
         array = np.asarray(values, dtype=np.float64, order="C")
@@ -121,13 +122,6 @@ class BatchModel:
         if rest:
             part(count - _EIGHT, count, out.reshape(-1), *flat)
         return out
-
-
-def _aligned(count: int) -> Array:
-    """Room for numbers that begins where a cache line does: a vector that lies across two costs twice as much."""
-    room = np.empty(count + _EIGHT)
-    skip = -room.ctypes.data % 64 // 8
-    return room[skip : skip + count]
 
 
 def _compile(system: System, model: LaneModel) -> tuple[Any, Array, int]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.compiled import internal
 from harness.denoc.lanes_shuffle import first_lane, moved_outward, spread_lane, summed_inward, summed_outward
-from harness.denoc.lanes_vector import LANES, in_place, load, load_run, sine_cosine, spread, store
+from harness.denoc.lanes_vector import LANES, aligned, in_place, load, load_run, sine_cosine, spread, store
 from harness.denoc.rows import (
     ACCELERATION,
     ARMATURE,
@@ -74,9 +74,8 @@ def fits(tree: Tree) -> bool:
 
 def pack(tree: Tree) -> Array:
     """The table of a chain, beginning where a cache line does."""
-    room = np.zeros(SIZE + LANES)
-    skip = -room.ctypes.data % 64 // 8
-    table = room[skip : skip + SIZE]
+    table = aligned(SIZE)
+    table[:] = 0.0
     vectors, n = table.reshape(-1, LANES), tree.bodies
     # Behind the base nothing turns.
     vectors[[_PLACE, _PLACE + 4, _PLACE + 8]] = 1.0
