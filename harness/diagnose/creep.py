@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.fit import Fit, fit
+from harness.diagnose.fit import Fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.remainder import Test
 from harness.diagnose.windows import Window
@@ -34,9 +34,7 @@ def creeps(outcome: Outcome, best: Fit, k: int) -> bool:
     effect = best.hypothesis.members[k].effect
     if effect.family is Family.DISSIPATION:
         return False
-    study, rest = outcome.study, best.hypothesis.without(k)
-    states = study.states_for(rest, best)
-    without = fit(study.objective(rest), study.without(best, k), states, fixed=study.whole(rest), most_steps=0)
+    without = outcome.study.standing_without(best, k)
     frees = effect.side == "dynamics"
     there = total = 0.0
     with_it = {window: (still, rows) for window, still, rows in _predicted(outcome, best)}

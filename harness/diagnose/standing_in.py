@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.fit import Fit, fit
+from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import compatible, dear
 from harness.diagnose.screen import Score, nuisance, score
 from harness.diagnose.study import HOPELESS, NOTICEABLE, Study
@@ -45,8 +45,7 @@ def _tested(study: Study, best: Fit, k: int) -> tuple[float, list[Score]]:
     member, rest = best.hypothesis.members[k], best.hypothesis.without(k)
     key = (best.hypothesis.identity, member.key, best.score)
     if key not in study.substitutes:
-        x, states = study.without(best, k), study.states_for(rest, best)
-        here = fit(study.objective(rest), x, states, fixed=study.whole(rest), most_steps=0)
+        here = study.standing_without(best, k)
         space = nuisance(here, study.predictor)
         open_ones = [c for c in study.candidates if c.key != member.key and not dear(c) and compatible(rest, c)]
         found = score(here, study.predictor, study.likelihood, open_ones, study.problem, [space])

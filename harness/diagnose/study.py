@@ -415,6 +415,12 @@ class Study:
         ((cost, _),) = objective.residuals([(x, self.states_for(hypothesis, near))])
         return cost + objective.prior(x)
 
+    def standing_without(self, best: Fit, k: int) -> Fit:
+        """What a set leaves without member ``k`` where all others, the nominal quantities among them, stand."""
+        rest = best.hypothesis.without(k)
+        states = self.states_for(rest, best)
+        return fit(self.objective(rest), self.without(best, k), states, fixed=self.whole(rest), most_steps=0)
+
     def without(self, base: Fit, k: int) -> Array:
         """The parameter vector without those of member ``k``."""
         offset = len(self.predictor.nominal)
