@@ -518,7 +518,7 @@ def _outward_accelerations(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any
             ax = ax + fx * qdd
             ay = ay + fy * qdd
         store_run(ws, b + ACCELERATION * 8, (turning, ax, ay))
-        if flags[own] & law.HAS_DRY:
+        if flags[own] & law.RUBS:
             reaction = load(ws, j + REACTION * 8)
             if flags[own] & law.HAS_LOAD:
                 # Only revolute joints come here: across a slide the force along the normal counts as well.

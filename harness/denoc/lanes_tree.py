@@ -829,7 +829,7 @@ def _outward_accelerations(
             vz = vz + qdd
         a = b + ACCELERATION * 8
         store_run(ws, a, (wx, wy, wz, vx, vy, vz))
-        if flags[own] & law.HAS_DRY:
+        if flags[own] & law.RUBS:
             reaction = load(ws, j + REACTION * 8)
             if flags[own] & law.HAS_LOAD:
                 a = b + MIXED * 8

@@ -7,6 +7,7 @@ Generalized force on the joint, on the right-hand side of the equations of motio
     − stiffness · (q − rest_angle) − cubic_stiffness · q³
     − dry(v),   |dry| = F_c + (F_s − F_c) exp(−(v / v_s)²) + mu_radius · R     while it slides
                 |dry| ≤ max(F_s, F_c) + mu_radius · R                          while it sticks
+      or, where creep_velocity v_c > 0, dry(v) = |dry| tanh(v / v_c) at any speed: it never sticks
     − f,   df/dq = dahl_stiffness (1 − sign(v) · f / dahl_torque): between reversals f approaches ± dahl_torque
            exponentially in the distance travelled since the last one, and is evaluated so
     − contact,  contact = k δ + d dδ/dt where that pushes, δ = how far the joint is beyond the stop
@@ -27,7 +28,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from harness.denoc.lanes_vector import choose, exponential, in_place, inner, load, sine_cosine
+from harness.denoc.lanes_vector import choose, exponential, in_place, inner, load, magnitude, sine_cosine
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ SLOTS = (
     Slot("stribeck_velocity", "rad/s", "speed over which static falls to Coulomb friction"),
     Slot("quadratic_drag", "N·m·s²/rad²", "drag torque over v |v|"),
     Slot("mu_radius", "m", "friction coefficient times bearing radius; prismatic: friction coefficient [1]"),
+    Slot("creep_velocity", "rad/s", "speed under which dry friction gives way instead of sticking; 0 where it sticks"),
     Slot("dahl_torque", "N·m", "level that Dahl friction saturates at"),
     Slot("dahl_stiffness", "N·m/rad", "Dahl friction's initial stiffness"),
     Slot("stiffness", "N·m/rad", "linear spring"),
@@ -75,6 +77,7 @@ STATIC = SLOT_NAMES.index("static_torque")
 STRIBECK = SLOT_NAMES.index("stribeck_velocity")
 DRAG = SLOT_NAMES.index("quadratic_drag")
 MU_RADIUS = SLOT_NAMES.index("mu_radius")
+CREEP = SLOT_NAMES.index("creep_velocity")
 DAHL_TORQUE = SLOT_NAMES.index("dahl_torque")
 DAHL_STIFFNESS = SLOT_NAMES.index("dahl_stiffness")
 STIFFNESS = SLOT_NAMES.index("stiffness")
@@ -92,6 +95,8 @@ USER_1 = SLOT_NAMES.index("user_1")
 
 # Which terms any lane of a group uses; the others are skipped. A skipped term is exactly zero in every lane.
 HAS_DRY, HAS_STRIBECK, HAS_LOAD, HAS_DAHL, HAS_COGGING, HAS_STOP, HAS_USER, HAS_SIGN = 1, 2, 4, 8, 16, 32, 64, 128
+HAS_CREEP = 256  # dry friction that gives way; HAS_DRY is the one that sticks
+RUBS = HAS_DRY | HAS_CREEP
 
 
 @inner
@@ -101,7 +106,7 @@ def terms_in_use(parameters: Any, start: int, stride: int) -> int:
     coulomb = parameters[start + COULOMB * stride]
     static = parameters[start + STATIC * stride]
     if coulomb != 0.0 or static != 0.0 or parameters[start + MU_RADIUS * stride] != 0.0:
-        flags |= HAS_DRY | HAS_SIGN
+        flags |= HAS_CREEP if parameters[start + CREEP * stride] > 0.0 else HAS_DRY | HAS_SIGN
     if static > coulomb:
         flags |= HAS_STRIBECK
     if parameters[start + MU_RADIUS * stride] != 0.0:
@@ -141,7 +146,18 @@ def sticking_limit(laws: Any, start: int, reaction: Any) -> Any:
     """The greatest force that dry friction can hold at rest."""
     coulomb = load(laws, start + COULOMB * 8)
     static = load(laws, start + STATIC * 8)
-    return choose(static - coulomb, static, coulomb) + load(laws, start + MU_RADIUS * 8) * reaction
+    limit = choose(static - coulomb, static, coulomb) + load(laws, start + MU_RADIUS * 8) * reaction
+    return choose(load(laws, start + CREEP * 8), 0.0 * limit, limit)
+
+
+@in_place
+def creeping(laws: Any, start: int, v: Any, direction: Any) -> Any:
+    """Share of dry friction that acts, with its sign: tanh(v / creep velocity) where it gives way, else the direction."""
+    speed = load(laws, start + CREEP * 8)
+    twice = 2.0 * magnitude(v) / choose(speed, speed, 1.0)
+    left = exponential(-choose(700.0 - twice, twice, 700.0))
+    share = (1.0 - left) / (1.0 + left)
+    return choose(speed, choose(v, share, -share), direction)
 
 
 @in_place
@@ -172,8 +188,9 @@ def passive_force(
     )
     if flags & HAS_SIGN:
         force = force - load(laws, start + DRAG * 8) * (v * v) * direction
-    if flags & HAS_DRY:
-        force = force - sliding_friction(laws, start, flags, v, reaction) * direction
+    if flags & RUBS:
+        along = creeping(laws, start, v, direction) if flags & HAS_CREEP else direction
+        force = force - sliding_friction(laws, start, flags, v, reaction) * along
     if flags & HAS_DAHL:
         torque = load(laws, start + DAHL_TORQUE * 8)
         stiffness = load(laws, start + DAHL_STIFFNESS * 8)

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.diagnose.conclude import Claim, Conclusion
 from harness.diagnose.curves import curves
-from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis
 from harness.diagnose.differing_levels import Differing
 from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, summary
@@ -50,10 +50,10 @@ def answer(
         summary=" ".join([_summary(outcome, conclusion, values), *([levels.sentence] if levels else [])]),
         noise=noise,
         mismatch=[_mismatch(place) for place in places],
-        findings=[_finding(outcome, claim, values[claim.candidate.key]) for claim in conclusion.claims],
+        findings=_findings(outcome, conclusion, values),
         ranking=_ranking(outcome, conclusion),
         fit=_fit_rows(outcome, conclusion),
-        remainder=_remainder(conclusion.remains, conclusion.doubted),
+        remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
         next_experiment=_next(outcome, conclusion),
         quality=[
             {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
@@ -85,6 +85,20 @@ def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
     unit = next((c.unit for c in outcome.problem.channels if c.name == member.site), "")
     units = member.effect.units(prismatic=joints.get(member.site, False), channel_unit=unit)
     return dict(zip(member.effect.parameter_names, units, strict=True))
+
+
+def _findings(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> list[dict[str, Any]]:
+    """What is claimed; effects that modify another one at their site are told with it."""
+    own = [(claim.candidate, _finding(outcome, claim, values[claim.candidate.key])) for claim in conclusion.claims]
+    whole = []
+    for member, finding in own:
+        kept = (f for c, f in own if c.site == member.site and c.effect.name in member.effect.modifies)
+        modified = next(kept, None)
+        if modified is None:
+            whole.append(finding)
+        else:
+            modified.setdefault(MODIFIED_BY, []).append(finding)
+    return whole
 
 
 def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate]) -> dict[str, Any]:
@@ -189,7 +203,7 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     return rows
 
 
-def _remainder(remains: Remains, doubted: Sequence[str]) -> dict[str, Any]:
+def _remainder(system: System, remains: Remains, doubted: Sequence[str]) -> dict[str, Any]:
     """What is left: its tests, its sparsest form and its map."""
     found: dict[str, Any] = {
         "significant": remains.significant,
@@ -197,7 +211,8 @@ def _remainder(remains: Remains, doubted: Sequence[str]) -> dict[str, Any]:
         "doubted": list(doubted),
     }
     if remains.form is not None:
-        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} N·m"
+        unit = system.joint(remains.form.joint).force_unit.replace("*", "·")
+        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} {unit}"
     if remains.force_map is not None:
         m = remains.force_map
         found["map"] = {"joint": m.joint, "position": m.position, "velocity": m.velocity, "torque": m.force}

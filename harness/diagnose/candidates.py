@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.diagnose.hypothesis import Candidate
 from harness.effects.catalogue import catalogue, sites
-from harness.effects.effect import Effect
+from harness.effects.effect import Effect, SiteKind
 from harness.effects.lanes import lane_model
 from harness.effects.measured import Measured
 from harness.effects.room import with_room
@@ -33,7 +33,7 @@ def candidates(
                 key = f"{effect.name}@{site}"
                 if key in found:
                     continue
-                law = _within_sampling(with_room(effect, system, site), recordings)
+                law = _on_its_own(_within_sampling(with_room(effect, system, site), recordings), system, site)
                 candidate = Candidate(law, site, references(system, site, recording))
                 if _possible(candidate, system):
                     found[key] = candidate
@@ -51,6 +51,13 @@ def _within_sampling(effect: Effect, recordings: Sequence[Measured]) -> Effect:
     rate = 1.0 / min(float(np.median(np.diff(recording.time))) for recording in recordings)
     limited = (replace(p, upper=min(p.upper, rate)) if p.name == "frequency" else p for p in effect.parameters)
     return replace(effect, parameters=tuple(limited))
+
+
+def _on_its_own(effect: Effect, system: System, site: str) -> Effect:
+    """The effect without need of another one that it modifies, where the model states what it modifies: dry friction."""
+    stated = effect.site is SiteKind.JOINT and system.joint(site).friction > 0.0
+    stated |= any(a.site == site and a.effect in effect.modifies for a in system.attachments)
+    return replace(effect, modifies=()) if stated else effect
 
 
 def _possible(candidate: Candidate, system: System) -> bool:

@@ -51,9 +51,10 @@ class Spectrum:
 
 @dataclass(frozen=True, eq=False)
 class ForceMap:
-    """Generalized force [N·m or N] that the nominal model lacks along the smoothed motion of one joint [rad, rad/s]."""
+    """Generalized force that the nominal model lacks along the smoothed motion of one joint; units: of position and of force."""
 
     joint: str
+    units: tuple[str, str]
     position: Array
     velocity: Array
     force: Array
@@ -61,9 +62,10 @@ class ForceMap:
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energy lost per half-swing [J] against its amplitude [rad], recorded and by each model; one moving joint only."""
+    """Energy lost per half-swing [J] against its amplitude, recorded and by each model; one moving joint only."""
 
     joint: str
+    unit: str
     recorded: tuple[Array, Array]
     nominal: tuple[Array, Array]
     augmented: tuple[Array, Array]
@@ -169,7 +171,11 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
     if not rows:
         return ()
     q, qd, torque = (np.concatenate(part) for part in zip(*rows, strict=True))
-    return tuple(ForceMap(name, q[:, j], qd[:, j], torque[:, j]) for j, name in enumerate(problem.system.joint_names))
+    joints = map(problem.system.joint, problem.system.joint_names)
+    return tuple(
+        ForceMap(joint.name, (joint.position_unit, joint.force_unit), q[:, j], qd[:, j], torque[:, j])
+        for j, joint in enumerate(joints)
+    )
 
 
 def _energy(outcome: Outcome, residuals: Sequence[Residuals]) -> tuple[Energy, ...]:
@@ -199,7 +205,7 @@ def _energy(outcome: Outcome, residuals: Sequence[Residuals]) -> tuple[Energy, .
                 collected[kind][1].append(ea - eb)
     pairs = {k: (np.array(x), np.array(y)) for k, (x, y) in collected.items()}
     return (
-        (Energy(joint, pairs["recorded"], pairs["nominal"], pairs["augmented"]),)
+        (Energy(joint, system.joint(joint).position_unit, pairs["recorded"], pairs["nominal"], pairs["augmented"]),)
         if len(pairs["recorded"][0]) > 2
         else ()
     )

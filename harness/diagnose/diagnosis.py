@@ -13,6 +13,12 @@ from harness.diagnose.replay import Opening, replay, replayable
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
+MODIFIED_BY = "modified_by"  # of a finding: others that only alter how this one acts, such as creep of dry friction
+
+
+def one_by_one(findings: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Findings and what modifies them, each by itself."""
+    return [each for finding in findings for each in (finding, *finding.get(MODIFIED_BY, ()))]
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ from harness.diagnose.explain import finding_words
 from harness.diagnose.hypothesis import Candidate, Hypothesis, scaled
 from harness.diagnose.pushes import Push, find_pushes, mask_pushes, ordinary_terms
 from harness.diagnose.uncertainty import WIDE, Estimate
-from harness.effects.effect import Effect
+from harness.effects.effect import Effect, SiteKind
 from harness.effects.scale import references
 from harness.errors import InputError, UnsupportedError
 from harness.recording.recording import QualityNote, Recording
@@ -196,7 +196,7 @@ class _Answer:
             verdict=verdict,
             summary=self._summary(verdict, severity, titles, rivals, tests),
             noise=[
-                {"channel": self._channel(j), "std": study.data.noises[j].std, "unit": "N*m"} for j in study.data.joints
+                {"channel": self._channel(j), "std": study.data.noises[j].std, "unit": self._unit(j)} for j in study.data.joints
             ],
             mismatch=self._mismatch(nominal) if different or incomplete else [],
             findings=findings,
@@ -220,6 +220,9 @@ class _Answer:
     def _channel(self, joint: int) -> str:
         return f"{self.system.joint_names[joint]}.effort"
 
+    def _unit(self, joint: int) -> str:
+        return self.system.joint(self.system.joint_names[joint]).force_unit
+
     def _plain(self, data: EffortData, fitted: EffortFit, joint: int) -> Array:
         return data.plain(data.model.residuals(fitted.hypothesis, fitted.x), joint)
 
@@ -231,7 +234,7 @@ class _Answer:
         rows, severity = [], 0.0
         for j in self.study.data.joints:
             floor = self.study.data.noises[j].std
-            row: dict[str, Any] = {"channel": self._channel(j), "unit": "N*m"}
+            row: dict[str, Any] = {"channel": self._channel(j), "unit": self._unit(j)}
             for name, fitted in (("nominal", nominal), ("refitted", empty), ("augmented", self.best)):
                 row[name] = {
                     "train_rmse": self._rms(self.study.data, fitted, j),
@@ -287,7 +290,8 @@ class _Answer:
         for push in self.pushes:
             joint = self.system.joint_names[push.joint]
             where = (
-                f"{self.recordings[push.run].name}, {push.first:.2f} to {push.last:.2f} s, up to {-push.peak:+.2g} N·m"
+                f"{self.recordings[push.run].name}, {push.first:.2f} to {push.last:.2f} s, up to {-push.peak:+.2g} "
+                + self._unit(push.joint).replace("*", "·")
             )
             gain = (push.peak / self.study.data.noises[push.joint].std) ** 2
             out.append({"what": f"a force that acts once at {joint}", "gain": gain,
@@ -308,7 +312,14 @@ class _Answer:
         return out
 
     def _units(self, member: Candidate) -> dict[str, str]:
-        units = member.effect.units(prismatic=False, channel_unit="rad")
+        joint = (
+            self.system.joint(member.site.split(".")[0])
+            if member.effect.site in (SiteKind.JOINT, SiteKind.CHANNEL)
+            else None
+        )
+        units = member.effect.units(
+            prismatic=joint is not None and joint.prismatic, channel_unit=joint.position_unit if joint else "rad"
+        )
         return dict(zip(member.effect.parameter_names, units, strict=True))
 
     def _findings(self) -> tuple[list[dict[str, Any]], list[str], list[str], list[tuple[str, str]]]:
@@ -451,7 +462,7 @@ class _Answer:
                     blank = np.where(run.usable, 1.0, np.nan)[pick]
                     residuals.append(
                         Residuals(
-                            self._channel(j), "N*m", run.name, held, study.data.noises[j].std, run.time[pick],
+                            self._channel(j), self._unit(j), run.name, held, study.data.noises[j].std, run.time[pick],
                             run.effort[pick, j], a[pick, j] * blank, b[pick, j] * blank,
                         )
                     )  # fmt: skip
@@ -461,6 +472,7 @@ class _Answer:
         maps = [
             ForceMap(
                 self.system.joint_names[j],
+                (self.system.joint(self.system.joint_names[j]).position_unit, self._unit(j)),
                 *(np.concatenate([row[k] for row in forces if row[0] == j]) for k in (1, 2, 3)),
             )
             for j in study.data.joints

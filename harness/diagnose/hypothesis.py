@@ -173,7 +173,11 @@ def _scaled_beam(link: Link, kind: str, factor: float) -> Link:
 
 
 def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
-    """Whether a candidate may join: not there already, and no special case (or general case) of what is at its site."""
+    """Whether a candidate may join: not there already, no special case (or general case) of what is at its site, and with what it
+    modifies there."""
+    modified = candidate.effect.modifies
+    if modified and not any(m.site == candidate.site and m.effect.name in modified for m in hypothesis.members):
+        return False
     for member in hypothesis.members:
         if member.key == candidate.key or (_own_law(member) and _own_law(candidate)):
             return False

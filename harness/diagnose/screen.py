@@ -358,6 +358,8 @@ def _brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
     if not parameters or candidate.effect.adds_coordinates:
         return out
     first = parameters[0]
+    if first.search == "size":
+        return out
     if first.search == "range":
         # Where it acts is to be scanned; how strongly, if that is another number, is what acts linearly.
         out[1:] *= factor

@@ -20,6 +20,7 @@ NAMES = (
     "load_dependent_friction",
     "quadratic_drag",
     "dahl_friction",
+    "friction_creep",
     "joint_stiffness",
     "cubic_stiffness",
     "constant_torque",

@@ -53,7 +53,8 @@ class Parameter:
     starts: values to start a search from, in multiples of ``scale`` counted from ``neutral`` (from 0 if that is infinite).
     neutral: the value at which the effect is absent, if one value alone does that.
     search: "gradient" where a start near the truth is not needed, "spectrum" where the residual's spectrum must give the start,
-        "range" where the motion's range must (the misfit has no slope far from the truth).
+        "range" where the motion's range must (the misfit has no slope far from the truth), "size" where the starts are tried as
+        they are, because equations are stiff near absence.
     """
 
     name: str
@@ -173,7 +174,8 @@ class Effect:
         the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending), "exact shapes" (a beam
         whose modes theory goes on with; samples end where they end).
     expressed_by: how each engine can say it; an engine that is not named cannot.
-    simpler: effects that this one contains as a special case. confusable_with: effects that some recordings cannot tell from it.
+    simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing,
+        unless the model states one. confusable_with: effects that some recordings cannot tell from it.
     rarity: logarithm of how much rarer it is met than the plain effects, all else being equal (prior odds).
     law, reshape, sensor, input, user: exactly one is given.
     """
@@ -189,6 +191,7 @@ class Effect:
     expressed_by: Mapping[str, str]
     needs: tuple[str, ...] = ()
     simpler: tuple[str, ...] = ()
+    modifies: tuple[str, ...] = ()
     confusable_with: tuple[str, ...] = ()
     rarity: float = 0.0
     law: JointLaw | None = None

@@ -46,6 +46,10 @@ def _section(effect: Effect) -> str:
         f"- **Shown by** {_sentence(effect.shows_in)}",
         f"- **Engines** {'; '.join(f'{engine}: {how}' for engine, how in effect.expressed_by.items())}.",
     ]
+    if effect.modifies:
+        lines.append(
+            f"- **Modifies** {', '.join(f'`{name}`' for name in effect.modifies)}, or what the model states of it."
+        )
     if effect.simpler:
         lines.append(f"- **Contains** {', '.join(f'`{name}`' for name in effect.simpler)}.")
     if effect.confusable_with:

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
+from harness.diagnose.diagnosis import one_by_one
+
 SENSOR_EFFECTS = (
     "sensor_offset", "sensor_gain", "sensor_delay", "sensor_lowpass", "sensor_highpass", "sensor_nonlinearity",
     "sensor_drift", "sensor_saturation", "clock_skew",
@@ -98,7 +100,7 @@ def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -
             name, answer["kind"], "error", planted, (), tuple(answer["visibility"]), False, False, planted, (),
             None, None, error=str(found["error"]), outside=strange,
         )  # fmt: skip
-    findings = found["findings"]
+    findings = one_by_one(found["findings"])
     named = tuple((f["effect"], f["site"]) for f in findings)
     classes = {
         (f["effect"], f["site"]): {f["effect"]} | {_effect(x) for x in f.get("indistinguishable_from", [])}

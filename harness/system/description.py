@@ -84,6 +84,15 @@ class Joint:
     def prismatic(self) -> bool:
         return self.type is JointType.PRISMATIC
 
+    @property
+    def position_unit(self) -> str:
+        return "m" if self.prismatic else "rad"
+
+    @property
+    def force_unit(self) -> str:
+        """Of generalized forces at the joint."""
+        return "N" if self.prismatic else "N*m"
+
 
 @dataclass(frozen=True, eq=False)
 class Beam:

@@ -223,6 +223,42 @@ def test_load_dependent_friction_against_its_implicit_equation():
     assert np.abs(ours - reference).max() < 1e-8
 
 
+@pytest.mark.parametrize("kind", ["coulomb", "stribeck", "load-dependent"])
+def test_friction_that_creeps_against_its_equation_beside_copies_that_stick(kind):
+    model = LaneModel(pendulum())
+    creep, half = 0.02, LENGTH / 2
+    laws = {
+        "coulomb": {"coulomb_torque": 0.02},
+        "stribeck": {"coulomb_torque": 0.02, "static_torque": 0.03, "stribeck_velocity": 0.3},
+        "load-dependent": {"mu_radius": 0.01},
+    }
+    rows = rows_with(model, 3, **laws[kind])
+    rows[1, model.slot("pivot", "creep_velocity")] = creep
+    time = np.linspace(0.0, 6.0, 301)
+    stuck, ours, again = model.simulate(rows, np.full((3, 1), 0.6), np.zeros((3, 1)), time)[0][:, :, 0]
+
+    def slope(t, y):
+        q, v = y
+        share, pull = np.tanh(v / creep), -MASS * G * half * np.sin(q)
+        if kind != "load-dependent":
+            size = 0.02 + (0.01 * np.exp(-((v / 0.3) ** 2)) if kind == "stribeck" else 0.0)
+            return [v, (pull - size * share) / INERTIA]
+        # R depends on the acceleration that the friction allows: to a fixed point.
+        qdd = pull / INERTIA
+        for _ in range(60):
+            load = MASS * np.hypot(half * v**2 + G * np.cos(q), half * qdd + G * np.sin(q))
+            qdd = (pull - 0.01 * load * share) / INERTIA
+        return [v, qdd]
+
+    reference = solve_ivp(slope, (0.0, 6.0), [0.6, 0.0], "DOP853", t_eval=time, rtol=1e-10, atol=1e-12).y[0]
+    assert np.abs(ours - reference).max() < 1e-7
+    # The others rest, and are what they are without it.
+    alone = model.simulate(rows[:1], np.full((1, 1), 0.6), np.zeros((1, 1)), time)[0][0, :, 0]
+    np.testing.assert_array_equal(stuck, alone)
+    np.testing.assert_array_equal(again, alone)
+    assert abs(ours[-1] - ours[-20]) > 1e-5 > np.ptp(stuck[-20:])
+
+
 def test_dahl_friction_against_its_equation():
     model = LaneModel(oscillator())
     torque, stiffness = 0.02, 1.3

@@ -1,4 +1,4 @@
-"""Friction that gives way slowly instead of holding, as most simulators have it, and as no law of the catalogue does.
+"""Friction that gives way slowly instead of holding, as many simulators have it.
 
 A regularized Coulomb friction (tanh(v / v₀), see Marques et al., Nonlinear Dynamics 86 (2016) 1407) keeps nothing at rest. It was
 once told as dry friction on a shaken base, which frees what dry friction holds.
@@ -6,30 +6,61 @@ once told as dry friction on a shaken base, which frees what dry friction holds.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, recording, swing
 
 from harness import diagnose
+from harness.recording import Recording
 
-DRY, SLOW, NOISE = 0.02, 0.02, 1e-3
-# Both recordings come to rest; or only the one held out does.
-RELEASES = {"in all": (0.3, -0.22), "held out alone": (1.4, 0.25)}
+DRY, NOISE = 0.02, 1e-3
+BOTH_REST, HELD_OUT_RESTS = (0.3, -0.22), (1.4, 0.25)
 
 
-@pytest.mark.parametrize("where", RELEASES)
-def test_nothing_that_frees_a_joint_is_told_beside_dry_friction(where: str) -> None:
+def recordings(slow: float, releases: tuple[float, ...]) -> list[Recording]:
     rng = np.random.default_rng(4)
     time = np.arange(0.0, 6.0, 0.02)
-    rig = Rig(torque=lambda t, q, v: -DRY * np.tanh(v / SLOW))
-    runs = [
+    rig = Rig(torque=lambda t, q, v: -DRY * np.tanh(v / slow))
+    return [
         recording(f"run{k}", time, {"pivot.position": swing(rig, a, time) + NOISE * rng.standard_normal(len(time))})
-        for k, a in enumerate(RELEASES[where])
+        for k, a in enumerate(releases)
     ]
-    found = diagnose(runs, model=nominal())
+
+
+# Far below the speed of a swing, where it creeps for long; and hardly below it, where nothing ever seems to rest.
+@pytest.mark.parametrize("slow", [5e-3, 0.2])
+def test_friction_that_creeps_is_told_with_its_speed(slow: float) -> None:
+    found = diagnose(recordings(slow, BOTH_REST), model=nominal())
+    assert found.verdict == "explained"
+    (friction,) = found.findings
+    assert friction["effect"] == "coulomb_friction"
+    assert friction["parameters"]["torque"]["value"] == pytest.approx(DRY, rel=0.03)
+    (creep,) = friction["modified_by"]
+    assert creep["effect"] == "friction_creep"
+    assert creep["parameters"]["velocity"]["value"] == pytest.approx(slow, rel=0.1)
+    assert "creep of dry friction" in found.summary
+    assert found.augmented is not None
+    assert [a.effect for a in found.augmented.attachments] == ["coulomb_friction", "friction_creep"]
+
+
+def test_creep_of_the_friction_that_a_model_states_is_a_finding_of_its_own() -> None:
+    stated = nominal()
+    stated = stated.replace_joint(replace(stated.joint("pivot"), friction=DRY))
+    found = diagnose(recordings(0.01, BOTH_REST), model=stated)
+    assert found.verdict == "explained"
+    (creep,) = found.findings
+    assert creep["effect"] == "friction_creep"
+    assert creep["parameters"]["velocity"]["value"] == pytest.approx(0.01, rel=0.1)
+
+
+def test_what_only_data_held_out_show_is_not_told() -> None:
+    found = diagnose(recordings(0.02, HELD_OUT_RESTS), model=nominal())
     assert found.verdict == "partly_explained"
     (friction,) = found.findings
     assert friction["effect"] in ("coulomb_friction", "stribeck_friction", "dahl_friction")
+    assert "modified_by" not in friction
     first = next(iter(friction["parameters"].values()))
     # As friction that holds it is a little more: it has to stop what truly creeps on.
     assert first["value"] == pytest.approx(DRY, rel=0.1)

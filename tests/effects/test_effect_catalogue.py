@@ -22,6 +22,7 @@ WORDS = {
     "load_dependent_friction": {"mu_radius": "m"},
     "quadratic_drag": {"coefficient": "N*m*s**2/rad**2"},
     "dahl_friction": {"torque": "N*m", "stiffness": "N*m/rad"},
+    "friction_creep": {"velocity": "rad/s"},
     "joint_stiffness": {"stiffness": "N*m/rad", "rest_angle": "rad"},
     "cubic_stiffness": {"stiffness": "N*m/rad**3"},
     "constant_torque": {"torque": "N*m"},

@@ -60,16 +60,17 @@ def phase(f: ForceMap) -> str:
     pick = _thin(f.position)
     q, v, force = f.position[pick], f.velocity[pick], f.force[pick]
     span = float(np.nanpercentile(np.abs(force), 98)) or 1.0
+    unit, missing = f.units[0], f"missing force [{f.units[1].replace('*', '·')}]"
     with canvas(f"phase-{f.joint}", 9.2, 3.9, 1, 2) as (made, axes):
         marks = axes[0, 0].scatter(q, v, c=force, s=5, cmap="RdBu_r", vmin=-span, vmax=span, rasterized=True)
-        axes[0, 0].set_xlabel("position [rad]")
-        axes[0, 0].set_ylabel("velocity [rad/s]")
+        axes[0, 0].set_xlabel(f"position [{unit}]")
+        axes[0, 0].set_ylabel(f"velocity [{unit}/s]")
         bar = made.figure.colorbar(marks, ax=axes[0, 0])
-        bar.set_label("missing force [N·m]")
+        bar.set_label(missing)
         axes[0, 1].plot(v, force, ".", ms=2.5, color=BEFORE, alpha=0.5, rasterized=True)
         axes[0, 1].set_ylim(-1.6 * span, 1.6 * span)
-        axes[0, 1].set_xlabel("velocity [rad/s]")
-        axes[0, 1].set_ylabel("missing force [N·m]")
+        axes[0, 1].set_xlabel(f"velocity [{unit}/s]")
+        axes[0, 1].set_ylabel(missing)
     return str(made.svg)
 
 
@@ -80,7 +81,7 @@ def energy(e: Energy) -> str:
         ax.plot(*e.nominal, "x", color=BEFORE, ms=5, label="nominal")
         ax.plot(*e.augmented, "+", color=AFTER, ms=7, label="augmented")
         ax.plot(*e.recorded, "o", color=INK, mfc="none", ms=5, label="recorded")
-        ax.set_xlabel("amplitude [rad]")
+        ax.set_xlabel(f"amplitude [{e.unit}]")
         ax.set_ylabel("energy lost [J]")
         made.figure.legend(*ax.get_legend_handles_labels(), loc="outside upper right", ncols=3, labelcolor=INK)
     return str(made.svg)

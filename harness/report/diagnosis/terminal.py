@@ -9,6 +9,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from harness.diagnose.diagnosis import one_by_one
+
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
 MOST_FOUND = 8  # remarks on recordings shown on the terminal
@@ -41,7 +43,7 @@ def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
 
 def _findings(findings: list[Mapping[str, Any]]) -> Table:
     table = _table("effect", "at", "parameters", "ΔBIC", "cannot be told from")
-    for finding in findings:
+    for finding in one_by_one(findings):
         parameters = "; ".join(
             f"{name} = {value['value']:.4g} ± {value['std']:.2g} {value['unit']}"
             if value.get("std") is not None
