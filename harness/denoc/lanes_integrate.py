@@ -38,6 +38,7 @@ from harness.denoc.lanes_tree import (
     REACTION_START,
     SECTION,
     SHAKE,
+    SLIPS,
     TAU,
     TAU_SLOPE,
     TAU_TIME,
@@ -296,6 +297,7 @@ def run_group(
             ws[j + GRIP * 8] = 0.0
             ws[j + REACTION_START * 8] = 0.0
             ws[j + REACTION * 8] = 0.0
+            ws[j + SLIPS * 8] = 0.0
             ws[j + TAU * 8] = 0.0
             ws[j + TAU_SLOPE * 8] = 0.0
             used = law.terms_in_use(laws, start + lane, 8)
@@ -821,7 +823,7 @@ def run_groups(
         width = 2 * n
         loaded: Any = np.int64(0)
         for i in range(n):
-            if flags[i] & law.HAS_LOAD:
+            if flags[i] & (law.HAS_LOAD | law.HAS_SOFT):
                 loaded = 1
         run_group(
             recursion, present, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,

@@ -47,6 +47,7 @@ from harness.denoc.lanes_tree import (
     SECTION,
     SHAKE,
     SIGN,
+    SLIPS,
     TABLE,
     TAU,
     TAU_SLOPE,
@@ -56,6 +57,7 @@ from harness.denoc.lanes_tree import (
     Q,
     R,
     settled,
+    still_slips,
     user_forces,
 )
 from harness.denoc.lanes_vector import (
@@ -361,11 +363,15 @@ def _inward(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any, n: int, user:
                 load(ws, j + ANCHOR * 8),
                 load(ws, j + GRIP * 8),
                 load(ws, j + REACTION * 8),
+                load(ws, j + SLIPS * 8),
             )
             if flags[own] & law.HAS_USER:
                 user_forces(laws, ws, user, group + TIME * 8, j, l)
                 force = force + load(ws, group + SCRATCH * 8)
             armature = load(laws, l + law.ARMATURE * 8)
+            if flags[own] & law.HAS_SOFT:
+                slips, reaction = load(ws, j + SLIPS * 8), load(ws, j + REACTION * 8)
+                armature = armature + law.held_inertia(laws, l, flags[own], load(ws, j + QD * 8), reaction, slips)
             free = load(ws, j + FREE * 8)
             if kind == REVOLUTE:
                 sign = float(tree[i, SIGN])
@@ -530,6 +536,8 @@ def _outward_accelerations(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any
                 store(ws, j + REACTION * 8, reaction)
             store(ws, j + HOLD * 8, push)
             store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, reaction))
+            if flags[own] & law.HAS_SOFT:
+                unsettled = max(unsettled, still_slips(laws, ws, group, l, j))
     return unsettled
 
 

@@ -56,8 +56,10 @@ OMEGA, VELOCITY, TURN, ANGULAR, MIXED, LINEAR, BIAS, COLUMN, FORCE, INVERSE, ACC
 BODY = 49
 
 # One coordinate's state and results; a mode uses Q, QD, QDD and TAU only.
-Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, ANCHOR, GRIP, REACTION, HOLD, LIMIT, TAU_SLOPE, REACTION_START = range(14)
-JOINT = 14
+Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, ANCHOR, GRIP, REACTION, HOLD, LIMIT, TAU_SLOPE, REACTION_START, SLIPS = (
+    range(15)
+)
+JOINT = 15
 
 # What the group shares: time, start of the effort's segment, base acceleration parameters, scratch.
 # (SHAKE: gravity x, y, z, angular frequency, phase, amplitude along x, y, z)
@@ -537,6 +539,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 load(ws, j + ANCHOR * 8),
                 load(ws, j + GRIP * 8),
                 load(ws, j + REACTION * 8),
+                load(ws, j + SLIPS * 8),
             )
             if flags[own] & law.HAS_USER:
                 user_forces(laws, ws, user, group + TIME * 8, j, l)
@@ -551,6 +554,9 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
         px, py, pz, fx, fy, fz = load_run(ws, a, 6)
         if kind <= PRISMATIC:
             armature = load(laws, l + law.ARMATURE * 8)
+            if flags[own] & law.HAS_SOFT:
+                slips, reaction = load(ws, j + SLIPS * 8), load(ws, j + REACTION * 8)
+                armature = armature + law.held_inertia(laws, l, flags[own], qd, reaction, slips)
             free = load(ws, j + FREE * 8)
             if kind == REVOLUTE:
                 u1, u2, u3, u4, u5, u6 = axz, ayz, azz, bzx, bzy, bzz
@@ -726,12 +732,26 @@ def settled(laws: Any, ws: Any, group: int, l: int, update: Any, reaction: Any) 
 
 
 @in_place
+def still_slips(laws: Any, ws: Any, group: int, l: int, j: int) -> float:
+    """Renew which way soft dry friction slips; 1 if that changed in any lane."""
+    slips = load(ws, j + SLIPS * 8)
+    renewed = law.slipping(laws, l, load(ws, j + QD * 8), load(ws, j + QDD * 8), slips)
+    store(ws, j + SLIPS * 8, renewed)
+    store(ws, group + SCRATCH * 8, magnitude(renewed - slips))
+    changed = 0.0
+    for lane in range(8):
+        if ws[group + SCRATCH * 8 + lane] > 0.0:
+            changed = 1.0
+    return changed
+
+
+@in_place
 def _outward_accelerations(
     tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, shaken: int
 ) -> float:
     """Accelerations of joints and modes, forces that hold the held joints, reactions across the axes.
 
-    Returns 1 while a reaction changes, for the fixed point of load-dependent friction.
+    Returns 1 while a reaction changes, for the fixed point of load-dependent friction, or soft friction begins or ends to slip.
     """
     group = n * JOINT * 8
     unsettled = 0.0
@@ -849,6 +869,8 @@ def _outward_accelerations(
                 store(ws, j + REACTION * 8, reaction)
             store(ws, j + HOLD * 8, push)
             store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, reaction))
+            if flags[own] & law.HAS_SOFT:
+                unsettled = max(unsettled, still_slips(laws, ws, group, l, j))
     return unsettled
 
 

@@ -148,7 +148,7 @@ def _summary(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[st
     severity = max((rmse(outcome, outcome.nominal, c) / colour.std for c, colour in enumerate(colours)), default=0.0)
     titles = [
         finding_words(c.candidate.effect.title, c.candidate.site, values[c.candidate.key], _units(outcome, c))
-        for c in conclusion.claims
+        for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
     ]
     rivals = [
         f"{c.candidate.effect.title.capitalize()} cannot be told here from "

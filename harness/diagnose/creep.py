@@ -25,11 +25,11 @@ STILL = 1e-3  # of the noise, by which a prediction that stands still changes fr
 def creeps(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether member ``k`` mostly explains that recordings move where dry friction holds the model without it.
 
-    Friction that gives way slowly (as lubricants do, and as most simulators have it) keeps nothing at rest. The catalogue holds its
-    joints for good, so anything that frees them, such as a base that shakes, would seem to be there. Where a joint rests is
-    another matter: a tilted base moves that, and holds it there. Of what a sensor does, which never rests, only how readings
-    change within a stretch in which the model stands still is counted. All other effects stand as they are beside the member:
-    fitted without it, they would give way as well.
+    Friction that gives way slowly (as lubricants do, and as most simulators have it) keeps nothing at rest. Beside dry friction
+    that holds its joint for good, anything that frees it, such as a base that shakes, would seem to be there. Where a joint
+    rests is another matter: a tilted base moves that, and holds it there. Of what a sensor does, which never rests, only how
+    readings change within a stretch in which the model stands still is counted. All other effects stand as they are beside the
+    member: fitted without it, they would give way as well.
     """
     effect = best.hypothesis.members[k].effect
     if effect.family is Family.DISSIPATION:

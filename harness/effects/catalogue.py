@@ -21,6 +21,7 @@ NAMES = (
     "quadratic_drag",
     "dahl_friction",
     "friction_creep",
+    "friction_softness",
     "joint_stiffness",
     "cubic_stiffness",
     "constant_torque",

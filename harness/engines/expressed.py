@@ -6,6 +6,7 @@ are passed over here.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -109,13 +110,22 @@ class Expressed:
     laws: tuple[Attachment, ...]
     beyond: tuple[Attachment, ...]
 
-    def refusal(self, engine: str, *, forces: bool = True, shaking: bool = False) -> str | None:
-        """Why an engine that takes forces or a shaking base (or not) cannot express the system, or None."""
+    @property
+    def soft_friction(self) -> dict[str, Mapping[str, float]]:
+        """Parameters of soft dry friction by joint."""
+        return {law.site: law.parameters for law in self.laws if law.effect == "friction_softness"}
+
+    def refusal(
+        self, engine: str, *, forces: bool = True, shaking: bool = False, soft_friction: bool = False
+    ) -> str | None:
+        """Why an engine that takes forces, a shaking base or soft dry friction (or not) cannot express the system, or None."""
         for attachment in self.laws:
             can = attachment.effect in FORCES if attachment not in self.beyond else False
             if attachment.effect == "base_excitation":
                 if not shaking:
                     return f"{engine} cannot express the effect base_excitation"
+            elif soft_friction and attachment.effect == "friction_softness":
+                continue
             elif not (can and forces):
                 return f"{engine} cannot express the effect {attachment.effect} at {attachment.site}"
         return None
@@ -173,10 +183,12 @@ def bends(system: System) -> bool:
         return system.flexible
 
 
-def refusal(engine: str, system: System, *, forces: bool = True, shaking: bool = False) -> str | None:
+def refusal(
+    engine: str, system: System, *, forces: bool = True, shaking: bool = False, soft_friction: bool = False
+) -> str | None:
     """Why an engine cannot express the system's effects, or None; a wrong effect is a reason too."""
     try:
-        return express(system).refusal(engine, forces=forces, shaking=shaking)
+        return express(system).refusal(engine, forces=forces, shaking=shaking, soft_friction=soft_friction)
     except InputError as error:
         return str(error)
 

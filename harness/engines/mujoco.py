@@ -3,13 +3,13 @@
 Integrated by RK4, the only one of its integrators that converges fast enough to be compared with; contacts, limits and
 equalities are off. Dry friction is MuJoCo's ``frictionloss``, a soft constraint: it turns over not where the velocity v does
 but where v + a τ does, a being the acceleration without it and τ the constraint's time constant (10 ms by default), and creeps
-where a joint should stick. It is made as sudden and as stiff here as MuJoCo allows, τ being two steps. It acts in ``simulate``
-alone, so that accelerations stay comparable.
+where a joint should stick. It is made as sudden and as stiff here as MuJoCo allows, τ being two steps, unless the effect
+``friction_softness`` says how soft it is. It acts in ``simulate`` alone, so that accelerations stay comparable.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -150,6 +150,17 @@ def mujoco_model(system: System, step: float = DEFAULT_STEP, forces: JointForces
         model.body_inertia[body] = principal(np.asarray(link.inertia))[0]
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
+
+
+def _soften(model: Any, softness: Mapping[str, Mapping[str, float]]) -> None:
+    """Make dry friction as soft as the effect ``friction_softness`` says: its parameters by joint."""
+    for name, values in softness.items():
+        k = int(model.joint(name).dofadr[0])
+        held = model.dof_frictionloss[k] * values["time"] / values["velocity"]
+        share = held * model.dof_invweight0[k]
+        impedance = share / (1.0 + share)
+        model.dof_solref[k] = (2.0 * values["time"] / impedance, 1.0)
+        model.dof_solimp[k, :2] = impedance
 
 
 @dataclass(frozen=True, eq=False)
@@ -329,7 +340,7 @@ class Mujoco:
             return "MuJoCo has no elastic links"
         if not system.joint_names:
             return "the system has no movable joint"
-        reason = refusal("MuJoCo", system, shaking=True)
+        reason = refusal("MuJoCo", system, shaking=True, soft_friction=True)
         if reason:
             return reason
         expressed = express(system)
@@ -347,6 +358,7 @@ class Mujoco:
         expressed = express(system)
         system = expressed.system
         model = mujoco_model(system, forces=expressed.forces)
+        _soften(model, expressed.soft_friction)
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
         order = np.empty(model.nv, dtype=np.intp)

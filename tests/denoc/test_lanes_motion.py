@@ -259,6 +259,33 @@ def test_friction_that_creeps_against_its_equation_beside_copies_that_stick(kind
     assert abs(ours[-1] - ours[-20]) > 1e-5 > np.ptp(stuck[-20:])
 
 
+def test_soft_friction_against_mujocos_constraint():
+    # MuJoCo's frictionloss at its default settings: d = 0.9, dmax = 0.95, timeconst = 0.02 s.
+    loss, step = 0.02, 2e-4
+    flat = MASS * LENGTH**2 / 12.0
+    xml = f"""<mujoco><option timestep="{step}" integrator="RK4"/><worldbody><body>
+      <joint name="pivot" axis="0 1 0" frictionloss="{loss}"/>
+      <inertial pos="0 0 {-LENGTH / 2}" mass="{MASS}" diaginertia="{flat} {flat} 1e-9"/></body></worldbody></mujoco>"""
+    theirs = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(theirs)
+    data.qpos[0] = 0.6
+    time = np.arange(0.0, 6.0, 0.02)
+    reference = []
+    for _ in time:
+        reference.append(data.qpos[0])
+        mujoco.mj_step(theirs, data, nstep=round(0.02 / step))
+    lead = 0.95 * 0.02 / 2.0
+    held = 0.9 / (1.0 - 0.9) / theirs.dof_invweight0[0]
+    model = LaneModel(pendulum())
+    rows = rows_with(model, 3, coulomb_torque=loss)
+    rows[1, model.slot("pivot", "creep_velocity")] = loss * lead / held
+    rows[1, model.slot("pivot", "softness_time")] = lead
+    sticks, soft, again = model.simulate(rows, np.full((3, 1), 0.6), np.zeros((3, 1)), time)[0][:, :, 0]
+    assert np.abs(soft - reference).max() < 1e-6
+    assert np.abs(sticks - reference).max() > 1e-2
+    np.testing.assert_array_equal(sticks, again)
+
+
 def test_dahl_friction_against_its_equation():
     model = LaneModel(oscillator())
     torque, stiffness = 0.02, 1.3

@@ -146,6 +146,24 @@ def test_laws_only_native_has() -> None:
         assert np.max(np.abs(moved - runs(arm(), ("mujoco",))["mujoco"])) > 1e-4
 
 
+def test_dry_friction_as_a_soft_constraint_is_mujocos() -> None:
+    rubs = [
+        Attachment("coulomb_friction", joint, {"torque": torque})
+        for joint, torque in (("joint1", 0.3), ("joint2", 0.1))
+    ]
+    soft = [Attachment("friction_softness", a.site, {"velocity": 0.05, "time": 0.008}) for a in rubs]
+    system = arm(*rubs, *soft)
+    found = runs(system, ("mujoco", "denoc"))
+    # What is left is due to MuJoCo's steps, in which kinks of the force lie anywhere.
+    assert found["denoc"] == pytest.approx(found["mujoco"], abs=1e-6)
+    stuck = runs(arm(*rubs), ("denoc",))["denoc"]
+    assert np.max(np.abs(stuck - found["denoc"])) > 1e-3
+    for engine in ("pinocchio", "exudyn", "analytic"):
+        assert "friction" in str(registry.engine(engine).refuses(system))
+    creeping = arm(*rubs, Attachment("friction_creep", "joint1", {"velocity": 0.05}))
+    assert "friction_creep" in str(registry.engine("mujoco").refuses(creeping))
+
+
 def test_effects_of_sensors_and_inputs_are_none_of_the_engines_business() -> None:
     gain = Attachment("sensor_gain", "joint1.position", {"gain": 1.1})
     system = arm(gain, Attachment("actuator_gain", "joint1", {"gain": 0.9}))
