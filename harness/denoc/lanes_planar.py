@@ -370,8 +370,7 @@ def _inward(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any, n: int, user:
                 force = force + load(ws, group + SCRATCH * 8)
             armature = load(laws, l + law.ARMATURE * 8)
             if flags[own] & law.HAS_SOFT:
-                slips, reaction = load(ws, j + SLIPS * 8), load(ws, j + REACTION * 8)
-                armature = armature + law.held_inertia(laws, l, flags[own], load(ws, j + QD * 8), reaction, slips)
+                armature = armature + law.held_inertia(laws, l, load(ws, j + SLIPS * 8))
             free = load(ws, j + FREE * 8)
             if kind == REVOLUTE:
                 sign = float(tree[i, SIGN])
@@ -535,9 +534,9 @@ def _outward_accelerations(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any
                 unsettled = max(unsettled, changed)
                 store(ws, j + REACTION * 8, reaction)
             store(ws, j + HOLD * 8, push)
-            store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, reaction))
+            store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, flags[own], reaction))
             if flags[own] & law.HAS_SOFT:
-                unsettled = max(unsettled, still_slips(laws, ws, group, l, j))
+                unsettled = max(unsettled, still_slips(laws, ws, flags[own], group, l, j))
     return unsettled
 
 

@@ -555,8 +555,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
         if kind <= PRISMATIC:
             armature = load(laws, l + law.ARMATURE * 8)
             if flags[own] & law.HAS_SOFT:
-                slips, reaction = load(ws, j + SLIPS * 8), load(ws, j + REACTION * 8)
-                armature = armature + law.held_inertia(laws, l, flags[own], qd, reaction, slips)
+                armature = armature + law.held_inertia(laws, l, load(ws, j + SLIPS * 8))
             free = load(ws, j + FREE * 8)
             if kind == REVOLUTE:
                 u1, u2, u3, u4, u5, u6 = axz, ayz, azz, bzx, bzy, bzz
@@ -732,10 +731,11 @@ def settled(laws: Any, ws: Any, group: int, l: int, update: Any, reaction: Any) 
 
 
 @in_place
-def still_slips(laws: Any, ws: Any, group: int, l: int, j: int) -> float:
+def still_slips(laws: Any, ws: Any, flags: int, group: int, l: int, j: int) -> float:
     """Renew which way soft dry friction slips; 1 if that changed in any lane."""
     slips = load(ws, j + SLIPS * 8)
-    renewed = law.slipping(laws, l, load(ws, j + QD * 8), load(ws, j + QDD * 8), slips)
+    v, vdot, reaction = load(ws, j + QD * 8), load(ws, j + QDD * 8), load(ws, j + REACTION * 8)
+    renewed = law.slipping(laws, l, flags, v, vdot, reaction, slips)
     store(ws, j + SLIPS * 8, renewed)
     store(ws, group + SCRATCH * 8, magnitude(renewed - slips))
     changed = 0.0
@@ -868,9 +868,9 @@ def _outward_accelerations(
                 unsettled = max(unsettled, changed)
                 store(ws, j + REACTION * 8, reaction)
             store(ws, j + HOLD * 8, push)
-            store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, reaction))
+            store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, flags[own], reaction))
             if flags[own] & law.HAS_SOFT:
-                unsettled = max(unsettled, still_slips(laws, ws, group, l, j))
+                unsettled = max(unsettled, still_slips(laws, ws, flags[own], group, l, j))
     return unsettled
 
 

@@ -8,7 +8,7 @@ Generalized force on the joint, on the right-hand side of the equations of motio
     − dry(v),   |dry| = F_c + (F_s − F_c) exp(−(v / v_s)²) + mu_radius · R     while it slides
                 |dry| ≤ max(F_s, F_c) + mu_radius · R                          while it sticks
       or, where creep_velocity v_c > 0, dry(v) = |dry| tanh(v / v_c) at any speed: it never sticks
-      or, where softness_time τ > 0 as well, dry(v) = |dry| (v + τ v̇) / v_c, within ± |dry|: a soft constraint
+      or, where soft_time τ > 0, dry(v) = soft_inertia (v̇ + v / τ), within ± |dry|: a soft constraint
     − f,   df/dq = dahl_stiffness (1 − sign(v) · f / dahl_torque): between reversals f approaches ± dahl_torque
            exponentially in the distance travelled since the last one, and is evaluated so
     − contact,  contact = k δ + d dδ/dt where that pushes, δ = how far the joint is beyond the stop
@@ -50,7 +50,8 @@ SLOTS = (
     Slot("quadratic_drag", "N·m·s²/rad²", "drag torque over v |v|"),
     Slot("mu_radius", "m", "friction coefficient times bearing radius; prismatic: friction coefficient [1]"),
     Slot("creep_velocity", "rad/s", "speed under which dry friction gives way instead of sticking; 0 where it sticks"),
-    Slot("softness_time", "s", "time by which dry friction that gives way turns round before its joint does"),
+    Slot("soft_time", "s", "time by which soft dry friction turns round before its joint does; 0 where it is not soft"),
+    Slot("soft_inertia", "kg·m²", "inertia that soft dry friction adds while it holds"),
     Slot("dahl_torque", "N·m", "level that Dahl friction saturates at"),
     Slot("dahl_stiffness", "N·m/rad", "Dahl friction's initial stiffness"),
     Slot("stiffness", "N·m/rad", "linear spring"),
@@ -80,7 +81,8 @@ STRIBECK = SLOT_NAMES.index("stribeck_velocity")
 DRAG = SLOT_NAMES.index("quadratic_drag")
 MU_RADIUS = SLOT_NAMES.index("mu_radius")
 CREEP = SLOT_NAMES.index("creep_velocity")
-SOFTNESS = SLOT_NAMES.index("softness_time")
+SOFT_TIME = SLOT_NAMES.index("soft_time")
+SOFT_INERTIA = SLOT_NAMES.index("soft_inertia")
 DAHL_TORQUE = SLOT_NAMES.index("dahl_torque")
 DAHL_STIFFNESS = SLOT_NAMES.index("dahl_stiffness")
 STIFFNESS = SLOT_NAMES.index("stiffness")
@@ -99,7 +101,7 @@ USER_1 = SLOT_NAMES.index("user_1")
 # Which terms any lane of a group uses; the others are skipped. A skipped term is exactly zero in every lane.
 HAS_DRY, HAS_STRIBECK, HAS_LOAD, HAS_DAHL, HAS_COGGING, HAS_STOP, HAS_USER, HAS_SIGN = 1, 2, 4, 8, 16, 32, 64, 128
 HAS_CREEP, HAS_SOFT = 256, 512  # dry friction that gives way, and as a soft constraint; HAS_DRY is the one that sticks
-RUBS = HAS_DRY | HAS_CREEP
+RUBS = HAS_DRY | HAS_CREEP | HAS_SOFT
 ALMOST = 1e-9  # relative slack between slipping and holding, so that rounding cannot make them alternate
 
 
@@ -110,9 +112,12 @@ def terms_in_use(parameters: Any, start: int, stride: int) -> int:
     coulomb = parameters[start + COULOMB * stride]
     static = parameters[start + STATIC * stride]
     if coulomb != 0.0 or static != 0.0 or parameters[start + MU_RADIUS * stride] != 0.0:
-        flags |= HAS_CREEP if parameters[start + CREEP * stride] > 0.0 else HAS_DRY | HAS_SIGN
-    if flags & HAS_CREEP and parameters[start + SOFTNESS * stride] > 0.0:
-        flags |= HAS_SOFT
+        if parameters[start + SOFT_TIME * stride] > 0.0:
+            flags |= HAS_SOFT
+        elif parameters[start + CREEP * stride] > 0.0:
+            flags |= HAS_CREEP
+        else:
+            flags |= HAS_DRY | HAS_SIGN
     if static > coulomb:
         flags |= HAS_STRIBECK
     if parameters[start + MU_RADIUS * stride] != 0.0:
@@ -148,51 +153,60 @@ def sliding_friction(laws: Any, start: int, flags: int, v: Any, reaction: Any) -
 
 
 @in_place
-def sticking_limit(laws: Any, start: int, reaction: Any) -> Any:
-    """The greatest force that dry friction can hold at rest."""
+def sticking_limit(laws: Any, start: int, flags: int, reaction: Any) -> Any:
+    """The greatest force that dry friction can hold at rest; none where it gives way."""
     coulomb = load(laws, start + COULOMB * 8)
     static = load(laws, start + STATIC * 8)
     limit = choose(static - coulomb, static, coulomb) + load(laws, start + MU_RADIUS * 8) * reaction
-    return choose(load(laws, start + CREEP * 8), 0.0 * limit, limit)
-
-
-@in_place
-def creeping(laws: Any, start: int, flags: int, v: Any, direction: Any, slips: Any) -> Any:
-    """Share of dry friction that acts, with its sign: tanh(v / creep velocity) where it gives way, else the direction.
-
-    slips: which way a soft constraint slips, 0 where it holds; what it then does with the acceleration is in ``held_inertia``.
-    """
-    speed = load(laws, start + CREEP * 8)
-    twice = 2.0 * magnitude(v) / choose(speed, speed, 1.0)
-    left = exponential(-choose(700.0 - twice, twice, 700.0))
-    share = (1.0 - left) / (1.0 + left)
-    acting = choose(v, share, -share)
+    if flags & HAS_CREEP:
+        limit = choose(load(laws, start + CREEP * 8), 0.0 * limit, limit)
     if flags & HAS_SOFT:
-        held = v / choose(speed, speed, 1.0)
-        acting = choose(load(laws, start + SOFTNESS * 8), choose(magnitude(slips), slips, held), acting)
-    return choose(speed, acting, direction)
+        limit = choose(load(laws, start + SOFT_TIME * 8), 0.0 * limit, limit)
+    return limit
 
 
 @in_place
-def held_inertia(laws: Any, start: int, flags: int, v: Any, reaction: Any, slips: Any) -> Any:
+def rubbing(laws: Any, start: int, flags: int, v: Any, direction: Any, reaction: Any, slips: Any) -> Any:
+    """Dry friction against positive motion: set-valued, creeping or soft.
+
+    direction: of sliding, where it sticks; slips: which way a soft constraint slips, 0 where it holds. What it then does with the
+    acceleration is in ``held_inertia``.
+    """
+    level = sliding_friction(laws, start, flags, v, reaction)
+    force = level * direction
+    if flags & HAS_CREEP:
+        speed = load(laws, start + CREEP * 8)
+        twice = 2.0 * magnitude(v) / choose(speed, speed, 1.0)
+        left = exponential(-choose(700.0 - twice, twice, 700.0))
+        share = (1.0 - left) / (1.0 + left)
+        force = choose(speed, level * choose(v, share, -share), force)
+    if flags & HAS_SOFT:
+        time = load(laws, start + SOFT_TIME * 8)
+        held = load(laws, start + SOFT_INERTIA * 8) / choose(time, time, 1.0) * v
+        force = choose(time, choose(magnitude(slips), level * slips, held), force)
+    return force
+
+
+@in_place
+def held_inertia(laws: Any, start: int, slips: Any) -> Any:
     """What soft dry friction adds to a joint's inertia while it holds."""
-    speed = load(laws, start + CREEP * 8)
-    slope = sliding_friction(laws, start, flags, v, reaction) / choose(speed, speed, 1.0)
-    added = choose(speed, slope * load(laws, start + SOFTNESS * 8), 0.0 * speed)
-    return choose(magnitude(slips), 0.0 * added, added)
+    inertia = load(laws, start + SOFT_INERTIA * 8)
+    return choose(magnitude(slips), 0.0 * inertia, choose(load(laws, start + SOFT_TIME * 8), inertia, 0.0 * inertia))
 
 
 @in_place
-def slipping(laws: Any, start: int, v: Any, vdot: Any, slips: Any) -> Any:
+def slipping(laws: Any, start: int, flags: int, v: Any, vdot: Any, reaction: Any, slips: Any) -> Any:
     """Which way a soft constraint slips, given the acceleration that it had when it slipped (or held) as ``slips`` says.
 
     It goes from one way to the other by way of holding: so every joint by itself ends where force and motion agree.
     """
-    speed, time = load(laws, start + CREEP * 8), load(laws, start + SOFTNESS * 8)
-    pull = choose(speed, choose(time, (v + time * vdot) / choose(speed, speed, 1.0), 0.0 * v), 0.0 * v)
-    free = choose(pull - 1.0, 1.0 + 0.0 * v, choose(-1.0 - pull, -1.0 + 0.0 * v, 0.0 * v))
-    still = choose(slips * pull - (1.0 - ALMOST), slips, 0.0 * v)
-    return choose(magnitude(slips), still, free)
+    time, inertia = load(laws, start + SOFT_TIME * 8), load(laws, start + SOFT_INERTIA * 8)
+    level = sliding_friction(laws, start, flags, v, reaction)
+    pull = inertia * (vdot + v / choose(time, time, 1.0))
+    nothing = 0.0 * v
+    from_rest = choose(pull - level, 1.0 + nothing, choose(-level - pull, nothing - 1.0, nothing))
+    still = choose(slips * pull - level * (1.0 - ALMOST), slips, nothing)
+    return choose(time, choose(magnitude(slips), still, from_rest), nothing)
 
 
 @in_place
@@ -214,7 +228,7 @@ def passive_force(
     laws: slots lane-contiguous, eight lanes a slot; start: of the joint's slots; flags: HAS_… of the group.
     direction: +1 or −1 sliding, 0 at rest; contact: 1 while the stop pushes; anchor, grip: where the joint turned
     round last, and Dahl's friction there;
-    reaction: magnitude of the reaction force across the axis; slips: see ``creeping``.
+    reaction: magnitude of the reaction force across the axis; slips: see ``rubbing``.
     """
     force = (
         load(laws, start + CONSTANT * 8)
@@ -225,8 +239,7 @@ def passive_force(
     if flags & HAS_SIGN:
         force = force - load(laws, start + DRAG * 8) * (v * v) * direction
     if flags & RUBS:
-        along = creeping(laws, start, flags, v, direction, slips) if flags & HAS_CREEP else direction
-        force = force - sliding_friction(laws, start, flags, v, reaction) * along
+        force = force - rubbing(laws, start, flags, v, direction, reaction, slips)
     if flags & HAS_DAHL:
         torque = load(laws, start + DAHL_TORQUE * 8)
         stiffness = load(laws, start + DAHL_STIFFNESS * 8)

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.diagnose.hypothesis import Candidate
 from harness.effects.catalogue import catalogue, sites
-from harness.effects.effect import Effect, SiteKind
+from harness.effects.effect import BY_MODEL, Effect, SiteKind
 from harness.effects.lanes import lane_model
 from harness.effects.measured import Measured
 from harness.effects.room import with_room
@@ -54,10 +54,10 @@ def _within_sampling(effect: Effect, recordings: Sequence[Measured]) -> Effect:
 
 
 def _on_its_own(effect: Effect, system: System, site: str) -> Effect:
-    """The effect without need of another one that it modifies, where the model states what it modifies: dry friction."""
+    """The effect in no need of another one to modify where the model itself states one: dry friction."""
     stated = effect.site is SiteKind.JOINT and system.joint(site).friction > 0.0
     stated |= any(a.site == site and a.effect in effect.modifies for a in system.attachments)
-    return replace(effect, modifies=()) if stated else effect
+    return replace(effect, modifies=(*effect.modifies, BY_MODEL)) if effect.modifies and stated else effect
 
 
 def _possible(candidate: Candidate, system: System) -> bool:

@@ -103,15 +103,18 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         gain = smaller.score - fitted.score
         begun = max(fitted.vibrating - smaller.vibrating, 0.0)
         price = study.price(member, len(fitted.hypothesis.members) - 1) + BEGUN * begun
-        if len(fitted.hypothesis.members) >= MANY:
+        if fitted.hypothesis.things >= MANY:
             price *= CROWDED
-        enough = gain > max(price, (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2)
+        straightens = _straightens(outcome, smaller, fitted, member)
+        # No law that is inexact bends a nominal quantity so far.
+        inexact = 0.0 if straightens else (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2
+        enough = gain > max(price, inexact)
         visible = gain > PRACTICAL**2 * study.samples
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
         # stretched model predicts them as well. The stretch itself is then the evidence.
         needed = HELD_OUT
-        if enough and visible and _straightens(outcome, smaller, fitted, member):
+        if enough and visible and straightens:
             needed = -WORSE
         elif enough and visible and gain > AMPLE * price:
             needed = min(needed, _contrary(outcome, smaller, fitted))

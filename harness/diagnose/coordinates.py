@@ -67,7 +67,7 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
     if candidate.effect.sensor is not None and candidate.effect.sensor.clock:
         slowest = 1.0 / (1.0 + CLOCK_MARGIN) / candidate.scales
         lower = np.maximum(lower, np.where(log, np.log(slowest), slowest))
-    if candidate.effect.adds_coordinates:
+    if candidate.effect.adds_coordinates or any(p.search == "size" for p in candidate.effect.parameters):
         # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
         least = np.array(
             [min((s for s in p.starts if s > 0.0), default=0.0) / REACH**2 for p in candidate.effect.parameters]

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.effects.effect import Effect
+from harness.effects.effect import BY_MODEL, Effect
 from harness.effects.scale import References, tip_of
 from harness.system import Joint, Link, System
 from harness.system.description import constant
@@ -52,6 +52,11 @@ class Hypothesis:
     @property
     def identity(self) -> frozenset[str]:
         return frozenset(self.keys)
+
+    @property
+    def things(self) -> int:
+        """Number of members that are something by themselves, and no other form of what is there."""
+        return sum(not member.effect.modifies for member in self.members)
 
     @property
     def size(self) -> int:
@@ -176,10 +181,16 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
     """Whether a candidate may join: not there already, no special case (or general case) of what is at its site, and with what it
     modifies there."""
     modified = candidate.effect.modifies
-    if modified and not any(m.site == candidate.site and m.effect.name in modified for m in hypothesis.members):
+    if (
+        modified
+        and BY_MODEL not in modified
+        and not any(m.site == candidate.site and m.effect.name in modified for m in hypothesis.members)
+    ):
         return False
     for member in hypothesis.members:
         if member.key == candidate.key or (_own_law(member) and _own_law(candidate)):
+            return False
+        if member.site == candidate.site and set(member.effect.modifies) & set(modified):
             return False
         if member.site == candidate.site and (
             member.effect.name in candidate.effect.simpler or candidate.effect.name in member.effect.simpler

@@ -159,7 +159,7 @@ def score(
     asked = [(candidate, rays(candidate, problem)) for candidate in candidates]
     for batch in _batches(asked, fitted):
         points = [[point for line in lines for point in line] for _, lines in batch]
-        near = _near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
+        near = near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
         at_size = _at_size(fitted, predictor, likelihood, batch, spaces)
         for (candidate, lines), (starts, changes, factors) in zip(batch, near, strict=True):
             own = [s for space in spaces for s in _along_rays(candidate, lines, space, starts, changes, factors)]
@@ -174,7 +174,7 @@ def by_place(
     """One candidate's scores against a fit at every place that it is looked for at, best first."""
     lines = rays(candidate, problem)
     points = [[point for line in lines for point in line]]
-    ((starts, changes, factors),) = _near_changes(fitted, predictor, likelihood, [candidate], points, {})
+    ((starts, changes, factors),) = near_changes(fitted, predictor, likelihood, [candidate], points, {})
     found = _along_rays(candidate, lines, nuisance(fitted, predictor), starts, changes, factors)
     return sorted(found, key=lambda s: -s.gain)
 
@@ -350,7 +350,7 @@ RESIZED = 10.0  # times, either way, by which a start with coordinates of its ow
 GREATEST = 30.0  # times the starting point, beyond which the linear view cannot vouch for a start
 
 
-def _brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
+def brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
     """A starting point with its effect made smaller by ``factor``, so that it acts linearly."""
     parameters = candidate.effect.parameters
     out = point.copy()
@@ -395,7 +395,7 @@ Near = tuple[list[Array], list[Array], list[float]]
 """Points near enough to absence to act linearly, the changes there per window (k, M), and how near they were brought."""
 
 
-def _near_changes(
+def near_changes(
     fitted: Fit,
     predictor: Predictor,
     likelihood: Likelihood,
@@ -410,11 +410,11 @@ def _near_changes(
         if scanned(candidate) and responsive(predictor):
             # A wave is linear in its amplitude; a stop in its stiffness, as long as that is small.
             factor = 1.0 if "phase" in candidate.effect.parameter_names else LEAST
-            places = [_brought_near(candidate, p, factor) for p in own]
+            places = [brought_near(candidate, p, factor) for p in own]
             changes = scan(fitted, predictor, likelihood, candidate, places, motions)
             found[k] = places, changes, [factor] * len(own)
             continue
-        near[k] = [_brought_near(candidate, p, FIRST_TRY) for p in own]
+        near[k] = [brought_near(candidate, p, FIRST_TRY) for p in own]
     moved = {k for k, own in near.items() if not all(map(np.array_equal, own, points[k]))}
     running = list(near)
     for k, own_changes in zip(
@@ -433,7 +433,7 @@ def _near_changes(
             own_wide = [i for i in range(len(starts)) if sizes[i] > SMALL and factors[i] > LEAST]
             for i in own_wide:
                 factors[i] = max(LEAST, factors[i] * 0.5 * SMALL / float(sizes[i]))
-                starts[i] = _brought_near(candidates[k], points[k][i], factors[i])
+                starts[i] = brought_near(candidates[k], points[k][i], factors[i])
             if own_wide:
                 wide[k] = own_wide
         moved = set(wide)
@@ -503,7 +503,7 @@ def _along_rays(
         else:
             size = float(squares[first])
             a0 = -float(along[first]) / size
-            if a0 <= 0.0 and not _may_reverse(candidate):
+            if a0 <= 0.0 and not may_reverse(candidate):
                 continue
             gain = a0 * a0 * size
             reach = GREATEST / factors[first]
@@ -512,9 +512,9 @@ def _along_rays(
                 start = _resized(candidate, near[first], float(np.clip(a0, 1.0 / RESIZED, RESIZED)))
             elif candidate.effect.parameters and np.isfinite(candidate.effect.parameters[0].neutral):
                 # Not beyond what the linear view can vouch for.
-                start = _brought_near(candidate, near[first], float(np.clip(a0, -reach, reach)))
+                start = brought_near(candidate, near[first], float(np.clip(a0, -reach, reach)))
             elif factors[first] < 1.0:
-                start = _brought_near(candidate, near[first], float(np.clip(a0, 1e-2, reach)))
+                start = brought_near(candidate, near[first], float(np.clip(a0, 1e-2, reach)))
             start = np.clip(start, candidate.effect.lower, candidate.effect.upper)
         yield Score(candidate, gain, start, visible)
 
@@ -541,7 +541,7 @@ def combined(candidate: Candidate, first: Array, second: Array, a: float, b: flo
     return np.clip(start, candidate.effect.lower, candidate.effect.upper)
 
 
-def _may_reverse(candidate: Candidate) -> bool:
+def may_reverse(candidate: Candidate) -> bool:
     """Whether the first parameter may lie on either side of its neutral value."""
     if not candidate.effect.parameters:
         return False

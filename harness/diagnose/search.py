@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from harness.diagnose.bent import straightened
 from harness.diagnose.exchange import FLOOR, alternatives, generalized, pruned, reduced, relatives, second, together
 from harness.diagnose.fit import Fit
-from harness.diagnose.hypothesis import Hypothesis, dear
+from harness.diagnose.hypothesis import Hypothesis, compatible, dear
 from harness.diagnose.screen import Score
 from harness.diagnose.study import FAR, HOPELESS, Study
 
@@ -24,6 +25,7 @@ CLEARLY = 3.0  # standard deviations of the cost of noise alone
 STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least
 WORTHY = 0.05  # the same that an effect which is dear to fit must promise
 GENEROUS = 2.0  # times what the linear view promises
+STRAIGHTENERS = 3
 PROSPECTS, OFFERS = 4, 4  # single effects looked beside for another one, and sets of two tried of these
 TRUSTED = 1.5  # times what it promises of effects that are dear to fit, whose tests are made at their likely sizes
 
@@ -64,6 +66,7 @@ def grow(
             break
         growth.exchange()
         growth.prospect()
+        growth.straighten()
         ordered = growth.ordered()
         last, excess = excess, growth.lowest - study.samples
         if (
@@ -86,7 +89,7 @@ class Growth:
 
     known: the best fit of every set. to_begin_with: see ``grow``. changed: fits noted one after another, better ones of known sets
     included. expanded: sets that further effects were tried beside; complete: those of them beside which nothing promised enough.
-    swapped: sets whose members' relatives were tried.
+    swapped: sets whose members' relatives were tried; straightened: those for whose bent nominal quantities an effect was sought.
     """
 
     study: Study
@@ -98,6 +101,7 @@ class Growth:
     expanded: set[frozenset[str]] = field(default_factory=set)
     complete: list[Fit] = field(default_factory=list)
     swapped: set[frozenset[str]] = field(default_factory=set)
+    straightened: set[frozenset[str]] = field(default_factory=set)
 
     def ordered(self) -> list[Fit]:
         """All fits, best first."""
@@ -167,13 +171,19 @@ class Growth:
         smaller = (f for key, f in self.known.items() if key < base.hypothesis.identity and _only_noise(study, f))
         if any(study.criterion(f) < study.criterion(base) + AS_WELL for f in smaller):
             return True
-        full = len(base.hypothesis.members) >= self.effort.largest
+        full = base.hypothesis.things >= self.effort.largest and not self._modifiable(base)
         return full or _needless(study, base) or any(_alike(base, other) for other in self.complete)
+
+    def _modifiable(self, base: Fit) -> bool:
+        """Whether there is another form of what is in a set."""
+        return any(c.effect.modifies and compatible(base.hypothesis, c) for c in self.study.candidates)
 
     def _promising(self, base: Fit, best: float) -> list[Score]:
         """Further effects whose score test promises more than their price."""
         study, members = self.study, len(base.hypothesis.members)
         found = [s for s in study.likely(base) if s.gain > study.price(s.candidate, members)]
+        if base.hypothesis.things >= self.effort.largest:
+            found = [s for s in found if s.candidate.effect.modifies]
         # What is dear to fit waits until what explains most is there, and its own share of the rest is worth it.
         worth = WORTHY * (base.score - study.samples)
         found = [s for s in found if s.gain > worth or not dear(s.candidate)]
@@ -227,6 +237,17 @@ class Growth:
         for promised, base, found in sorted(offers, key=lambda offer: offer[0])[:OFFERS]:
             if promised < best and not dear(found.candidate) and len(study.fits) < self.effort.most_fits:
                 self.note(study.extend(base, found), aloud=True)
+
+    def straighten(self) -> None:
+        """Fit what may have bent the best set's nominal quantities out of their tolerance."""
+        best = self.ordered()[0]
+        identity = best.hypothesis.identity
+        full = best.hypothesis.things >= self.effort.largest or len(self.study.fits) >= 2 * self.effort.most_fits
+        if identity in self.straightened or full or not self.study.stretched(best):
+            return
+        self.straightened.add(identity)
+        for found in straightened(self.study, best, STRAIGHTENERS):
+            self.note(found, aloud=True)
 
 
 def _only_noise(study: Study, fitted: Fit) -> bool:

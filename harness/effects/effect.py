@@ -21,6 +21,9 @@ PER_CHANNEL_UNIT = "1/channel"
 PER_CHANNEL_UNIT_SQUARED = "1/channel**2"
 
 
+BY_MODEL = "stated by the model"  # among what an effect modifies
+
+
 class Family(StrEnum):
     """The catalogue's chapters."""
 
@@ -174,8 +177,9 @@ class Effect:
         the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending), "exact shapes" (a beam
         whose modes theory goes on with; samples end where they end).
     expressed_by: how each engine can say it; an engine that is not named cannot.
-    simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing,
-        unless the model states one. confusable_with: effects that some recordings cannot tell from it.
+    simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing;
+        ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other.
+    confusable_with: effects that some recordings cannot tell from it.
     rarity: logarithm of how much rarer it is met than the plain effects, all else being equal (prior odds).
     law, reshape, sensor, input, user: exactly one is given.
     """

@@ -31,7 +31,7 @@ EFFECT = Effect(
     "tangent, as many simulators have it; greased bearings creep as well.",
     expressed_by={"denoc": "joint law"},
     needs=("motion",),
-    confusable_with=("viscous_damping", "stribeck_friction", "dahl_friction"),
+    confusable_with=("viscous_damping", "stribeck_friction", "dahl_friction", "friction_softness"),
     modifies=("coulomb_friction", "stribeck_friction", "load_dependent_friction"),
     law=JointLaw(("creep_velocity",)),
 )

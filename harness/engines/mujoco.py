@@ -156,8 +156,7 @@ def _soften(model: Any, softness: Mapping[str, Mapping[str, float]]) -> None:
     """Make dry friction as soft as the effect ``friction_softness`` says: its parameters by joint."""
     for name, values in softness.items():
         k = int(model.joint(name).dofadr[0])
-        held = model.dof_frictionloss[k] * values["time"] / values["velocity"]
-        share = held * model.dof_invweight0[k]
+        share = values["inertia"] * model.dof_invweight0[k]
         impedance = share / (1.0 + share)
         model.dof_solref[k] = (2.0 * values["time"] / impedance, 1.0)
         model.dof_solimp[k, :2] = impedance

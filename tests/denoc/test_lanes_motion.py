@@ -278,8 +278,8 @@ def test_soft_friction_against_mujocos_constraint():
     held = 0.9 / (1.0 - 0.9) / theirs.dof_invweight0[0]
     model = LaneModel(pendulum())
     rows = rows_with(model, 3, coulomb_torque=loss)
-    rows[1, model.slot("pivot", "creep_velocity")] = loss * lead / held
-    rows[1, model.slot("pivot", "softness_time")] = lead
+    rows[1, model.slot("pivot", "soft_time")] = lead
+    rows[1, model.slot("pivot", "soft_inertia")] = held
     sticks, soft, again = model.simulate(rows, np.full((3, 1), 0.6), np.zeros((3, 1)), time)[0][:, :, 0]
     assert np.abs(soft - reference).max() < 1e-6
     assert np.abs(sticks - reference).max() > 1e-2

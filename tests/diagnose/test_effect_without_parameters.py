@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.diagnose.coordinates import internal_bounds, start_vector
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.screen import _brought_near, _may_reverse
+from harness.diagnose.screen import brought_near, may_reverse
 from harness.effects.catalogue import effect
 from harness.effects.scale import references
 from harness.system import load
@@ -24,5 +24,5 @@ def test_geometric_stiffening_has_no_size_to_bound_or_to_shrink() -> None:
     candidate = Candidate(effect("geometric_stiffening"), link.name, references(system, link.name))
     low, high = internal_bounds(candidate)
     assert low.shape == high.shape == start_vector(candidate).shape == (0,)
-    assert _brought_near(candidate, np.empty(0), 0.1).shape == (0,)
-    assert not _may_reverse(candidate)
+    assert brought_near(candidate, np.empty(0), 0.1).shape == (0,)
+    assert not may_reverse(candidate)

@@ -23,7 +23,7 @@ WORDS = {
     "quadratic_drag": {"coefficient": "N*m*s**2/rad**2"},
     "dahl_friction": {"torque": "N*m", "stiffness": "N*m/rad"},
     "friction_creep": {"velocity": "rad/s"},
-    "friction_softness": {"velocity": "rad/s", "time": "s"},
+    "friction_softness": {"time": "s", "inertia": "kg*m**2"},
     "joint_stiffness": {"stiffness": "N*m/rad", "rest_angle": "rad"},
     "cubic_stiffness": {"stiffness": "N*m/rad**3"},
     "constant_torque": {"torque": "N*m"},

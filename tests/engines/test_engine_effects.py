@@ -151,7 +151,7 @@ def test_dry_friction_as_a_soft_constraint_is_mujocos() -> None:
         Attachment("coulomb_friction", joint, {"torque": torque})
         for joint, torque in (("joint1", 0.3), ("joint2", 0.1))
     ]
-    soft = [Attachment("friction_softness", a.site, {"velocity": 0.05, "time": 0.008}) for a in rubs]
+    soft = [Attachment("friction_softness", a.site, {"time": 0.008, "inertia": 0.05}) for a in rubs]
     system = arm(*rubs, *soft)
     found = runs(system, ("mujoco", "denoc"))
     # What is left is due to MuJoCo's steps, in which kinks of the force lie anywhere.
