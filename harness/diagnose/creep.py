@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 WHERE_HELD = "motion where dry friction holds the model"
 MOSTLY = 0.5  # of what a member explains, and of a stretch
 FEWEST = 8  # samples of a stretch
+SLOWLY = 0.2  # of the fastest motion, up to which a joint creeps
 STILL = 1e-3  # of the noise, by which a prediction that stands still changes from sample to sample at most
 
 
@@ -37,15 +38,20 @@ def creeps(outcome: Outcome, best: Fit, k: int) -> bool:
     without = outcome.study.standing_without(best, k)
     frees = effect.side == "dynamics"
     there = total = 0.0
-    with_it = {window: (still, rows) for window, still, rows in _predicted(outcome, best)}
-    for window, still, before in _predicted(outcome, without):
-        rests, after = with_it[window]
+    with_it = {window: (steps, rows) for window, steps, rows in _predicted(outcome, best)}
+    fastest = np.max([steps.max(axis=1) for steps, _ in with_it.values()], axis=0)
+    for window, steps, before in _predicted(outcome, without):
+        moved, after = with_it[window]
         total += float(np.sum(before**2) - np.sum(after**2))
-        for first, last in _stretches(still):
+        for first, last in _stretches(_still(steps)):
             one, other = before[:, first:last], after[:, first:last]
             if not frees:
                 there += _variation(one) - _variation(other)
-            elif np.mean(rests[first:last]) < 1.0 - MOSTLY:
+                continue
+            rests = np.mean(_still(moved)[first:last]) >= 1.0 - MOSTLY
+            # A swing that goes on because there is more behind it is no creep.
+            slow = bool(np.all(moved[:, first:last].max(axis=1) <= SLOWLY * fastest))
+            if slow and not rests:
                 there += float(np.sum(one**2) - np.sum(other**2))
     return there > MOSTLY * total > 0.0
 
@@ -53,9 +59,9 @@ def creeps(outcome: Outcome, best: Fit, k: int) -> bool:
 def motion_where_held(outcome: Outcome, fitted: Fit) -> Test | None:
     """A test of whether readings change where dry friction holds the model, if it does anywhere; names the plainest stretch."""
     found: list[tuple[float, int, str]] = []
-    for window, still, rows in _predicted(outcome, fitted):
+    for window, steps, rows in _predicted(outcome, fitted):
         run = outcome.problem.runs[window.run]
-        for first, last in _stretches(still):
+        for first, last in _stretches(_still(steps)):
             begun = run.time[window.first + first] - run.time[0]
             found.append(
                 (_variation(rows[:, first:last]), rows[:, first + 1 : last].size, f"{run.name} from {begun:.3g} s on")
@@ -67,14 +73,19 @@ def motion_where_held(outcome: Outcome, fitted: Fit) -> Test | None:
     return Test(WHERE_HELD, cost - size, size, float(chi2.sf(cost, size)), (where,), -1)
 
 
-def _predicted(outcome: Outcome, fitted: Fit) -> Iterator[tuple[Window, NDArray[np.bool_], Array]]:
-    """Every window with where the prediction stands still, (T,), and what it leaves, in deviations of the noise, (C, T)."""
+def _predicted(outcome: Outcome, fitted: Fit) -> Iterator[tuple[Window, Array, Array]]:
+    """Every window with how far the prediction goes to the next sample and what it leaves, in deviations of the noise, (C, T)."""
     lanes = [(0, window, fitted.states[window]) for window in fitted.windows]
     predicted = outcome.predictor.predict(fitted.hypothesis, fitted.x[None], lanes)
-    slow = STILL * np.array([[colour.std] for colour in outcome.study.likelihood.colours])
+    noise = np.array([[colour.std] for colour in outcome.study.likelihood.colours])
     for window, channels, left in zip(fitted.windows, predicted, fitted.linear.residuals, strict=True):
-        still = np.all(np.abs(np.diff(channels, axis=1)) <= slow, axis=0)
-        yield window, np.append(still, still[-1:]), left.reshape(len(channels), -1)
+        steps = np.abs(np.diff(channels, axis=1)) / noise
+        yield window, np.hstack([steps, steps[:, -1:]]), left.reshape(len(channels), -1)
+
+
+def _still(steps: Array) -> NDArray[np.bool_]:
+    """Where a prediction stands still, (T,)."""
+    return np.asarray(np.all(steps <= STILL, axis=0))
 
 
 def _stretches(still: NDArray[np.bool_]) -> list[tuple[int, int]]:
