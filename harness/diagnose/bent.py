@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, compatible, dear
-from harness.diagnose.screen import GREATEST, brought_near, may_reverse, near_changes
+from harness.diagnose.screen import GREATEST, brought_near, may_reverse, near_changes, nuisance
 from harness.diagnose.starts import rays
 from harness.diagnose.study import Study
 from harness.diagnose.valleys import bent_back
@@ -52,11 +52,12 @@ def bending(study: Study, fitted: Fit) -> list[Straight]:
     near = near_changes(
         fitted, study.predictor, study.likelihood, [c for c, _ in asked], [list(own) for _, own in asked], {}
     )
-    adjustable = _without_states(fitted, fitted.linear.shared)
+    states = nuisance(fitted, study.predictor).states
+    adjustable = _without(states, fitted.linear.shared)
     found = []
     for (candidate, _), (points, changes, factors) in zip(asked, near, strict=True):
         if all(np.isfinite(part).all() for part in changes):
-            change = _without_states(fitted, [part.T for part in changes])
+            change = _without(states, [part.T for part in changes])
             found += _stands_for(study, fitted, candidate, points[0], factors[0], adjustable, change[:, 0])
     return sorted(found, key=lambda s: -s.gain)
 
@@ -84,10 +85,6 @@ def _stands_for(
     return [Straight(candidate, amount**2 * weight, start)]
 
 
-def _without_states(fitted: Fit, columns: Sequence[Array]) -> Array:
-    """Columns (M, K) of every window without what its initial state can do, all windows stacked."""
-    parts = []
-    for basis, own in zip(fitted.linear.bases, columns, strict=True):
-        q = np.linalg.qr(basis)[0]
-        parts.append(own - q @ (q.T @ own))
-    return np.vstack(parts)
+def _without(states: Sequence[Array], columns: Sequence[Array]) -> Array:
+    """Columns (M, K) of every window without what its initial state, an orthonormal basis (M, S), can do; all windows stacked."""
+    return np.vstack([own - q @ (q.T @ own) for q, own in zip(states, columns, strict=True)])
