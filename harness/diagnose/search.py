@@ -25,7 +25,7 @@ CLEARLY = 3.0  # standard deviations of the cost of noise alone
 STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least
 WORTHY = 0.05  # the same that an effect which is dear to fit must promise
 GENEROUS = 2.0  # times what the linear view promises
-STRAIGHTENERS = 3
+STRAIGHTENERS = 3  # effects fitted for how one set is bent
 PROSPECTS, OFFERS = 4, 4  # single effects looked beside for another one, and sets of two tried of these
 TRUSTED = 1.5  # times what it promises of effects that are dear to fit, whose tests are made at their likely sizes
 
