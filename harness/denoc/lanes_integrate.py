@@ -62,7 +62,6 @@ from harness.denoc.pipeline import Kernel
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
 LOOKS = 8  # places in a step where signs are checked
-ALMOST = 1e-9  # relative slack between sticking and breaking loose, so that rounding cannot make them alternate
 LONGEST, PER_SAMPLE = (
     50_000,
     20,
@@ -100,7 +99,7 @@ def _slopes(
                 for lane in range(8):
                     if ws[j + FREE * 8 + lane] == 0.0:
                         limit = ws[j + LIMIT * 8 + lane]
-                        if abs(ws[j + HOLD * 8 + lane]) > limit * (1.0 + ALMOST):
+                        if abs(ws[j + HOLD * 8 + lane]) > limit * (1.0 + law.ALMOST):
                             ledger[SUSPECT * 8 + lane] = 1.0
 
 
@@ -360,7 +359,7 @@ def run_group(
                         for i in range(n):
                             j = i * JOINT * 8 + lane
                             if ws[j + FREE * 8] == 0.0:
-                                limit = ws[j + LIMIT * 8] * (1.0 + 2.0 * ALMOST)
+                                limit = ws[j + LIMIT * 8] * (1.0 + 2.0 * law.ALMOST)
                                 over = abs(ws[j + HOLD * 8]) - limit
                                 if over > worst:
                                     worst = over
@@ -668,7 +667,7 @@ def _excess(ws: Any, n: int, lane: int) -> tuple[float, int]:
     for i in range(n):
         j = i * JOINT * 8 + lane
         if ws[j + FREE * 8] == 0.0:
-            over = abs(ws[j + HOLD * 8]) - ws[j + LIMIT * 8] * (1.0 + ALMOST)
+            over = abs(ws[j + HOLD * 8]) - ws[j + LIMIT * 8] * (1.0 + law.ALMOST)
             if over > worst:
                 worst = over
                 which = i

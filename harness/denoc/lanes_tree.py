@@ -717,17 +717,23 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
 
 
 @in_place
+def in_any_lane(ws: Any, group: int, value: Any) -> float:
+    """1 if a value is positive in any lane, else 0."""
+    store(ws, group + SCRATCH * 8, value)
+    found = 0.0
+    for lane in range(8):
+        if ws[group + SCRATCH * 8 + lane] > 0.0:
+            found = 1.0
+    return found
+
+
+@in_place
 def settled(laws: Any, ws: Any, group: int, l: int, update: Any, reaction: Any) -> Any:
     """A reaction's next value, and 1 if that changed in any lane whose friction depends on it."""
     change = magnitude(update - reaction) - 1e-13 * update
     # A settled lane keeps its value, so that its result does not depend on how long others iterate.
     update = choose(change, update, reaction)
-    store(ws, group + SCRATCH * 8, choose(load(laws, l + law.MU_RADIUS * 8), change, -1.0))
-    unsettled = 0.0
-    for lane in range(8):
-        if ws[group + SCRATCH * 8 + lane] > 0.0:
-            unsettled = 1.0
-    return update, unsettled
+    return update, in_any_lane(ws, group, choose(load(laws, l + law.MU_RADIUS * 8), change, -1.0))
 
 
 @in_place
@@ -737,12 +743,7 @@ def still_slips(laws: Any, ws: Any, flags: int, group: int, l: int, j: int) -> f
     v, vdot, reaction = load(ws, j + QD * 8), load(ws, j + QDD * 8), load(ws, j + REACTION * 8)
     renewed = law.slipping(laws, l, flags, v, vdot, reaction, slips)
     store(ws, j + SLIPS * 8, renewed)
-    store(ws, group + SCRATCH * 8, magnitude(renewed - slips))
-    changed = 0.0
-    for lane in range(8):
-        if ws[group + SCRATCH * 8 + lane] > 0.0:
-            changed = 1.0
-    return changed
+    return in_any_lane(ws, group, magnitude(renewed - slips))
 
 
 @in_place

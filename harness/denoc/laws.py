@@ -102,7 +102,7 @@ USER_1 = SLOT_NAMES.index("user_1")
 HAS_DRY, HAS_STRIBECK, HAS_LOAD, HAS_DAHL, HAS_COGGING, HAS_STOP, HAS_USER, HAS_SIGN = 1, 2, 4, 8, 16, 32, 64, 128
 HAS_CREEP, HAS_SOFT = 256, 512  # dry friction that gives way, and as a soft constraint; HAS_DRY is the one that sticks
 RUBS = HAS_DRY | HAS_CREEP | HAS_SOFT
-ALMOST = 1e-9  # relative slack between slipping and holding, so that rounding cannot make them alternate
+ALMOST = 1e-9  # relative slack between holding and breaking loose, so that rounding cannot make them alternate
 
 
 @inner
