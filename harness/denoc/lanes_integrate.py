@@ -129,22 +129,44 @@ def _at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
 
 
 @inner
-def _watched(dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, x: float) -> float:
+def _slope_at(dense: Any, width: int, row: int, lane: int, x: float) -> float:
+    """Derivative of one row of the dense output in one lane by the fraction x of the step."""
+    slope = DEGREE * dense[(DEGREE * width + row) * 8 + lane]
+    for power in range(DEGREE - 1, 0, -1):
+        slope = slope * x + power * dense[(power * width + row) * 8 + lane]
+    return slope
+
+
+@inner
+def _watched(
+    dense: Any, laws: Any, n: int, width: int, i: int, lane: int, h: float, kind: int, sense: float, x: float
+) -> float:
     """A function that is positive while a joint's mode holds: kind 0 its velocity along the sliding direction, kind 1 the stop."""
     if kind == 0:
         return sense * _at(dense, width, n + i, lane, x)
     q = _at(dense, width, i, lane, x)
     v = _at(dense, width, n + i, lane, x)
-    return sense * law.stop_gap(laws, i * law.WIDTH * 8, lane, q, v)
+    vdot = _slope_at(dense, width, n + i, lane, x) / h
+    return sense * law.stop_gap(laws, i * law.WIDTH * 8, lane, q, v, vdot)
 
 
 @inner
 def _root(
-    dense: Any, laws: Any, n: int, width: int, i: int, lane: int, kind: int, sense: float, low: float, high: float
+    dense: Any,
+    laws: Any,
+    n: int,
+    width: int,
+    i: int,
+    lane: int,
+    h: float,
+    kind: int,
+    sense: float,
+    low: float,
+    high: float,
 ) -> float:
     """Where a watched function turns negative within low … high (bisection, then the Illinois rule)."""
-    f_low = _watched(dense, laws, n, width, i, lane, kind, sense, low)
-    f_high = _watched(dense, laws, n, width, i, lane, kind, sense, high)
+    f_low = _watched(dense, laws, n, width, i, lane, h, kind, sense, low)
+    f_high = _watched(dense, laws, n, width, i, lane, h, kind, sense, high)
     side = 0
     for _ in range(80):
         if high - low < 1e-15:
@@ -154,7 +176,7 @@ def _root(
             guess = (low * f_high - high * f_low) / (f_high - f_low)
             if low < guess < high:
                 middle = guess
-        f = _watched(dense, laws, n, width, i, lane, kind, sense, middle)
+        f = _watched(dense, laws, n, width, i, lane, h, kind, sense, middle)
         if f < 0.0:
             high = middle
             f_high = f
@@ -203,8 +225,10 @@ def _may_change(
 
 
 @inner
-def _first_event(dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int, lane: int) -> tuple[float, int, int]:
-    """Earliest change of mode in one lane's step: (fraction, joint, kind); fraction 2 if there is none.
+def _first_event(
+    dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int, lane: int, h: float
+) -> tuple[float, int, int]:
+    """Earliest change of mode in one lane's step of length h: (fraction, joint, kind); fraction 2 if there is none.
 
     A fraction of 0 means that the mode is already contradicted where the step began.
     """
@@ -227,16 +251,16 @@ def _first_event(dense: Any, laws: Any, ws: Any, flags: Any, n: int, width: int,
                 sense = 1.0 if ws[j + CONTACT * 8] > 0.0 else -1.0
             looks = LOOKS if kind == 0 else 2 * LOOKS
             low = 0.0
-            began = _watched(dense, laws, n, width, i, lane, kind, sense, 0.0) > 0.0
+            began = _watched(dense, laws, n, width, i, lane, h, kind, sense, 0.0) > 0.0
             for look in range(1, looks + 1):
                 # Up to the earliest change known, and not only up to the last look before it.
                 x = min(look / looks, best)
                 if x <= low:
                     break
-                if _watched(dense, laws, n, width, i, lane, kind, sense, x) < 0.0:
+                if _watched(dense, laws, n, width, i, lane, h, kind, sense, x) < 0.0:
                     where = 0.0
                     if look > 1 or began:
-                        where = _root(dense, laws, n, width, i, lane, kind, sense, low, x)
+                        where = _root(dense, laws, n, width, i, lane, h, kind, sense, low, x)
                     if where < best:
                         best = where
                         which = i
@@ -308,7 +332,7 @@ def run_group(
                 if v == 0.0 and used & law.HAS_DRY:
                     ws[j + FREE * 8] = 0.0
                     ws[j + DIRECTION * 8] = 0.0
-            if used & law.HAS_STOP and law.stop_gap(laws, start, lane, state[i * 8 + lane], v) > 0.0:
+            if used & law.HAS_STOP and law.stop_gap(laws, start, lane, state[i * 8 + lane], v, 0.0) > 0.0:
                 ws[j + CONTACT * 8] = 1.0
     for f in range(width):
         store(slopes, f * 8, spread(0.0))
@@ -552,7 +576,7 @@ def run_group(
             which = -1
             what = -1
             if ledger[MAY * 8 + lane] != 0.0 and (ledger[STALL * 8 + lane] < 4.0 or h_lane > 1e-7):
-                until, which, what = _first_event(dense, laws, ws, flags, n, width, lane)
+                until, which, what = _first_event(dense, laws, ws, flags, n, width, lane, h_lane)
             breaks = ledger[SUSPECT * 8 + lane]
             if broken and 0.0 < breaks <= 1.0 and breaks < until:
                 until = breaks

@@ -368,9 +368,7 @@ def _inward(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any, n: int, user:
             if flags[own] & law.HAS_USER:
                 user_forces(laws, ws, user, group + TIME * 8, j, l)
                 force = force + load(ws, group + SCRATCH * 8)
-            armature = load(laws, l + law.ARMATURE * 8)
-            if flags[own] & law.HAS_SOFT:
-                armature = armature + law.held_inertia(laws, l, load(ws, j + SLIPS * 8))
+            armature = law.axis_inertia(laws, l, flags[own], load(ws, j + SLIPS * 8), load(ws, j + CONTACT * 8))
             free = load(ws, j + FREE * 8)
             if kind == REVOLUTE:
                 sign = float(tree[i, SIGN])

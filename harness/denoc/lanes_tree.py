@@ -553,9 +553,7 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
         a = b + BIAS * 8
         px, py, pz, fx, fy, fz = load_run(ws, a, 6)
         if kind <= PRISMATIC:
-            armature = load(laws, l + law.ARMATURE * 8)
-            if flags[own] & law.HAS_SOFT:
-                armature = armature + law.held_inertia(laws, l, load(ws, j + SLIPS * 8))
+            armature = law.axis_inertia(laws, l, flags[own], load(ws, j + SLIPS * 8), load(ws, j + CONTACT * 8))
             free = load(ws, j + FREE * 8)
             if kind == REVOLUTE:
                 u1, u2, u3, u4, u5, u6 = axz, ayz, azz, bzx, bzy, bzz

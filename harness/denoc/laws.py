@@ -11,7 +11,7 @@ Generalized force on the joint, on the right-hand side of the equations of motio
       or, where soft_time τ > 0, dry(v) = soft_inertia (v̇ + v / τ), within ± |dry|: a soft constraint
     − f,   df/dq = dahl_stiffness (1 − sign(v) · f / dahl_torque): between reversals f approaches ± dahl_torque
            exponentially in the distance travelled since the last one, and is evaluated so
-    − contact,  contact = k δ + d dδ/dt where that pushes, δ = how far the joint is beyond the stop
+    − contact,  contact = k δ + d dδ/dt + J d²δ/dt² where that pushes, δ = how far the joint is beyond the stop
     + user_scale · user(q, v, t, user_1 … user_4)
 
 R is the magnitude of the force that the joint transmits across its axis (the reaction, which depends on the
@@ -20,7 +20,7 @@ side its sign points to. ``armature`` is inertia about the axis (the paper's hub
 
 Sources: Stribeck's law in the exponential form of Bo and Pavelescu (Wear 82, 1982); P. Dahl, A solid friction
 model (Aerospace Corporation TOR-0158, 1968); the one-sided spring-damper stop that only pushes is the compliant
-contact of Kelvin and Voigt with adhesion cut off.
+contact of Kelvin and Voigt with adhesion cut off; with an inertia J it is MuJoCo's soft constraint.
 """
 
 from __future__ import annotations
@@ -64,6 +64,7 @@ SLOTS = (
     Slot("stop_angle", "rad", "where a stop begins; its sign tells the side it bounds"),
     Slot("stop_stiffness", "N·m/rad", "stiffness of the stop"),
     Slot("stop_damping", "N·m·s/rad", "damping of the stop; a stop pushes and never pulls"),
+    Slot("stop_inertia", "kg·m²", "inertia that the stop adds to the joint's while it pushes"),
     Slot("user_scale", "1", "factor on the user's own law"),
     Slot("user_1", "SI", "first parameter of the user's own law"),
     Slot("user_2", "SI", "second parameter of the user's own law"),
@@ -95,6 +96,7 @@ COGGING_PHASE = SLOT_NAMES.index("cogging_phase")
 STOP_ANGLE = SLOT_NAMES.index("stop_angle")
 STOP_STIFFNESS = SLOT_NAMES.index("stop_stiffness")
 STOP_DAMPING = SLOT_NAMES.index("stop_damping")
+STOP_INERTIA = SLOT_NAMES.index("stop_inertia")
 USER_SCALE = SLOT_NAMES.index("user_scale")
 USER_1 = SLOT_NAMES.index("user_1")
 
@@ -170,7 +172,7 @@ def rubbing(laws: Any, start: int, flags: int, v: Any, direction: Any, reaction:
     """Dry friction against positive motion: set-valued, creeping or soft.
 
     direction: of sliding, where it sticks; slips: which way a soft constraint slips, 0 where it holds. What it then does with the
-    acceleration is in ``held_inertia``.
+    acceleration is in ``axis_inertia``.
     """
     level = sliding_friction(laws, start, flags, v, reaction)
     force = level * direction
@@ -188,10 +190,16 @@ def rubbing(laws: Any, start: int, flags: int, v: Any, direction: Any, reaction:
 
 
 @in_place
-def held_inertia(laws: Any, start: int, slips: Any) -> Any:
-    """What soft dry friction adds to a joint's inertia while it holds."""
-    inertia = load(laws, start + SOFT_INERTIA * 8)
-    return choose(magnitude(slips), 0.0 * inertia, choose(load(laws, start + SOFT_TIME * 8), inertia, 0.0 * inertia))
+def axis_inertia(laws: Any, start: int, flags: int, slips: Any, contact: Any) -> Any:
+    """Inertia about a joint's own axis: its armature, and what soft dry friction and a stop add while they hold and push."""
+    inertia = load(laws, start + ARMATURE * 8)
+    if flags & HAS_SOFT:
+        held = load(laws, start + SOFT_INERTIA * 8)
+        held = choose(magnitude(slips), 0.0 * held, choose(load(laws, start + SOFT_TIME * 8), held, 0.0 * held))
+        inertia = inertia + held
+    if flags & HAS_STOP:
+        inertia = inertia + load(laws, start + STOP_INERTIA * 8) * contact
+    return inertia
 
 
 @in_place
@@ -270,10 +278,13 @@ def dahl_friction(laws: Any, start: int, lane: int, q: float, direction: float, 
 
 
 @inner
-def stop_gap(laws: Any, start: int, lane: int, q: float, v: float) -> float:
-    """Positive exactly while one lane's stop pushes: the lesser of how far the joint is beyond it and the push."""
+def stop_gap(laws: Any, start: int, lane: int, q: float, v: float, vdot: float) -> float:
+    """Positive exactly while one lane's stop pushes: the lesser of how far the joint is beyond it and the push.
+
+    vdot: the acceleration, in contact or out of it: the push that it leads to has the same sign either way.
+    """
     angle = laws[start + STOP_ANGLE * 8 + lane]
     side = -1.0 if angle < 0.0 else 1.0
     depth = side * (q - angle)
     push = laws[start + STOP_STIFFNESS * 8 + lane] * depth + laws[start + STOP_DAMPING * 8 + lane] * side * v
-    return min(depth, push)
+    return min(depth, push + laws[start + STOP_INERTIA * 8 + lane] * side * vdot)

@@ -54,10 +54,11 @@ def _within_sampling(effect: Effect, recordings: Sequence[Measured]) -> Effect:
 
 
 def _on_its_own(effect: Effect, system: System, site: str) -> Effect:
-    """The effect in no need of another one to modify where the model itself states one: dry friction."""
-    stated = effect.site is SiteKind.JOINT and system.joint(site).friction > 0.0
-    stated |= any(a.site == site and a.effect in effect.modifies for a in system.attachments)
-    return replace(effect, modifies=(*effect.modifies, BY_MODEL)) if effect.modifies and stated else effect
+    """The effect in no need of another one to modify where the model itself states one: dry friction, a stop."""
+    stated = {a.effect for a in system.attachments if a.site == site}
+    if effect.site is SiteKind.JOINT and system.joint(site).friction > 0.0:
+        stated.add("coulomb_friction")
+    return replace(effect, modifies=(*effect.modifies, BY_MODEL)) if stated.intersection(effect.modifies) else effect
 
 
 def _possible(candidate: Candidate, system: System) -> bool:

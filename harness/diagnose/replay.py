@@ -21,7 +21,11 @@ Array = NDArray[np.float64]
 
 LONGEST = 4.0  # s of motion that engines are compared over
 STEP = 5e-4  # s, of engines with a fixed one
-FINE = 1e-4  # s, the same where a light drive side vibrates on its teeth at hundreds of hertz
+FINE = 1e-4  # s, the same where it must be finer
+DEMANDING = (
+    "backlash",
+    "stop_inertia",
+)  # a light drive side vibrates on its teeth at hundreds of hertz; blows fall into steps
 CLOSED_FORM = "analytic"
 OF_BEAMS = ("exudyn_ancf", "exudyn_ffrf")
 
@@ -87,7 +91,7 @@ def _columns(system: System, opening: Opening, engine: str) -> Mapping[str, Arra
     position, velocity = (
         {name: value for name, value in part.items() if name in known} for part in (opening.position, opening.velocity)
     )
-    step = FINE if any(attachment.effect == "backlash" for attachment in system.attachments) else STEP
+    step = FINE if any(attachment.effect in DEMANDING for attachment in system.attachments) else STEP
     own = None if engine == NATIVE else step
     return run_once(system, opening.time, position, velocity, engine=engine, tau=opening.tau, step=own).columns
 

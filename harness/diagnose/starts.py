@@ -145,6 +145,18 @@ def foretold(candidate: Candidate, system: System, start: Array) -> Array | None
     return np.array([values[name] for name in candidate.effect.parameter_names])
 
 
+def alongside(candidate: Candidate, modified: Candidate, values: Array) -> list[tuple[Array, Array]]:
+    """Starting values of an effect and of what it modifies, with which both together act about as that does at ``values``."""
+    together = candidate.effect.alongside
+    if together is None:
+        return []
+    found = []
+    for point in product(*(p.start_values(candidate.references) for p in candidate.effect.parameters)):
+        other = together(candidate.effect.named(point), modified.effect.named(values), candidate.references)
+        found.append((np.array(point), np.array([other[name] for name in modified.effect.parameter_names])))
+    return found
+
+
 def like(wider: Candidate, amplitude: float) -> list[Array]:
     """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``."""
     first, *others = wider.effect.parameters

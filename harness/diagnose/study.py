@@ -19,7 +19,7 @@ from harness.diagnose.objective import Objective
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
 from harness.diagnose.screen import Score, carry_state, nuisance, score
-from harness.diagnose.starts import calmed, foretold
+from harness.diagnose.starts import alongside, calmed, foretold
 from harness.diagnose.valleys import bent_back, brought_back, in_shape, made_to_ring
 from harness.diagnose.window_states import SHORTLY, measured_state
 from harness.diagnose.windows import Window
@@ -354,6 +354,7 @@ class Study:
         if likely is not None:
             own = to_internal(found.candidate, likely)
             starts.append(np.concatenate([base.x, own]))
+        starts += self._alongside(base, found.candidate)
         nearer = brought_back(self, base, hypothesis, starts[0])
         if nearer is not None:
             reached = self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
@@ -364,6 +365,20 @@ class Study:
         if settled or not self.stretched(base):
             return fitted
         return bent_back(self, base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
+
+    def _alongside(self, base: Fit, candidate: Candidate) -> list[Array]:
+        """Where an effect may begin beside what it modifies."""
+        starts = []
+        first = len(self.predictor.nominal)
+        for k, member in enumerate(base.hypothesis.members):
+            if member.site == candidate.site and member.effect.name in candidate.effect.modifies:
+                values = self.predictor.effect_values(base.hypothesis, k, base.x)
+                for own, other in alongside(candidate, member, values):
+                    x = base.x.copy()
+                    span = base.hypothesis.span(k)
+                    x[first + span.start : first + span.stop] = to_internal(member, other)
+                    starts.append(np.concatenate([x, to_internal(candidate, own)]))
+        return starts
 
     def below(self, base: Fit, k: int) -> Fit:
         """The best fit known without member ``k`` and without anything that ``base`` does not have.

@@ -27,6 +27,7 @@ NAMES = (
     "constant_torque",
     "cogging_torque",
     "end_stop",
+    "stop_inertia",
     "backlash",
     "joint_flexibility",
     "payload_mass",

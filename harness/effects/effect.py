@@ -168,6 +168,9 @@ class UserLaw:
     torque: Callable[[float, float, float, Any], float]
 
 
+Alongside = Callable[[Mapping[str, float], Mapping[str, float], References], Mapping[str, float]]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Effect:
     """A piece of physics that a nominal model may have left out.
@@ -178,7 +181,8 @@ class Effect:
         whose modes theory goes on with; samples end where they end).
     expressed_by: how each engine can say it; an engine that is not named cannot.
     simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing;
-        ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other.
+        ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other. alongside: (own parameters,
+        those of what it modifies, natural sizes) -> the latter changed so that both together act about as that did alone.
     confusable_with: effects that some recordings cannot tell from it.
     rarity: logarithm of how much rarer it is met than the plain effects, all else being equal (prior odds).
     law, reshape, sensor, input, user: exactly one is given.
@@ -196,6 +200,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     simpler: tuple[str, ...] = ()
     modifies: tuple[str, ...] = ()
+    alongside: Alongside | None = None
     confusable_with: tuple[str, ...] = ()
     rarity: float = 0.0
     law: JointLaw | None = None

@@ -29,7 +29,7 @@ EFFECT = Effect(
             "of the contact",
             lower=0.0,
             scale=Scale(20.0, torque=1),
-            starts=(0.00004, 0.5, 5.0),
+            starts=(0.00004, 0.5, 5.0, 100.0),
             linear_unit="N/m",
         ),
         Parameter(
@@ -38,7 +38,7 @@ EFFECT = Effect(
             "of the contact; the stop pushes, never pulls",
             lower=0.0,
             scale=Scale(0.2, torque=1, frequency=-1),
-            starts=(0.0001, 0.1, 1.0),
+            starts=(0.0001, 10.0, 1000.0),
             linear_unit="N*s/m",
         ),
     ),

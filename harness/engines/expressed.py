@@ -6,7 +6,7 @@ are passed over here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,9 @@ from harness.system import Attachment, System
 
 # Joint laws that are a function of position and velocity, so that any engine can be handed them as a force.
 FORCES = ("quadratic_drag", "cubic_stiffness", "constant_torque", "cogging_torque", "end_stop", "backlash")
+
+# What makes a joint's dry friction or its stop a soft constraint.
+CONSTRAINTS = ("friction_softness", "stop_inertia")
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +59,11 @@ class JointForces:
     def __call__(self, q: Array, qd: Array) -> Array:
         """Generalized forces on the right-hand side, shape (n,)."""
         return self.polynomial(q, qd) + self.rest(q, qd)
+
+    def without_stops(self, joints: Collection[str], names: Sequence[str]) -> JointForces:
+        """The same without the stops of some joints; names: of all joints, in their order."""
+        kept = np.array([float(name not in joints) for name in names])
+        return replace(self, stop_stiffness=kept * self.stop_stiffness, stop_damping=kept * self.stop_damping)
 
     def polynomial(self, q: Array, qd: Array) -> Array:
         """Drag, cubic springs and constant torques, shape (n,)."""
@@ -115,16 +123,23 @@ class Expressed:
         """Parameters of soft dry friction by joint."""
         return {law.site: law.parameters for law in self.laws if law.effect == "friction_softness"}
 
+    @property
+    def soft_stops(self) -> dict[str, dict[str, float]]:
+        """Parameters of stops that have an inertia, those of ``end_stop`` and ``stop_inertia`` together, by joint."""
+        stops = {law.site: law.parameters for law in self.laws if law.effect == "end_stop"}
+        heavy = {law.site: law.parameters for law in self.laws if law.effect == "stop_inertia"}
+        return {site: {**stops[site], **heavy[site]} for site in stops if heavy.get(site, {}).get("inertia", 0.0) > 0.0}
+
     def refusal(
-        self, engine: str, *, forces: bool = True, shaking: bool = False, soft_friction: bool = False
+        self, engine: str, *, forces: bool = True, shaking: bool = False, constraints: bool = False
     ) -> str | None:
-        """Why an engine that takes forces, a shaking base or soft dry friction (or not) cannot express the system, or None."""
+        """Why an engine that takes forces, a shaking base or soft constraints (or not) cannot express the system, or None."""
         for attachment in self.laws:
             can = attachment.effect in FORCES if attachment not in self.beyond else False
             if attachment.effect == "base_excitation":
                 if not shaking:
                     return f"{engine} cannot express the effect base_excitation"
-            elif soft_friction and attachment.effect == "friction_softness":
+            elif constraints and attachment.effect in CONSTRAINTS:
                 continue
             elif not (can and forces):
                 return f"{engine} cannot express the effect {attachment.effect} at {attachment.site}"
@@ -184,11 +199,11 @@ def bends(system: System) -> bool:
 
 
 def refusal(
-    engine: str, system: System, *, forces: bool = True, shaking: bool = False, soft_friction: bool = False
+    engine: str, system: System, *, forces: bool = True, shaking: bool = False, constraints: bool = False
 ) -> str | None:
     """Why an engine cannot express the system's effects, or None; a wrong effect is a reason too."""
     try:
-        return express(system).refusal(engine, forces=forces, shaking=shaking, soft_friction=soft_friction)
+        return express(system).refusal(engine, forces=forces, shaking=shaking, constraints=constraints)
     except InputError as error:
         return str(error)
 

@@ -1,15 +1,16 @@
 """MuJoCo: composite-body dynamics by sparse factorization, built through ``MjSpec`` (XML nesting ends near n = 500).
 
-Integrated by RK4, the only one of its integrators that converges fast enough to be compared with; contacts, limits and
-equalities are off. Dry friction is MuJoCo's ``frictionloss``, a soft constraint: it turns over not where the velocity v does
-but where v + a τ does, a being the acceleration without it and τ the constraint's time constant (10 ms by default), and creeps
-where a joint should stick. It is made as sudden and as stiff here as MuJoCo allows, τ being two steps, unless the effect
-``friction_softness`` says how soft it is. It acts in ``simulate`` alone, so that accelerations stay comparable.
+Integrated by RK4, the only one of its integrators that converges fast enough to be compared with; contacts and equalities are
+off, and so are limits but where the effect ``stop_inertia`` makes a stop the soft constraint that they are. Dry friction is
+MuJoCo's ``frictionloss``, a soft constraint too: it turns over not where the velocity v does but where v + a τ does, a being the
+acceleration without it and τ the constraint's time constant (10 ms by default), and creeps where a joint should stick. It is made
+as sudden and as stiff here as MuJoCo allows, τ being two steps, unless the effect ``friction_softness`` says how soft it is.
+Friction and limits act in ``simulate`` alone, so that accelerations stay comparable.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -28,6 +29,7 @@ from harness.engines.checked import (
 )
 from harness.engines.expressed import JointForces, Shaking, bends, express, refusal
 from harness.engines.folded import bodies
+from harness.engines.mujoco_constraints import limit, soften
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import EngineUnavailableError, UnsupportedError
@@ -35,6 +37,8 @@ from harness.system import System, Trajectory
 
 # At 1 ms a pendulum swung to 120° is within 5e-10 rad of the exact solution over ten seconds.
 DEFAULT_STEP = 1e-3
+# Where a joint runs into a limit the force jumps, and a step that it falls into errs by first order.
+STEP_WITH_BLOWS = 1e-4
 # Below this MuJoCo's compiler refuses the mass or inertia of a moving body (its mjMINVAL is 1e-15).
 SMALLEST = 1e-14
 # Time constant [s] and damping ratio of dry friction: MuJoCo raises the first to two steps by itself.
@@ -152,16 +156,6 @@ def mujoco_model(system: System, step: float = DEFAULT_STEP, forces: JointForces
     return model
 
 
-def _soften(model: Any, softness: Mapping[str, Mapping[str, float]]) -> None:
-    """Make dry friction as soft as the effect ``friction_softness`` says: its parameters by joint."""
-    for name, values in softness.items():
-        k = int(model.joint(name).dofadr[0])
-        share = values["inertia"] * model.dof_invweight0[k]
-        impedance = share / (1.0 + share)
-        model.dof_solref[k] = (2.0 * values["time"] / impedance, 1.0)
-        model.dof_solimp[k, :2] = impedance
-
-
 @dataclass(frozen=True, eq=False)
 class MujocoModel:
     """A system in MuJoCo; see ``EngineModel``. ``order`` [k] is our index of MuJoCo's coordinate k."""
@@ -237,17 +231,17 @@ class MujocoModel:
     def simulate(
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
     ) -> Trajectory:
-        """RK4 with steps of at most ``step`` [s] (1 ms if None); EngineError where the motion breaks down."""
+        """RK4 with steps of at most ``step`` [s] (1 ms if None, 0.1 ms with limits); EngineError where the motion breaks down."""
         n = len(self.names)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
-        largest = positive_step(step) or DEFAULT_STEP
+        largest = positive_step(step) or (STEP_WITH_BLOWS if np.any(self.model.jnt_limited) else DEFAULT_STEP)
         mujoco = _mujoco()
         mujoco.mj_resetData(self.model, self.data)
         self._set(q0, qd0)
         position, velocity = np.empty((time.size, n)), np.empty((time.size, n))
         energy = np.empty(time.size)
-        with self._friction(mujoco), self._laws(mujoco), _unlogged(mujoco):
+        with self._constraints(mujoco), self._laws(mujoco), _unlogged(mujoco):
             for k, now in enumerate(time):
                 if k:
                     span = now - time[k - 1]
@@ -276,11 +270,12 @@ class MujocoModel:
             raise EngineError(f"mujoco broke down before t = {now} s ({said}): use a smaller step")
 
     @contextmanager
-    def _friction(self, mujoco: Any) -> Iterator[None]:
-        """Constraints on while a system with dry friction is simulated."""
+    def _constraints(self, mujoco: Any) -> Iterator[None]:
+        """Constraints on while a system with dry friction or limits is simulated."""
         kept = int(self.model.opt.disableflags)
-        if np.any(self.model.dof_frictionloss):
-            self.model.opt.disableflags = kept & ~int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+        if np.any(self.model.dof_frictionloss) or np.any(self.model.jnt_limited):
+            off = mujoco.mjtDisableBit
+            self.model.opt.disableflags = kept & ~int(off.mjDSBL_CONSTRAINT | off.mjDSBL_LIMIT)
         try:
             yield
         finally:
@@ -339,7 +334,7 @@ class Mujoco:
             return "MuJoCo has no elastic links"
         if not system.joint_names:
             return "the system has no movable joint"
-        reason = refusal("MuJoCo", system, shaking=True, soft_friction=True)
+        reason = refusal("MuJoCo", system, shaking=True, constraints=True)
         if reason:
             return reason
         expressed = express(system)
@@ -357,7 +352,8 @@ class Mujoco:
         expressed = express(system)
         system = expressed.system
         model = mujoco_model(system, forces=expressed.forces)
-        _soften(model, expressed.soft_friction)
+        soften(model, expressed.soft_friction)
+        limit(model, expressed.soft_stops)
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
         order = np.empty(model.nv, dtype=np.intp)
@@ -370,6 +366,6 @@ class Mujoco:
             data=mujoco.MjData(model),
             order=order,
             fixed_potential=bodies(system)[1],
-            forces=expressed.forces,
+            forces=expressed.forces.without_stops(expressed.soft_stops, names),
             shaking=expressed.shaking,
         )

@@ -326,6 +326,39 @@ def test_end_stop_pushes_and_never_pulls(side):
     assert np.abs(ours - reference).max() < 1e-7
 
 
+@pytest.mark.parametrize("rest", [-0.6, 0.8], ids=["struck", "leant on"])
+def test_a_stop_with_inertia_against_mujocos_joint_limit(rest):
+    # MuJoCo's limits as they are by default, but for an impedance that does not depend on the depth.
+    angle, impedance, step = 0.4, 0.95, 1e-5
+    flat = MASS * LENGTH**2 / 12.0
+    xml = f"""<mujoco><compiler angle="radian"/><option timestep="{step}" integrator="RK4"/><worldbody><body>
+      <joint name="pivot" axis="0 1 0" range="-9 {angle}" limited="true" solimplimit="{impedance} {impedance} 0.001"
+        stiffness="1" springref="{rest}"/>
+      <inertial pos="0 0 {-LENGTH / 2}" mass="{MASS}" diaginertia="{flat} {flat} 1e-9"/></body></worldbody></mujoco>"""
+    theirs = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(theirs)
+    data.qpos[:] = -2.0
+    time = np.arange(0.0, 2.0, 0.02)
+    reference = np.empty(time.size)
+    for k in range(time.size):
+        reference[k] = data.qpos[0]
+        mujoco.mj_step(theirs, data, nstep=round(0.02 / step))
+    model = LaneModel(pendulum())
+    # MuJoCo's documentation, solver parameters: b = 2 / (dmax timeconst), k = 1 / (dmax timeconst)^2, and its inertia.
+    inertia = impedance / (1.0 - impedance) / theirs.dof_invweight0[0]
+    rows = rows_with(
+        model, stop_angle=angle, stop_inertia=inertia, stop_damping=inertia * 2.0 / (impedance * 0.02),
+        stop_stiffness=inertia * impedance / (impedance * 0.02) ** 2, stiffness=1.0, rest_angle=rest,
+    )  # fmt: skip
+    ours = model.simulate(rows, [-2.0], [0.0], time)[0][0, :, 0]
+    # MuJoCo steps over the blow, which is a jump of the force: an error of first order (4e-4 at steps of 0.04 ms).
+    assert np.abs(ours - reference).max() < 2e-4
+    # Without the inertia it is another stop.
+    rows[:, model.slot("pivot", "stop_inertia")] = 0.0
+    other = np.abs(model.simulate(rows, [-2.0], [0.0], time)[0][0, :, 0] - reference).max()
+    assert other > 5e-3
+
+
 def test_a_stop_without_damping_keeps_the_energy():
     model = LaneModel(oscillator())
     time = np.linspace(0.0, 16.0, 2001)

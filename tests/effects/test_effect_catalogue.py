@@ -29,6 +29,7 @@ WORDS = {
     "constant_torque": {"torque": "N*m"},
     "cogging_torque": {"amplitude": "N*m", "periods": "1/rev", "phase": "rad"},
     "end_stop": {"angle": "rad", "stiffness": "N*m/rad", "damping": "N*m*s/rad"},
+    "stop_inertia": {"inertia": "kg*m**2"},
     "backlash": {"gap": "rad"},
     "joint_flexibility": {"stiffness": "N*m/rad", "damping": "N*m*s/rad"},
     "payload_mass": {"mass": "kg"},

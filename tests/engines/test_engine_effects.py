@@ -164,6 +164,21 @@ def test_dry_friction_as_a_soft_constraint_is_mujocos() -> None:
     assert "friction_creep" in str(registry.engine("mujoco").refuses(creeping))
 
 
+def test_a_stop_with_inertia_is_mujocos_limit() -> None:
+    stops = [
+        Attachment("end_stop", joint, {"angle": angle, "stiffness": 80.0, "damping": 4.0})
+        for joint, angle in (("joint1", -0.2), ("joint2", 0.55))
+    ]
+    heavy = [Attachment("stop_inertia", a.site, {"inertia": 0.3}) for a in stops]
+    found = runs(arm(*stops, *heavy), ("mujoco", "denoc"))
+    # What is left is due to MuJoCo's steps, which a blow may fall anywhere into: 7e-5 at steps of 0.1 ms.
+    assert found["denoc"] == pytest.approx(found["mujoco"], abs=4e-4)
+    light = runs(arm(*stops), ("denoc",))["denoc"]
+    assert np.max(np.abs(light - found["denoc"])) > 1e-2
+    for engine in ("pinocchio", "exudyn"):
+        assert "stop_inertia" in str(registry.engine(engine).refuses(arm(*stops, *heavy)))
+
+
 def test_effects_of_sensors_and_inputs_are_none_of_the_engines_business() -> None:
     gain = Attachment("sensor_gain", "joint1.position", {"gain": 1.1})
     system = arm(gain, Attachment("actuator_gain", "joint1", {"gain": 0.9}))
