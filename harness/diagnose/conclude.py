@@ -216,11 +216,11 @@ def _imitated_together(outcome: Outcome, best: Fit, remains: Remains) -> list[st
     """Members that a single force or jump that nobody has named explains, better than they do together.
 
     A force of a shape that the catalogue does not have may be pieced together from several that it has. Beside a remainder every
-    force that nobody has named explains something; only what brings what it promises is then asked for.
+    force that nobody has named explains something; only what brings what it promises is then asked for, of single members too.
     """
     found: list[str] = []
     members = range(len(best.hypothesis.members))
-    for size in range(2, len(members) + 1):
+    for size in range(1 if remains.significant else 2, len(members) + 1):
         for some in combinations(members, size):
             keys = [best.hypothesis.keys[k] for k in some]
             smaller = best

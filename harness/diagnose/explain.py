@@ -53,6 +53,10 @@ def summary(
     if conclusion.remains.significant:
         tests = conclusion.remains.tests
         plainest = min(tests, key=lambda t: (t.chance, -t.gain))
+        if plainest.places >= 0:
+            # What happens once in every recording is weighed with all its times, as it is where it stands against a finding.
+            samples = sum(len(r) for r in conclusion.best.linear.residuals)
+            plainest = max((t for t in tests if t.places >= 0), key=lambda t: t.worth(samples))
         # Other tests see a creep too, but that one says where it comes from.
         plainest = next((t for t in tests if t.name == WHERE_HELD and t.gain > TELLING * plainest.gain), plainest)
         where = ", ".join(w for w in plainest.where if w)

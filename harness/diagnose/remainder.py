@@ -15,8 +15,10 @@ from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import correlate
 from scipy.stats import chi2
 
+from harness.diagnose.colour import Colour
 from harness.diagnose.fit import Fit
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
@@ -59,6 +61,10 @@ class Test:
     def price_together(self, samples: float) -> float:
         """The same for such an event of its own in every recording."""
         return self.together[1] * (1 + self.places) * float(np.log(samples))
+
+    def worth(self, samples: float) -> float:
+        """What the force gains beyond its price, acting alike in all recordings or in each by itself."""
+        return max(self.gain - self.price(samples), self.together[0] - self.price_together(samples))
 
 
 @dataclass(frozen=True, eq=False)
@@ -464,6 +470,7 @@ def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float
 
 
 SETS_IN = "a force that sets in"
+JUMPS = 160  # places of a recording at which a lasting jump of a reading is tried, evenly spread and again where it is likely
 MOMENTS = 12  # in a recording at which a force is tried to set in
 
 
@@ -545,13 +552,16 @@ def jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisa
     for window in fitted.windows:
         loudest = -1.0
         run = predictor.runs[window.run]
-        places = np.unique(np.linspace(5, window.size - 5, min(160, window.size // 8)).astype(int))
+        evenly = np.linspace(5, window.size - 5, min(JUMPS, window.size // 8)).astype(int)
+        residual = fitted.linear.residuals[fitted.windows.index(window)].reshape(-1, window.size)
         for c, channel in enumerate(predictor.problem.channels):
+            likely = _likeliest_jumps(likelihood.colours[c], residual[c], likelihood.weights(window)[c])
+            places = np.union1d(evenly, likely)
             signal = np.zeros((len(places), len(predictor.problem.channels), window.size))
             signal[:, c] = likelihood.colours[c].std * (np.arange(window.size)[None, :] >= places[:, None])
             own = likelihood.whiten_signal(window, signal)
             gains = _single_gains(space.measure([own], only=fitted.windows.index(window)))
-            count += len(places)
+            count += window.size
             top = int(np.argmax(gains))
             if gains[top] > loudest:
                 loudest, column = float(gains[top]), own[top]
@@ -562,6 +572,21 @@ def jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisa
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
     every = (_jointly(space, chosen), len(chosen))
     return Test("a jump of the reading", best, 1, chance, where, 1, every, exact=True)
+
+
+def _likeliest_jumps(colour: Colour, residual: Array, weights: Array) -> NDArray[np.intp]:
+    """Samples at which a jump would take most from a whitened residual (T,) by itself, whatever else might adjust.
+
+    Between the samples of a grid a jump would be lost: noise that remembers makes of it a single sharp sample.
+    """
+    step = np.ones(len(residual) + 1)
+    step[0] = 0.0  # the first sample of a window is whitened in a way of its own
+    shape = colour.whiten(step)[1:]
+    along = correlate(residual * weights, shape)[len(residual) - 1 :]
+    squares = correlate(weights**2, shape**2)[len(residual) - 1 :]
+    inside = slice(5, max(len(residual) - 5, 5))
+    gains = along[inside] ** 2 / np.maximum(squares[inside], 1e-12)
+    return np.asarray(5 + np.argsort(gains)[-JUMPS:], dtype=np.intp)
 
 
 def _trend(fitted: Fit) -> Test:

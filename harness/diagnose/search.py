@@ -12,12 +12,11 @@ from harness.diagnose.exchange import FLOOR, alternatives, generalized, pruned, 
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis, compatible, dear
 from harness.diagnose.screen import Score
-from harness.diagnose.study import FAR, HOPELESS, Study
+from harness.diagnose.study import FAR, HOPELESS, UNDER_WAY, Study
 
 Progress = Callable[[str], None]
 NEAR = 60.0  # in the criterion
 AS_WELL = 10.0  # in the criterion
-UNDER_WAY = 200.0  # in the criterion
 MOST_CARRIED = 4
 CARRIED_STEPS = 40
 ALIKE = 0.01  # of the noise's variance

@@ -35,6 +35,8 @@ SUFFICIENT = 0.8  # of what is left above the noise
 ALIKE = 0.1  # relative difference of scores under two estimates of the noise, up to which score tests serve for both
 PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
 NOTICEABLE = 6.0  # in the score
+UNDER_WAY = 200.0  # in the score
+PATIENT = 100  # steps along a valley that others were given up in
 SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
 WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
 
@@ -46,7 +48,8 @@ class Study:
     tests: of candidates by their keys; None for what changes nothing that could be seen. substitutes: by set, member and score,
     what the rest leaves where it stands without the member, and tests of candidates there.
     exchanged: sets in which a candidate of this key took a member's place, with the score from where it did. extended: sets that
-    a candidate was added to. carried: sets whose fit was carried on to its end; rung: whose dead vibrations were begun anew.
+    a candidate was added to. carried: sets whose fit was carried on to its end; rung: whose dead vibrations were begun anew; anew:
+    that did not come to an end and were begun anew from the nominal quantities.
     swing: length of the slowest swing [s], if known.
     hints: score tests on shorter windows of the same recordings, where what had to be bent far is nearer to what it stands for.
     before: the study of the same windows under an earlier estimate of the noise. ends: where fits of a set have ended, by score,
@@ -66,6 +69,7 @@ class Study:
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
     carried: set[frozenset[str]] = field(default_factory=set)
     rung: set[frozenset[str]] = field(default_factory=set)
+    anew: set[frozenset[str]] = field(default_factory=set)
     swing: float = 0.0
     spent: bool = False
     hints: Mapping[frozenset[str], Mapping[str, Score | None]] = field(default_factory=dict)
@@ -387,7 +391,15 @@ class Study:
         """
         self.reduce(base, k)
         allowed = base.hypothesis.without(k).identity
-        return min((f for key, f in self.fits.items() if key <= allowed), key=lambda f: f.score)
+        found = min((f for key, f in self.fits.items() if key <= allowed), key=lambda f: f.score)
+        near = found.score < base.score + UNDER_WAY
+        if found.converged or not near or found.hypothesis.identity in self.anew:
+            return found
+        # What crawls along a valley may be bent to a wrong one, and an effect be called for to lead out of it.
+        self.anew.add(found.hypothesis.identity)
+        unbent = found.x.copy()
+        unbent[: len(self.predictor.nominal)] = 0.0
+        return min(found, self.fit(found.hypothesis, [unbent], found, most_steps=PATIENT), key=lambda f: f.score)
 
     def alone(self, base: Fit, k: int) -> Fit:
         """The fit of member ``k`` by itself, from where it stands in ``base``."""

@@ -33,6 +33,8 @@ class Concealment:
     plant: (scene, segment index, parameters).
     needs_drive, needs_armature: the rig must be driven, must have an armature.
     joints: number of joints of the rigs it is tried on.
+    stated: an effect that the nominal model states, of which this one is another form; ``parameters`` and ``plant`` are given its
+        parameters too, among the draws and among their own.
     """
 
     effect: str
@@ -43,6 +45,7 @@ class Concealment:
     needs_drive: bool = False
     needs_armature: bool = False
     joints: tuple[int, ...] = (1, 2)
+    stated: str = ""
 
 
 CONCEALMENTS: dict[str, Concealment] = {}
@@ -505,3 +508,56 @@ def _deadzone(scene: Scene, k: int, p: Parameters) -> None:
 
 _add("actuator_deadzone", "joint", _nothing, lambda f, d, s, a: {"width": 0.03 * f * s.gravity_moment}, _deadzone,
      needs_drive=True)  # fmt: skip
+
+
+# --- other forms of what the model states --------------------------------------------------------------------------
+
+
+def _creep(scene: Scene, k: int, p: Parameters) -> None:
+    _joint_torque(scene, k, lambda t, q, v: -p["torque"] * float(np.tanh(v / p["velocity"])))
+
+
+_add(
+    "friction_creep", "joint", _nothing, lambda f, d, s, a: {"velocity": 0.03 * f * a * _rate(s)}, _creep,
+    stated="coulomb_friction",
+)  # fmt: skip
+
+
+def _constrain(scene: Scene, k: int, law: Callable[[float, float, float, float], float]) -> None:
+    scene.constraint = (scene.dof(scene.rig.joints[k]), law)
+
+
+def _soft_friction(scene: Scene, k: int, p: Parameters) -> None:
+    # As MuJoCo's documentation states the friction loss of a joint: the force that brings it to rest by the time constant against a
+    # regularizing inertia, cut off at the loss.
+    def law(q: float, v: float, free: float, mobility: float) -> float:
+        wanted = -(free + v / p["time"]) / (mobility + 1.0 / p["inertia"])
+        return float(np.clip(wanted, -p["torque"], p["torque"]))
+
+    _constrain(scene, k, law)
+
+
+_add(
+    "friction_softness", "joint", lambda rng, s, a: {"ratio": rng.uniform(2.0, 20.0)},
+    lambda f, d, s, a: {"time": 0.02 * f / _rate(s), "inertia": d["ratio"] * s.inertia_about_joint}, _soft_friction,
+    stated="coulomb_friction",
+)  # fmt: skip
+
+
+def _heavy_stop(scene: Scene, k: int, p: Parameters) -> None:
+    side = 1.0 if p["angle"] > 0 else -1.0
+
+    def law(q: float, v: float, free: float, mobility: float) -> float:
+        depth = side * (q - p["angle"])
+        if depth <= 0.0:
+            return 0.0
+        wanted = p["stiffness"] * depth + p["damping"] * side * v + p["inertia"] * side * free
+        return -side * max(wanted / (1.0 + p["inertia"] * mobility), 0.0)
+
+    _constrain(scene, k, law)
+
+
+_add(
+    "stop_inertia", "joint", _nothing, lambda f, d, s, a: {"inertia": 2.0 * f * s.inertia_about_joint}, _heavy_stop,
+    stated="end_stop",
+)  # fmt: skip

@@ -127,7 +127,7 @@ def _names(kind: str, rng: np.random.Generator, forced: Sequence[str]) -> list[s
     if kind in ("clean", "outside"):
         return []
     size = {"single": 1, "pair": 2, "triple": 3}[kind]
-    names = list(CONCEALMENTS)
+    names = [name for name, c in CONCEALMENTS.items() if not c.stated]
     while True:
         chosen = [str(x) for x in rng.choice(names, size, replace=False)]
         if all(len(family.intersection(chosen)) <= 1 for family in FAMILIES):
@@ -179,6 +179,14 @@ def draw_case(
         {name: float(x) for name, x in c.draw(rng, rig.segments[k], top).items()}
         for c, k in zip(chosen, sites, strict=True)
     ]
+    for i, (c, k) in enumerate(zip(chosen, sites, strict=True)):
+        if c.stated:
+            stated = CONCEALMENTS[c.stated]
+            known = stated.parameters(1.0, stated.draw(rng, rig.segments[k], top), rig.segments[k], top)
+            known = {name: float(x) for name, x in known.items()}
+            draws[i] |= known
+            attached = ((c.stated, _site(rig, stated, k), known),)
+            rig, true = replace(rig, stated=attached), replace(true, stated=attached)
     strange = str(effects[0]) if kind == "outside" and effects else str(rng.choice(list(OUTSIDE)))
     own = int(rng.integers(2**31))
     motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
@@ -189,9 +197,12 @@ def draw_case(
         # then laws, which act on degrees of freedom that must all be there.
         order = sorted(range(len(chosen)), key=lambda i: _rank(chosen[i]))
         for i in order:
+            c, k = chosen[i], sites[i]
             if strengths[i] > 0.0:
-                p = chosen[i].parameters(strengths[i], draws[i], rig.segments[sites[i]], top)
-                chosen[i].plant(scene, sites[i], p)
+                p = c.parameters(strengths[i], draws[i], rig.segments[k], top)
+                c.plant(scene, k, {**draws[i], **p} if c.stated else p)
+            elif c.stated:
+                CONCEALMENTS[c.stated].plant(scene, k, draws[i])
         if kind == "outside" and outside > 0.0:
             OUTSIDE[strange](scene, np.random.default_rng(own), outside, top)
         return scene

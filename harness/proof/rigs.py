@@ -6,6 +6,7 @@ nominal model by draws within the stated tolerance, as a real rig deviates from 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,12 +47,16 @@ class Segment:
 
 @dataclass(frozen=True)
 class Rig:
-    """A planar serial pendulum; ``tolerance`` is what the nominal model states of itself."""
+    """A planar serial pendulum.
+
+    tolerance: what the nominal model states of itself. stated: effects that it states, as (name, site, parameters).
+    """
 
     segments: tuple[Segment, ...]
     axis: tuple[float, float, float]
     tolerance: float
     gravity: float = 9.81
+    stated: tuple[tuple[str, str, Mapping[str, float]], ...] = ()
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -87,6 +92,9 @@ class Rig:
                 }
             )
             links.append({"name": s.link, "mass": s.mass, "com": [0.0, 0.0, -s.com], "inertia": [s.inertia] * 3})
+        effects = [
+            {"name": name, "site": site, "parameters": dict(parameters)} for name, site, parameters in self.stated
+        ]
         return tomli_w.dumps(
             {
                 "name": "rig",
@@ -94,6 +102,7 @@ class Rig:
                 "tolerance": self.tolerance,
                 "joint": joints,
                 "link": links,
+                **({"effect": effects} if effects else {}),
             }
         )
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.parallel import one_blas_thread, parallel_map
+from harness.proof.apart import predictions
 from harness.proof.concealments import CONCEALMENTS
 from harness.proof.draw import Case, UnseenError, draw_case
 from harness.proof.flexible import EFFECTS, draw_flexible
@@ -73,7 +74,7 @@ class Proof:
 
         shares = (
             "named_single", "named_single_exactly", "named_pairs", "named_triples", "clean_false", "outside_told",
-            "at_floor", "side_right", "site_right", "false_anywhere", "failed",
+            "outside_apart_told", "at_floor", "side_right", "site_right", "false_anywhere", "failed",
         )  # fmt: skip
         return {
             "schema": "denoc.proof/1",
@@ -125,10 +126,11 @@ def conceal(task: Task, seed: int, out: Path, short: bool = False) -> tuple[str,
         # so is one on which what is concealed does not show.
         try:
             case = replace(_draw(task.kind, seed, index, effect, short), name=task.name)
-            write_case(case, out / "cases" / case.name, np.random.default_rng([seed, index, crc32(task.kind.encode())]))
+            rng = np.random.default_rng([seed, index, crc32(task.kind.encode())])
+            noise_free = write_case(case, out / "cases" / case.name, rng)
         except (NoSolutionError, UnseenError):
             continue
-        return case.name, seal(case, out / "sealed")
+        return case.name, seal(case, out / "sealed", noise_free if task.kind == "outside" else None)
     raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution and shows")
 
 
@@ -148,13 +150,17 @@ def _shuffled(task: Task, seed: int) -> str:
 
 
 def diagnose_folder(folder: Path) -> dict[str, Any]:
-    """What diagnosis says of a folder that holds a model and recordings; an error is an answer too."""
+    """What diagnosis says of a folder that holds a model and recordings, and what the model that it tells predicts.
+
+    An error is an answer too.
+    """
     import harness
 
     start = time.perf_counter()
     runs = sorted(folder.glob("run*.csv"))
     try:
-        found = harness.diagnose([str(r) for r in runs], model=str(folder / "model.toml")).to_json()
+        told = harness.diagnose([str(r) for r in runs], model=str(folder / "model.toml"))
+        found = {**told.to_json(), "predicted": predictions(told)}
     except (InputError, ArithmeticError, ValueError, RuntimeError) as error:
         found = {"error": f"{type(error).__name__}: {error}"}
     found["seconds"] = time.perf_counter() - start

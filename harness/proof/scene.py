@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from harness.proof.rigs import Rig
-from harness.proof.truth import RELATIVE_TOLERANCE, DryFriction, Hidden, Truth, mechanism_xml
+from harness.proof.truth import RELATIVE_TOLERANCE, Constraint, DryFriction, Hidden, Truth, mechanism_xml
 
 Array = NDArray[np.float64]
 Signal = Callable[[Array], Array]
@@ -84,6 +84,7 @@ class Scene:
     states: list[tuple[int, Callable[..., Array], Callable[..., Array]]] = field(default_factory=list)
     gravity: Callable[[float], Array] | None = None
     edit: Callable | None = None
+    constraint: tuple[int, Constraint] | None = None
     breaks: list[float] = field(default_factory=list)
     kicks: dict[float, Callable[[Array, Array], tuple[Array, Array]]] = field(default_factory=dict)
     inserts: dict[int, str] = field(default_factory=dict)
@@ -114,6 +115,7 @@ class Scene:
             edit=self.edit,
             breaks=tuple(self.breaks),
             kicks=dict(self.kicks),
+            constraint=self.constraint,
         )
         xml = mechanism_xml(self.rig, inserts=self.inserts, base=self.base, extra=self.extra, splits=self.splits)
         return Truth(xml, hidden)

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from harness.diagnose.diagnosis import one_by_one
+from harness.proof.apart import apart
 
 SENSOR_EFFECTS = (
     "sensor_offset", "sensor_gain", "sensor_delay", "sensor_lowpass", "sensor_highpass", "sensor_nonlinearity",
@@ -59,7 +60,8 @@ class CaseScore:
     exact: the set of effects and sites is the planted one; in_class: it is, once every finding may be replaced by one that
     it was said to be indistinguishable from. missed, false: planted effects not found, findings not planted (neither
     themselves nor through their class). parameters: (effect, name, true, value, std, low, high). floor: held-out over noise floor.
-    outside: what was concealed if it is not of the catalogue.
+    outside: what was concealed if it is not of the catalogue; apart: how far what was told is from it, in noise, if it was told as
+    explained.
     """
 
     name: str
@@ -79,6 +81,7 @@ class CaseScore:
     seconds: float = float("nan")
     error: str = ""
     outside: str = ""
+    apart: float = float("nan")
 
     @property
     def right(self) -> bool:
@@ -159,7 +162,7 @@ def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -
     return CaseScore(
         name, answer["kind"], found["verdict"], planted, named, tuple(answer["visibility"]), exact, in_class,
         tuple(left), tuple(false), side_right, site_right, tuple(values), max(ratios, default=float("nan")),
-        float(found.get("seconds", float("nan"))), outside=strange,
+        float(found.get("seconds", float("nan"))), outside=strange, apart=apart(answer, found.get("predicted", ())),
     )  # fmt: skip
 
 
@@ -170,7 +173,11 @@ def _effect(text: str) -> str:
 
 @dataclass(frozen=True)
 class Summary:
-    """Shares over all cases; effects in pairs and triples count as visible above twice the detection limit each."""
+    """Shares over all cases; effects in pairs and triples count as visible above twice the detection limit each.
+
+    outside_apart_told: of what is outside the catalogue, without those cases in which a model told as explaining them is nearer to
+    the truth than twice the limit: what nobody could have told from it.
+    """
 
     named_single: Share
     named_single_exactly: Share
@@ -178,6 +185,7 @@ class Summary:
     named_triples: Share
     clean_false: Share
     outside_told: Share
+    outside_apart_told: Share
     coverage95: Share
     at_floor: Share
     side_right: Share
@@ -237,6 +245,7 @@ def summarise(scores: Sequence[CaseScore], limit: float) -> Summary:
         named_triples=share([s.in_class for s in triples]),
         clean_false=share([bool(s.found) or s.verdict not in ("consistent", "error") for s in clean]),
         outside_told=share([s.right for s in outside]),
+        outside_apart_told=share([s.right for s in outside if s.right or not s.apart < 2.0 * limit]),
         coverage95=share(inside),
         at_floor=share([s.floor <= AT_FLOOR for s in explained]),
         side_right=share([bool(s.side_right) for s in single if s.side_right is not None]),

@@ -10,17 +10,28 @@ from __future__ import annotations
 import hashlib
 import json
 import secrets
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import InputError
 from harness.proof.draw import Case
 from harness.proof.visibility import DETECTION_LIMIT
 
+Array = NDArray[np.float64]
 
-def answer(case: Case) -> dict[str, Any]:
-    """The answer of a case as plain data."""
+
+def answer(case: Case, noise_free: Mapping[str, Mapping[str, Array]] | None = None) -> dict[str, Any]:
+    """The answer of a case as plain data; noise_free: columns of its recordings by run, to be sealed with it."""
+    columns = {
+        run: {name: [float(f"{x:.9g}") for x in values] for name, values in data.items()}
+        for run, data in (noise_free or {}).items()
+    }
     return {
+        **({"noise_free": columns} if columns else {}),
         "kind": case.kind,
         "planted": [{"effect": p.effect, "site": p.site, "parameters": dict(p.parameters)} for p in case.planted],
         "visibility": list(case.visibility),
@@ -38,9 +49,9 @@ def digest(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8")).hexdigest()
 
 
-def seal(case: Case, folder: Path) -> str:
+def seal(case: Case, folder: Path, noise_free: Mapping[str, Mapping[str, Array]] | None = None) -> str:
     """Write the sealed answer and return its digest."""
-    text = json.dumps({"salt": secrets.token_hex(16), **answer(case)}, indent=1)
+    text = json.dumps({"salt": secrets.token_hex(16), **answer(case, noise_free)}, indent=1)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{case.name}.json"
     partial = path.with_suffix(".partial")

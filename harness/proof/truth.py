@@ -24,6 +24,8 @@ from harness.proof.rigs import Rig, Segment
 
 Array = NDArray[np.float64]
 Torque = Callable[[float, Array, Array], Array]
+# (position, velocity, acceleration without it, mobility: acceleration by a unit force) -> force
+Constraint = Callable[[float, float, float, float], float]
 
 RELATIVE_TOLERANCE = 1e-9
 ABSOLUTE_TOLERANCE = 1e-11
@@ -58,6 +60,7 @@ class Hidden:
     edit: changes the compiled model at time t (a leak, a moving mass).
     breaks: times where a law is not smooth.
     kicks: at a time, (q, v) -> (q, v).
+    constraint: of one degree of freedom, where nothing rubs dry beside it.
     """
 
     torques: Sequence[Torque] = ()
@@ -67,6 +70,7 @@ class Hidden:
     edit: Callable[[float, mujoco.MjModel], None] | None = None
     breaks: Sequence[float] = ()
     kicks: dict[float, Callable[[Array, Array], tuple[Array, Array]]] = field(default_factory=dict)
+    constraint: tuple[int, Constraint] | None = None
 
 
 def as_floats(s: Segment) -> Segment:
@@ -205,7 +209,7 @@ class Truth:
             force = force + torque(t, q, v, z[offset : offset + size])
             offset += size
         if not hidden.dry:
-            return _solved(self._mass, force), np.zeros(self.n)
+            return self._constrained(q, v, _solved(self._mass, force)), np.zeros(self.n)
         free = np.ones(self.n, dtype=bool)
         for friction in hidden.dry:
             free[friction.dof] = mode[friction.dof] != 0
@@ -232,6 +236,14 @@ class Truth:
                 load[friction.dof] = float(np.linalg.norm(d.cfrc_int[body, 3:]))
         self._load = load
         return acceleration, force - self._mass @ acceleration
+
+    def _constrained(self, q: Array, v: Array, acceleration: Array) -> Array:
+        """Accelerations with the constraint, given those without it."""
+        if self.hidden.constraint is None:
+            return acceleration
+        dof, law = self.hidden.constraint
+        gives = _solved(self._mass, np.eye(self.n)[dof])
+        return acceleration + gives * law(float(q[dof]), float(v[dof]), float(acceleration[dof]), float(gives[dof]))
 
     def release(
         self,

@@ -6,18 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from harness.proof.draw import Case
 
+Array = NDArray[np.float64]
 
-def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
+
+def write_case(case: Case, folder: Path, rng: np.random.Generator) -> dict[str, dict[str, Array]]:
     """``model.toml`` and ``run1.csv`` … into the folder; the last run is the one to hold out.
 
-    rng: draws the noise and the jitter of the sampling instants.
+    rng: draws the noise and the jitter of the sampling instants. Returns the noise-free columns of every run by its name.
     """
     scene = case.scene
     frames = []
+    noise_free = {}
     sensor = scene.sensor
     for index, run in enumerate(scene.runs):
         instants = np.arange(0.0, run.duration, 1.0 / sensor.rate)
@@ -25,6 +29,7 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
             instants = np.sort(np.maximum(instants + rng.normal(0.0, sensor.jitter, len(instants)), 0.0))
             instants = np.maximum.accumulate(instants + np.arange(len(instants)) * 1e-9)
         data = scene.record(index, instants)
+        noise_free[f"run{index + 1}"] = dict(data)
         for column, values in data.items():
             if column == "time" or column.endswith(".effort"):
                 continue
@@ -40,3 +45,4 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> None:
     (folder / "model.toml").write_text(case.nominal.toml(), encoding="utf-8")
     for number, frame in enumerate(frames, 1):
         frame.to_csv(folder / f"run{number}.csv", index=False, float_format="%.9g")
+    return noise_free

@@ -16,6 +16,7 @@ SHARES = {
     "named_triples": "triples named",
     "clean_false": "false discoveries in clean recordings",
     "outside_told": "effects outside the catalogue told as not explained",
+    "outside_apart_told": "the same, without those that act as what was told",
     "at_floor": "explained and at the noise floor on held-out data",
     "side_right": "right side (dynamics, sensor, input)",
     "site_right": "right site",

@@ -12,7 +12,7 @@ from harness.proof.draw import UnseenError, draw_case
 from harness.proof.outside import OUTSIDE
 from harness.proof.peers import to_ask
 from harness.proof.run import FULL, QUICK, tasks
-from harness.proof.score import Share, score_case, summarise
+from harness.proof.score import CaseScore, Share, score_case, summarise
 from harness.proof.seal import seal, unseal
 from harness.proof.visibility import distance
 from harness.proof.write import write_case
@@ -57,6 +57,25 @@ def test_exact_class_missed_and_false() -> None:
     assert failed.verdict == "error" and failed.missed
 
 
+def test_what_acts_like_what_was_told_is_counted_apart() -> None:
+    time = np.arange(0.0, 1.0, 0.01)
+    answer = hidden("gust", kind="outside") | {"rate": 100.0, "noise_std": 1e-3, "colour": 0.0, "quantisation": 0.0}
+    answer["noise_free"] = {"run1": {"time": time.tolist(), "pivot.position": np.sin(time).tolist()}}
+
+    def score(error: float) -> CaseScore:
+        value = (np.sin(time[::2]) + error).tolist()
+        predicted = [{"recording": "run1", "channel": "pivot.position", "time": time[::2].tolist(), "value": value}]
+        return score_case("o", answer, told("coulomb_friction") | {"predicted": predicted})
+
+    near, far = score(5e-4), score(2e-3)
+    # A constant error of half a deviation over a hundred samples.
+    assert near.apart == pytest.approx(5.0, rel=0.02)
+    assert far.apart == pytest.approx(20.0, rel=0.02)
+    summary = summarise([near, far, score_case("u", answer, told(verdict="unexplained"))], 5.0)
+    assert summary.outside_told == Share(1, 3)
+    assert summary.outside_apart_told == Share(1, 2)
+
+
 def test_summary_counts_what_it_says() -> None:
     scores = [
         score_case("s1", hidden("coulomb_friction"), told("coulomb_friction")),
@@ -71,6 +90,7 @@ def test_summary_counts_what_it_says() -> None:
     assert summary.named_single == Share(1, 2)  # the weak one is below twice the detection limit
     assert summary.clean_false == Share(1, 2)
     assert summary.outside_told == Share(1, 2)
+    assert summary.outside_apart_told == Share(1, 2)  # how near o2 is to what was told is not known
     assert summary.coverage95 == Share(1, 1)
     assert summary.at_floor == Share(3, 3)  # s1, s2 and the false c2; outside kinds are not asked to reach the floor
     assert summary.confusion["coulomb_friction"] == {"coulomb_friction": 1, "viscous_damping": 1, "consistent": 1}

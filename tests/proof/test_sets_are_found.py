@@ -9,12 +9,16 @@ the wave and a constant torque; a wrong scale for a spring, and no word of the s
 from __future__ import annotations
 
 from pathlib import Path
+from zlib import crc32
 
+import numpy as np
 import pytest
 
-from harness.proof.run import Task, conceal, diagnose_folder, scaled, tasks
+from harness.proof.draw import draw_case
+from harness.proof.run import Task, conceal, diagnose_folder
 from harness.proof.score import score_case
 from harness.proof.seal import unseal
+from harness.proof.write import write_case
 
 FULL, QUICK, SHORT = 1813693910, 604417153, 685775202
 CASES = [
@@ -34,11 +38,10 @@ def test_concealed_set_is_named(seed: int, kind: str, index: int, tmp_path: Path
 
 def test_one_effect_is_named_beside_two_that_do_its_work(tmp_path: Path) -> None:
     """Stribeck friction of this swing is matched by damping and a friction that grows with the load, of one number each."""
-    (task,) = (t for t in tasks(scaled(400)) if t.name == "single-130")
-    name, digest = conceal(task, 254273263, tmp_path)
-    found = diagnose_folder(tmp_path / "cases" / name)
-    (planted,) = unseal(name, tmp_path / "sealed", digest)["planted"]
-    assert planted["effect"] == "stribeck_friction"
+    seed, index = 254273263, 130
+    case = draw_case("single", seed, index, effects=("stribeck_friction",))
+    write_case(case, tmp_path / "case", np.random.default_rng([seed, index, crc32(b"single")]))
+    found = diagnose_folder(tmp_path / "case")
     assert found["findings"]
     for finding in found["findings"]:
         assert "stribeck_friction" in {finding["effect"], *finding["indistinguishable_from"]}
