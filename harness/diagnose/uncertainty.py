@@ -79,6 +79,10 @@ def _inside(member: Candidate, u: Array, j: int, sigma: float) -> Estimate:
             value -= 2.0 * np.pi * round(value / (2.0 * np.pi))
             return Estimate(value, std, value - min(WIDE * std, np.pi), value + min(WIDE * std, np.pi))
         low, high = value - WIDE * std, value + WIDE * std
+        if member.effect.modifies and parameter.lower >= low and value > parameter.lower == 0.0:
+            # Far from nothing, how another effect acts changes ever less with this number: it is known as a power of e is.
+            reach = float(np.exp(WIDE * min(std / value, WIDEST)))
+            low, high = value / reach, value * reach
     return Estimate(value, std, max(low, parameter.lower), min(high, parameter.upper))
 
 

@@ -6,7 +6,7 @@ are passed over here.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -117,18 +117,6 @@ class Expressed:
     shaking: Shaking | None
     laws: tuple[Attachment, ...]
     beyond: tuple[Attachment, ...]
-
-    @property
-    def soft_friction(self) -> dict[str, Mapping[str, float]]:
-        """Parameters of soft dry friction by joint."""
-        return {law.site: law.parameters for law in self.laws if law.effect == "friction_softness"}
-
-    @property
-    def soft_stops(self) -> dict[str, dict[str, float]]:
-        """Parameters of stops that have an inertia, those of ``end_stop`` and ``stop_inertia`` together, by joint."""
-        stops = {law.site: law.parameters for law in self.laws if law.effect == "end_stop"}
-        heavy = {law.site: law.parameters for law in self.laws if law.effect == "stop_inertia"}
-        return {site: {**stops[site], **heavy[site]} for site in stops if heavy.get(site, {}).get("inertia", 0.0) > 0.0}
 
     def refusal(
         self, engine: str, *, forces: bool = True, shaking: bool = False, constraints: bool = False

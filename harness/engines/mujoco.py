@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,7 @@ from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import EngineUnavailableError, UnsupportedError
 from harness.system import System, Trajectory
+from harness.system.soft_constraints import soft_friction, soft_stops
 
 # At 1 ms a pendulum swung to 120° is within 5e-10 rad of the exact solution over ten seconds.
 DEFAULT_STEP = 1e-3
@@ -352,8 +353,9 @@ class Mujoco:
         expressed = express(system)
         system = expressed.system
         model = mujoco_model(system, forces=expressed.forces)
-        soften(model, expressed.soft_friction)
-        limit(model, expressed.soft_stops)
+        bound = replace(system, attachments=expressed.laws)
+        soften(model, soft_friction(bound))
+        limit(model, soft_stops(bound))
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
         order = np.empty(model.nv, dtype=np.intp)
@@ -366,6 +368,6 @@ class Mujoco:
             data=mujoco.MjData(model),
             order=order,
             fixed_potential=bodies(system)[1],
-            forces=expressed.forces.without_stops(expressed.soft_stops, names),
+            forces=expressed.forces.without_stops(soft_stops(bound), names),
             shaking=expressed.shaking,
         )

@@ -11,18 +11,22 @@ from scipy.spatial.transform import Rotation
 
 from harness.errors import UnsupportedError
 from harness.system.description import Array, Joint, Link, System
+from harness.system.soft_constraints import friction_solver, limit_solver, limits, soft_friction, soft_stops
 
 # MuJoCo takes no principal moment below 1e-15 kg·m²; a slender line has one of zero.
 _SMALLEST_MOMENT = 1e-14
+# The rest of ``solimp``, without meaning where the impedance is the same at any depth: MuJoCo's defaults.
+SHAPE = (1e-3, 0.5, 2.0)
 
 
 def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
-    """MJCF text of a system, and what MJCF cannot say (bending, effects), one line each.
+    """MJCF text of a system, and what MJCF cannot say (bending, most effects), one line each.
 
-    Massless links between joints become several joints of one body, which is MuJoCo's way to say it.
+    Soft dry friction and stops that have an inertia are said as MuJoCo's constraints. Massless links between joints become several
+    joints of one body, which is MuJoCo's way to say it.
     Raises UnsupportedError where a massless link branches, which MuJoCo cannot hold.
     """
-    left_out = [f"effect {a.effect!r} at {a.site!r}" for a in system.attachments]
+    left_out = []
     if system.tolerance != 0.01:
         left_out.append(f"tolerance {system.tolerance:g}")
     root = etree.Element("mujoco", model=system.name)
@@ -54,7 +58,43 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
             if math.isfinite(system.joints[i].lower) != math.isfinite(system.joints[i].upper)
         ]
         pending += [(child, body) for child in reversed(children.get(link.name, []))]
+    said = _constrain(root, option, system)
+    left_out += [f"effect {a.effect!r} at {a.site!r}" for a in system.attachments if (a.effect, a.site) not in said]
     return etree.tostring(root, pretty_print=True, encoding="unicode"), tuple(left_out)
+
+
+def _constrain(root: etree._Element, option: etree._Element, system: System) -> set[tuple[str, str]]:
+    """Say soft dry friction and stops with an inertia as solver parameters; returns the effects and sites that are said so."""
+    friction, stops = soft_friction(system), soft_stops(system)
+    if not (friction or stops):
+        return set()
+    import mujoco
+
+    try:
+        model = mujoco.MjModel.from_xml_string(etree.tostring(root, encoding="unicode"))
+    except ValueError:  # what MuJoCo does not take it does not bound either
+        return set()
+    said = set()
+    for element in root.iter("joint"):
+        name = element.get("name")
+        invweight = float(model.dof_invweight0[int(model.joint(name).dofadr[0])])
+        if name in friction:
+            reference, impedance = friction_solver(friction[name], invweight)
+            element.set("solreffriction", _words(reference))
+            element.set("solimpfriction", _words((impedance, impedance, *SHAPE)))
+            said.add(("friction_softness", name))
+        if name in stops:
+            reference, impedance = limit_solver(stops[name], invweight)
+            element.set("range", _words(limits(stops[name])))
+            element.set("solreflimit", _words(reference))
+            element.set("solimplimit", _words((impedance, impedance, *SHAPE)))
+            said |= {("end_stop", name), ("stop_inertia", name)}
+        elif stops and element.get("range"):
+            # Ranges of the other joints stay what they were, a statement that nothing enforces.
+            element.set("limited", "false")
+    if stops:
+        option.find("flag").attrib.pop("limit")
+    return said
 
 
 def _words(values: Iterable[float]) -> str:

@@ -6,15 +6,17 @@ handed forces; the native lanes have compiled laws. What they share is the law o
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
 from harness.effects.catalogue import catalogue
 from harness.engines import registry
-from harness.engines.expressed import express
+from harness.engines.expressed import described, express
 from harness.errors import UnsupportedError
 from harness.system import Attachment, JointType, System
 from harness.system.random_systems import random_chain
+from harness.system.write_mjcf import to_mjcf
 
 TIME = np.linspace(0.0, 1.5, 76)
 LAWS = {
@@ -177,6 +179,30 @@ def test_a_stop_with_inertia_is_mujocos_limit() -> None:
     assert np.max(np.abs(light - found["denoc"])) > 1e-2
     for engine in ("pinocchio", "exudyn"):
         assert "stop_inertia" in str(registry.engine(engine).refuses(arm(*stops, *heavy)))
+
+
+def test_soft_constraints_are_written_as_mjcf() -> None:
+    system = arm(
+        Attachment("coulomb_friction", "joint1", {"torque": 0.3}),
+        Attachment("friction_softness", "joint1", {"time": 0.008, "inertia": 0.05}),
+        Attachment("end_stop", "joint2", {"angle": 0.55, "stiffness": 80.0, "damping": 4.0}),
+        Attachment("stop_inertia", "joint2", {"inertia": 0.3}),
+    )
+    text, left_out = to_mjcf(described(system))
+    assert not left_out
+    theirs = mujoco.MjModel.from_xml_string(text)
+    theirs.opt.timestep = 2.5e-4
+    data = mujoco.MjData(theirs)
+    data.qpos[:], data.qvel[:] = (0.3, 0.5), (1.0, 2.0)
+    found = []
+    for now in TIME:
+        while data.time < now - 1e-9:
+            mujoco.mj_step(theirs, data)
+        found.append(data.qpos.copy())
+    assert np.array(found) == pytest.approx(runs(system, ("mujoco",))["mujoco"], abs=1e-9)
+    # A stop that is no such constraint is left out, and so is a softness with no friction to be soft.
+    plain = arm(system.attachments[1], system.attachments[2])
+    assert len(to_mjcf(described(plain))[1]) == 2
 
 
 def test_effects_of_sensors_and_inputs_are_none_of_the_engines_business() -> None:

@@ -48,6 +48,10 @@ def residuals(runs: list[Residuals]) -> str:
             if largest > 30 * r.noise:
                 # Both must be seen: linear within a few σ, logarithmic beyond.
                 ax.set_yscale("symlog", linthresh=5 * r.noise)
+                # Decades within the linear part would stand on one another.
+                decades = np.arange(np.ceil(np.log10(5 * r.noise)), np.log10(largest) + 0.5)
+                shown = 10.0 ** decades[:: max(1, len(decades) // 2)]
+                ax.set_yticks([*-shown[::-1], 0.0, *shown])
             ax.set_title(f"{r.recording}{' (held out)' if r.held_out else ''}")
             ax.set_ylabel(f"residual [{r.unit}]")
         axes[-1, 0].set_xlabel("time [s]")
