@@ -21,6 +21,7 @@ from scipy.signal import savgol_filter
 from scipy.stats import norm
 
 from harness.parallel import parallel_map
+from harness.proof.concealments import CONCEALMENTS
 from harness.proof.score import CaseScore
 
 Array = NDArray[np.float64]
@@ -219,10 +220,12 @@ def ask(folder: Path, peer: str) -> dict[str, Any]:
 def to_ask(scores: Sequence[CaseScore], most: int) -> list[CaseScore]:
     """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, tilted and late ones first.
 
-    Tilts, late and shifted readings are what peers that fit damping and dry friction alone take for these.
+    Tilts, late and shifted readings are what peers that fit damping and dry friction alone take for these. What a model states as
+    an effect cannot be handed to them.
     """
     told = {"base_tilt": 0, "sensor_delay": 1, "sensor_offset": 2}
-    single = sorted((s for s in scores if s.kind == "single"), key=lambda s: told.get(s.planted[0][0], len(told)))
+    fit = [s for s in scores if s.kind == "single" and not CONCEALMENTS[s.planted[0][0]].stated]
+    single = sorted(fit, key=lambda s: told.get(s.planted[0][0], len(told)))
     clean = [s for s in scores if s.kind == "clean"]
     kept = clean[: max(most // 2, most - len(single))]
     return kept + single[: most - len(kept)]

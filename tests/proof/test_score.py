@@ -161,7 +161,9 @@ def test_peers_are_asked_about_clean_cases_and_about_single_effects() -> None:
     clean = [score_case(f"clean-{k}", hidden(kind="clean"), told(verdict="consistent")) for k in range(100)]
     single = [score_case(f"single-{k}", hidden("coulomb_friction"), told("coulomb_friction")) for k in range(30)]
     tilted = score_case("tilted", hidden("base_tilt"), told("base_tilt"))
-    asked = to_ask([*clean, *single, tilted], 40)
+    soft = score_case("soft", hidden("friction_softness"), told("friction_softness"))
+    asked = to_ask([*clean, soft, *single, tilted], 40)
+    assert soft not in asked
     assert [s.kind for s in asked] == ["clean"] * 20 + ["single"] * 20
     assert asked[20] is tilted
     # Where there are few single effects, clean cases take the room.
