@@ -76,7 +76,10 @@ class Sight:
             strength = float(np.clip(strength, *RANGE))
             if strength in known:
                 break
-        return nearest, known[nearest][0]
+        # A mass moved over to where the swing is as fast again is followed into a valley that leads nowhere; seen afresh it is
+        # hardly there (Kater's pendulum).
+        afresh, _ = self._distance(np.concatenate(observe(make(nearest))), np.zeros(len(self.sigma)))
+        return nearest, min(known[nearest][0], afresh)
 
     def _distance(self, seen: Array, start: Array) -> tuple[float, Array]:
         """How far readings are from what the nuisances can make, and the nuisances that come nearest."""
