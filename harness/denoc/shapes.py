@@ -12,9 +12,10 @@ the boundary terms follow from the virtual work written out in ``_conditions``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -323,7 +324,7 @@ def _roots(mount: Mount, count: int) -> tuple[float, ...]:
     start = 1.0
     grid = low
     while len(roots) < count:
-        determinant = np.linalg.det(_conditions(grid, mount))
+        determinant = _determinant(grid, mount, np)
         for i in np.flatnonzero(np.sign(determinant[:-1]) * np.sign(determinant[1:]) <= 0.0):
             if determinant[i] == 0.0 and i > 0:
                 continue  # a root on a grid point was taken with the interval before it
@@ -441,8 +442,36 @@ def _conditions(z: Array, mount: Mount) -> Array:
     return rows / np.max(np.abs(rows), axis=2, keepdims=True)
 
 
-def _determinant(z: float, mount: Mount) -> float:
-    return float(np.linalg.det(_conditions(np.array([z]), mount))[0])
+def _determinant(z: Any, mount: Mount, functions: Any = math) -> Any:
+    """Determinant of the boundary conditions, up to a positive factor: of one z (functions of ``math``) or of many (``numpy``).
+
+    Written out, since a fit asks for it a million times: the rows of ``_conditions``, expanded by pairs of them (Laplace).
+    """
+    c, s, e = functions.cos(z), functions.sin(z), functions.exp(-z)
+    root = ((1.0, 0.0, 1.0, e), (0.0, 1.0, -1.0, e), (-1.0, 0.0, 1.0, e), (0.0, -1.0, -1.0, e))
+    tip = ((c, s, e, 1.0), (-s, c, -e, 1.0), (-c, -s, e, 1.0), (s, -c, -e, 1.0))
+    place, turn = root[0], root[1]
+    if mount.free_hub:
+        arm, hub = z * mount.radius, z**3 * mount.hub
+        place = tuple(w - arm * slope for w, slope, _, _ in zip(*root, strict=True))
+        turn = tuple(bent - arm * shear + hub * slope for _, slope, bent, shear in zip(*root, strict=True))
+    inertia, offset, mass = z**3 * mount.inertia, z**2 * mount.moment, z * mount.mass
+    moment = tuple(bent - inertia * slope - offset * w for w, slope, bent, _ in zip(*tip, strict=True))
+    force = tuple(shear + mass * w + offset * slope for w, slope, _, shear in zip(*tip, strict=True))
+
+    def minor(one: Any, other: Any, i: int, j: int) -> Any:
+        return one[i] * other[j] - one[j] * other[i]
+
+    pairs = (
+        (0, 1, 2, 3, 1.0),
+        (0, 2, 1, 3, -1.0),
+        (0, 3, 1, 2, 1.0),
+        (1, 2, 0, 3, 1.0),
+        (1, 3, 0, 2, -1.0),
+        (2, 3, 0, 1, 1.0),
+    )
+    total = sum(sign * minor(place, turn, i, j) * minor(moment, force, k, l) for i, j, k, l, sign in pairs)
+    return total / ((1.0 + z**3 * mount.hub) * (1.0 + inertia + offset) * (1.0 + mass + offset))
 
 
 def _sampled(beam: Beam, count: int) -> SampledShapes:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.lanes import LaneModel
-from harness.diagnose.coordinates import from_internal, start_vector
+from harness.diagnose.coordinates import from_internal, start_vector, to_internal
 from harness.diagnose.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled
 from harness.effects.directions import sideways
 from harness.effects.lanes import lane_model, lane_row, write_attachment
@@ -51,6 +51,14 @@ class Mechanisms:
         span = hypothesis.span(k)
         offset = len(self.nominal)
         return from_internal(hypothesis.members[k], x[..., offset + span.start : offset + span.stop])
+
+    def with_values(self, hypothesis: Hypothesis, k: int, x: Array, values: Array) -> Array:
+        """The parameter vector with SI values in the place of member k's parameters: the inverse of ``effect_values``."""
+        span = hypothesis.span(k)
+        offset = len(self.nominal)
+        out = x.copy()
+        out[offset + span.start : offset + span.stop] = to_internal(hypothesis.members[k], values)
+        return out
 
     def altered(self, hypothesis: Hypothesis, x: Array) -> System:
         """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""

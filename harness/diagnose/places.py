@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import whole_numbers
 from harness.diagnose.screen import by_place
@@ -29,8 +28,6 @@ def replaced(study: Study, best: Fit) -> Fit:
         without = study.reduce(best, k)
         scores = by_place(without, study.predictor, study.likelihood, member, study.problem)
         enough = max((s.gain for s in scores), default=0.0) * AS_GOOD
-        span = base.span(k)
-        first = len(study.predictor.nominal) + span.start
         for scored in scores:
             count = round(float(scored.start[place]))
             if scored.gain < enough or len(seen) > MOST:
@@ -38,7 +35,6 @@ def replaced(study: Study, best: Fit) -> Fit:
             if any(abs(count - other) <= 1 for other in seen):
                 continue
             seen.add(count)
-            start = best.x.copy()
-            start[first : first + member.size] = to_internal(member, scored.start)
+            start = study.predictor.with_values(base, k, best.x, scored.start)
             best = study.fit(base, [start], best, target=best.score + NOTICEABLE)
     return best

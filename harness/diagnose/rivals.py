@@ -161,7 +161,6 @@ def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
     """Other starts for laws whose shape is a number of its own: a fit may have ended in a wrong valley of it."""
     study = outcome.study
     starts = []
-    offset = len(study.predictor.nominal)
     for k, member in enumerate(best.hypothesis.members):
         values = study.predictor.effect_values(best.hypothesis, k, best.x)
         for j, parameter in enumerate(member.effect.parameters):
@@ -170,11 +169,9 @@ def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
             for factor in (SHAKEN, 1.0 / SHAKEN):
                 other = values.copy()
                 other[j] = np.clip(other[j] * factor, parameter.lower, parameter.upper)
-                x = best.x.copy()
-                span = best.hypothesis.span(k)
-                x[offset + span.start : offset + span.stop] = to_internal(member, other)
+                x = study.predictor.with_values(best.hypothesis, k, best.x, other)
                 # The nominal quantities may have been bent to the wrong valley.
-                x[:offset] = 0.0
+                x[: len(study.predictor.nominal)] = 0.0
                 starts.append(x)
     return starts
 

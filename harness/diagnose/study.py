@@ -373,14 +373,11 @@ class Study:
     def _alongside(self, base: Fit, candidate: Candidate) -> list[Array]:
         """Where an effect may begin beside what it modifies."""
         starts = []
-        first = len(self.predictor.nominal)
         for k, member in enumerate(base.hypothesis.members):
             if member.site == candidate.site and member.effect.name in candidate.effect.modifies:
                 values = self.predictor.effect_values(base.hypothesis, k, base.x)
                 for own, other in alongside(candidate, member, values):
-                    x = base.x.copy()
-                    span = base.hypothesis.span(k)
-                    x[first + span.start : first + span.stop] = to_internal(member, other)
+                    x = self.predictor.with_values(base.hypothesis, k, base.x, other)
                     starts.append(np.concatenate([x, to_internal(candidate, own)]))
         return starts
 

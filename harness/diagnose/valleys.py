@@ -38,11 +38,8 @@ def in_shape(study: Study, fitted: Fit, target: float) -> Fit:
         values = study.predictor.effect_values(hypothesis, k, fitted.x)
         if fitted.score < AS_GOOD * study.samples or not shapeless(member, values):
             continue
-        span, first = hypothesis.span(k), len(study.predictor.nominal)
-        starts = []
-        for point in like(member, float(values[0])):
-            starts.append(fitted.x.copy())
-            starts[-1][first + span.start : first + span.stop] = to_internal(member, point)
+        points = like(member, float(values[0]))
+        starts = [study.predictor.with_values(hypothesis, k, fitted.x, point) for point in points]
         fitted = study.fit(hypothesis, starts, fitted, target=target)
     return fitted
 
@@ -76,8 +73,7 @@ def ringing(predictor: Predictor, fitted: Fit) -> Array | None:
         if values[place] < DEAD:
             continue
         values[place] = member.effect.parameters[place].scale(member.references)
-        span, first = hypothesis.span(k), len(predictor.nominal)
-        x[first + span.start : first + span.stop] = to_internal(member, values)
+        x = predictor.with_values(hypothesis, k, x, values)
     return None if np.array_equal(x, fitted.x) else x
 
 

@@ -129,8 +129,8 @@ def read_channel(
     if not (linear or rest.nothing or any(_rides_on_flexible(system, joint) for joint in _chain(system, site))):
         at = _frame(system, names, gravity, site, states)
         along, across = at.turn @ data.direction, at.turn @ data.bending
-        root = np.sum(at.felt * across, axis=2)
-        turning = np.sum(at.carried(along) * across, axis=2)
+        root = np.sum(at.felt * across, axis=-1)
+        turning = np.sum(at.carried(along) * across, axis=-1)
         read = read + rest.read(rest.tip if deflects else rest.curvature, root, turning, states[2][:, :, columns])
     return np.asarray(read if deflects else data.half_depth * read)
 
@@ -159,7 +159,7 @@ def _rides_on_flexible(system: System, joint: Joint) -> bool:
 @dataclass(frozen=True, eq=False)
 class _Frame:
     """A link's frame along a motion: its axes as columns (B, T, 3, 3); angular velocity and acceleration, and acceleration of its
-    origin less gravity, in base axes, (B, T, 3)."""
+    origin less gravity, in base axes, (B, T, 3). What all lanes and times share lacks these two axes."""
 
     turn: Array
     spin: Array
@@ -168,34 +168,36 @@ class _Frame:
 
     def carried(self, arm: Array) -> Array:
         """Acceleration that the frame's turning gives a point at ``arm`` (B, T, 3) from its origin, base axes."""
-        return np.asarray(np.cross(self.spin_rate, arm) + np.cross(self.spin, np.cross(self.spin, arm)))
+        return np.asarray(_cross(self.spin_rate, arm) + _cross(self.spin, _cross(self.spin, arm)))
 
 
 def _frame(system: System, names: tuple[str, ...], gravity: Array, site: str, states: States) -> _Frame:
     position, velocity, acceleration = states
     shape = position.shape[:2]
-    zero = np.zeros((*shape, 3))
-    turn = np.broadcast_to(np.eye(3), (*shape, 3, 3))
-    at = _Frame(turn, zero, zero, np.broadcast_to(-gravity[:, None, :], (*shape, 3)))
+    at = _Frame(np.eye(3), np.zeros(3), np.zeros(3), np.broadcast_to(-gravity[:, None, :], (*shape, 3)))
+    moving = False
     for joint in _chain(system, site):
         if _rides_on_flexible(system, joint):
             raise UnsupportedError(
                 f"tip acceleration of {site!r}, which rides on the flexible link {joint.parent!r}",
                 mend="measure another link",
             )
-        felt = at.felt + at.carried(at.turn @ joint.xyz)
+        felt = at.felt + at.carried(at.turn @ joint.xyz) if moving else at.felt
         turn, spin, spin_rate = at.turn @ joint.rotation, at.spin, at.spin_rate
         if joint.movable:
             k = names.index(joint.name)
             axis = turn @ joint.axis
             speed, rate = velocity[:, :, k, None], acceleration[:, :, k, None]
             if joint.prismatic:
-                felt = felt + at.carried(axis * position[:, :, k, None])
-                felt = felt + 2.0 * np.cross(spin, axis * speed) + axis * rate
+                felt = felt + axis * rate
+                if moving:
+                    felt = felt + at.carried(axis * position[:, :, k, None]) + 2.0 * _cross(spin, axis * speed)
             else:
                 turn = turn @ _turns(joint.axis, position[:, :, k])
-                spin_rate = spin_rate + axis * rate + np.cross(spin, axis * speed)
-                spin = spin + axis * speed
+                own = axis * speed
+                spin_rate = spin_rate + axis * rate + (_cross(spin, own) if moving else 0.0)
+                spin = spin + own
+            moving = True
         at = _Frame(turn, spin, spin_rate, felt)
     return at
 
@@ -234,10 +236,18 @@ def _specific_force(system: System, names: tuple[str, ...], gravity: Array, site
     def to_base(vector: Array) -> Array:
         return np.asarray(np.einsum("...ij,...j->...i", turn, vector))
 
-    felt = at.felt + at.carried(to_base(u)) + 2.0 * np.cross(at.spin, to_base(ud)) + to_base(udd)
+    felt = at.felt + at.carried(to_base(u)) + 2.0 * _cross(at.spin, to_base(ud)) + to_base(udd)
     angle = b @ slope
     along = to_base(np.cos(angle)[..., None] * e - np.sin(angle)[..., None] * d)
     return np.asarray(np.sum(felt * along, axis=2))
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Products a × b over the last axis; ``numpy.cross`` takes longer about its axes than about these."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[..., i] = a[..., j] * b[..., k] - a[..., k] * b[..., j]
+    return out
 
 
 def _turns(axis: Array, angle: Array) -> Array:
