@@ -22,10 +22,8 @@ Array = NDArray[np.float64]
 LONGEST = 4.0  # s of motion that engines are compared over
 STEP = 5e-4  # s, of engines with a fixed one
 FINE = 1e-4  # s, the same where it must be finer
-DEMANDING = (
-    "backlash",
-    "stop_inertia",
-)  # a light drive side vibrates on its teeth at hundreds of hertz; blows fall into steps
+# A light drive side vibrates on its teeth at hundreds of hertz; blows fall into steps.
+DEMANDING = ("backlash", "stop_inertia")
 CLOSED_FORM = "analytic"
 OF_BEAMS = ("exudyn_ancf", "exudyn_ffrf")
 
