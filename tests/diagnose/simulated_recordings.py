@@ -6,7 +6,7 @@ friction's reversals located as events; longer chains are integrated by MuJoCo.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -96,6 +96,25 @@ def recording(name: str, time: np.ndarray, columns: dict[str, np.ndarray]) -> Re
         name, name, constant(time - time[0]), tuple(c for c in channels if c.quantity != "effort"),
         tuple(c for c in channels if c.quantity == "effort"),
     )  # fmt: skip
+
+
+def released_in_mujoco(
+    model: mujoco.MjModel, angles: Sequence[float], time: np.ndarray, *, noise: float, seed: int
+) -> list[Recording]:
+    """Recordings of MuJoCo's own steps from rest at each angle of the joint ``pivot``, as many steps a sample as fit."""
+    rng = np.random.default_rng(seed)
+    steps = round((time[1] - time[0]) / model.opt.timestep)
+    out = []
+    for k, angle in enumerate(angles):
+        data = mujoco.MjData(model)
+        data.qpos[0] = angle
+        rows = []
+        for _ in time:
+            rows.append(data.qpos[0])
+            mujoco.mj_step(model, data, nstep=steps)
+        noisy = np.array(rows) + noise * rng.standard_normal(len(time))
+        out.append(recording(f"run{k}", time, {"pivot.position": noisy}))
+    return out
 
 
 def releases(

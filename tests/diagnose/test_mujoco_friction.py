@@ -8,7 +8,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from simulated_recordings import COM, INERTIA, MASS, nominal, recording
+from simulated_recordings import COM, INERTIA, MASS, nominal, released_in_mujoco
 
 from harness import diagnose
 from harness.recording import Recording
@@ -24,19 +24,8 @@ def made_by_mujoco(loss: float, damping: float, integrator: str) -> tuple[list[R
         <joint name="pivot" axis="0 1 0" frictionloss="{loss}" damping="{damping}"/>
         <inertial pos="0 0 {-COM}" mass="{MASS}" diaginertia="{INERTIA} {INERTIA} 1e-6"/></body></worldbody></mujoco>"""
     )
-    rng = np.random.default_rng(6)
-    time = np.arange(0.0, 8.0, 0.01)
-    out = []
-    for k, angle in enumerate((1.2, -0.7)):
-        data = mujoco.MjData(model)
-        data.qpos[0] = angle
-        rows = []
-        for _ in time:
-            rows.append(data.qpos[0])
-            mujoco.mj_step(model, data, nstep=10)
-        noisy = np.array(rows) + NOISE * rng.standard_normal(len(time))
-        out.append(recording(f"run{k}", time, {"pivot.position": noisy}))
-    return out, 0.9 / (1.0 - 0.9) / float(model.dof_invweight0[0])
+    runs = released_in_mujoco(model, (1.2, -0.7), np.arange(0.0, 8.0, 0.01), noise=NOISE, seed=6)
+    return runs, 0.9 / (1.0 - 0.9) / float(model.dof_invweight0[0])
 
 
 @pytest.mark.parametrize("loss, damping, integrator", [(0.03, 0.0, "RK4"), (0.01, 0.002, "implicitfast")])

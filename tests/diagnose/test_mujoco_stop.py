@@ -9,7 +9,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from simulated_recordings import COM, INERTIA, MASS, nominal, recording
+from simulated_recordings import COM, INERTIA, MASS, nominal, released_in_mujoco
 
 from harness import diagnose
 from harness.recording import Recording
@@ -30,19 +30,8 @@ def made_by_mujoco(damping: float, least: float) -> tuple[list[Recording], float
           solimplimit="{least} {IMPEDANCE} 0.001"/>
         <inertial pos="0 0 {-COM}" mass="{MASS}" diaginertia="{INERTIA} {INERTIA} 1e-6"/></body></worldbody></mujoco>"""
     )
-    rng = np.random.default_rng(8)
-    time = np.arange(0.0, 6.0, 0.01)
-    out = []
-    for k, angle in enumerate((-1.6, -1.1)):
-        data = mujoco.MjData(model)
-        data.qpos[0] = angle
-        rows = []
-        for _ in time:
-            rows.append(data.qpos[0])
-            mujoco.mj_step(model, data, nstep=500)
-        noisy = np.array(rows) + NOISE * rng.standard_normal(len(time))
-        out.append(recording(f"run{k}", time, {"pivot.position": noisy}))
-    return out, IMPEDANCE / (1.0 - IMPEDANCE) / float(model.dof_invweight0[0])
+    runs = released_in_mujoco(model, (-1.6, -1.1), np.arange(0.0, 6.0, 0.01), noise=NOISE, seed=8)
+    return runs, IMPEDANCE / (1.0 - IMPEDANCE) / float(model.dof_invweight0[0])
 
 
 # Undamped, an impedance that grows with the depth, as MuJoCo's does by default, leaves a remainder of a hundredth.
