@@ -549,18 +549,18 @@ def jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisa
     noise = _loudness(fitted)
     best, count, where = 0.0, 0, ("", "")
     chosen = []
-    for window in fitted.windows:
+    for place, window in enumerate(fitted.windows):
         loudest = -1.0
         run = predictor.runs[window.run]
         evenly = np.linspace(5, window.size - 5, min(JUMPS, window.size // 8)).astype(int)
-        residual = fitted.linear.residuals[fitted.windows.index(window)].reshape(-1, window.size)
+        residual = fitted.linear.residuals[place].reshape(-1, window.size)
         for c, channel in enumerate(predictor.problem.channels):
             likely = _likeliest_jumps(likelihood.colours[c], residual[c], likelihood.weights(window)[c])
             places = np.union1d(evenly, likely)
             signal = np.zeros((len(places), len(predictor.problem.channels), window.size))
             signal[:, c] = likelihood.colours[c].std * (np.arange(window.size)[None, :] >= places[:, None])
             own = likelihood.whiten_signal(window, signal)
-            gains = _single_gains(space.measure([own], only=fitted.windows.index(window)))
+            gains = _single_gains(space.measure([own], only=place))
             count += window.size
             top = int(np.argmax(gains))
             if gains[top] > loudest:

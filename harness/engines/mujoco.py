@@ -354,8 +354,9 @@ class Mujoco:
         system = expressed.system
         model = mujoco_model(system, forces=expressed.forces)
         bound = replace(system, attachments=expressed.laws)
+        stops = soft_stops(bound)
         soften(model, soft_friction(bound))
-        limit(model, soft_stops(bound))
+        limit(model, stops)
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
         order = np.empty(model.nv, dtype=np.intp)
@@ -368,6 +369,6 @@ class Mujoco:
             data=mujoco.MjData(model),
             order=order,
             fixed_potential=bodies(system)[1],
-            forces=expressed.forces.without_stops(soft_stops(bound), names),
+            forces=expressed.forces.without_stops(stops, names),
             shaking=expressed.shaking,
         )
