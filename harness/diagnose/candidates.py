@@ -11,9 +11,10 @@ from harness.diagnose.hypothesis import Candidate
 from harness.effects.catalogue import catalogue, sites
 from harness.effects.effect import BY_MODEL, Effect, SiteKind
 from harness.effects.lanes import lane_model
+from harness.effects.lines import steady_lines
 from harness.effects.measured import Measured
 from harness.effects.room import with_room
-from harness.effects.scale import references
+from harness.effects.scale import References, references
 from harness.errors import InputError
 from harness.system import System
 
@@ -34,7 +35,8 @@ def candidates(
                 if key in found:
                     continue
                 law = _on_its_own(_within_sampling(with_room(effect, system, site), recordings), system, site)
-                candidate = Candidate(law, site, references(system, site, recording))
+                sizes = references(system, site, recording)
+                candidate = Candidate(_at_lines(law, site, sizes, recording), site, sizes)
                 if _possible(candidate, system):
                     found[key] = candidate
     return tuple(found.values())
@@ -51,6 +53,19 @@ def _within_sampling(effect: Effect, recordings: Sequence[Measured]) -> Effect:
     rate = 1.0 / min(float(np.median(np.diff(recording.time))) for recording in recordings)
     limited = (replace(p, upper=min(p.upper, rate)) if p.name == "frequency" else p for p in effect.parameters)
     return replace(effect, parameters=tuple(limited))
+
+
+def _at_lines(effect: Effect, site: str, sizes: References, recording: Measured) -> Effect:
+    """The effect begun at every steady line of its channel, if lines are what it needs."""
+    if "line" not in effect.needs:
+        return effect
+    (channel,) = (c for c in recording.channels if c.name == site)
+    lines = steady_lines(recording.time, channel.values, sizes.frequency / (2.0 * np.pi))
+    begun = (
+        replace(p, starts=tuple(line / sizes.line for line in lines)) if p.name == "frequency" else p
+        for p in effect.parameters
+    )
+    return replace(effect, parameters=tuple(begun))
 
 
 def _on_its_own(effect: Effect, system: System, site: str) -> Effect:

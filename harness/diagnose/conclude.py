@@ -19,7 +19,9 @@ from harness.diagnose.locate import rmse
 from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump
 from harness.diagnose.rivals import APART, near, preferred
 from harness.diagnose.screen import scanned
-from harness.diagnose.study import BEGUN, STRETCHED
+from harness.diagnose.starts import FOLLOWS
+from harness.diagnose.stretches import by_channel, follows_itself
+from harness.diagnose.study import BEGUN, STRETCHED, Study
 from harness.diagnose.uncertainty import estimates
 from harness.effects.effect import Family
 from harness.effects.scale import references
@@ -301,14 +303,17 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
     fitted = likelihood.samples(own.windows)
     if min(fitted, judged) < 2.0:
         return None
-    level = max(own.linear.cost / fitted, 1.0)
+    channels = range(len(outcome.problem.channels))
+    level = max(own.linear.cost / fitted, *(likelihood.roundest(c) for c in channels))
     added = best.score - own.score
     rise = float(np.log(max(added, 1e-300) / judged / level))
     z = rise / float(np.sqrt(2.0 / fitted + 2.0 / judged))
     if z < WORSE:
         return None
+    # Noise may be louder there, and is no misfit as long as its samples do not follow one another.
+    chance = max(float(norm.sf(z)), follows_itself(by_channel(best, outcome.held_windows)))
     where = f"mean square {np.exp(rise):.2f} times that of the training data"
-    return Test("a worse fit of the data held out", added - judged * level, 1, float(norm.sf(z)), (where,), -1)
+    return Test("a worse fit of the data held out", added - judged * level, 1, chance, (where,), -1)
 
 
 def conclude(outcome: Outcome) -> Conclusion:
@@ -394,7 +399,12 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     crept = motion_where_held(outcome, best) if remains.significant else None
     if crept is not None:
         remains = replace(remains, tests=(*remains.tests, crept))
-    return remains, remains.significant or _level(outcome, held) > AT_FLOOR
+    # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
+    rounded = max(outcome.study.likelihood.roundest(c) for c in range(len(outcome.problem.channels)))
+    above = (
+        _level(outcome, held) > AT_FLOOR * np.sqrt(rounded) and follows_itself(by_channel(held, held.windows)) < LEVEL
+    )
+    return remains, remains.significant or above
 
 
 def _level(outcome: Outcome, held: Fit) -> float:
@@ -455,6 +465,7 @@ def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:
         rivals = [
             m for other in near(outcome, best, k) for m in other.hypothesis.members if m.key not in best.hypothesis.keys
         ]
+        rivals += [r for r in _out_of_step(study, best, k) if r.key not in {own.key for own in rivals}]
         claims.append(
             Claim(
                 member, k, gain, heldout_z(outcome, smaller, best), gain - member.size * float(np.log(study.samples)),
@@ -462,3 +473,19 @@ def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:
             )
         )  # fmt: skip
     return tuple(claims)
+
+
+def _out_of_step(study: Study, best: Fit, k: int) -> list[Candidate]:
+    """What looks like member ``k`` if that is a wave with a phase of its own in every recording: a shaken base that nobody started
+    with the recordings, as far as joints still follow one.
+
+    The catalogue's has one phase for all of them, so no fit of it says this.
+    """
+    member = best.hypothesis.members[k]
+    if member.effect.sensor is None or member.effect.sensor.courses is None:
+        return []
+    values = member.effect.named(study.predictor.effect_values(best.hypothesis, k, best.x))
+    swing = member.references.frequency / (2.0 * np.pi)
+    if values["frequency"] > FOLLOWS * swing:
+        return []
+    return [c for c in study.candidates if c.effect.name in member.effect.confusable_with]

@@ -32,7 +32,7 @@ LANES = 8  # that run together at the price of one
 class Fit:
     """The best point found. ``score`` is cost plus prior; ``converged`` says whether steps had become immaterial.
 
-    vibrating: how many initial states of vibrations the data tell.
+    vibrating: how many initial states of vibrations the data tell, phases of waves that are every window's own among them.
     """
 
     hypothesis: Hypothesis
@@ -225,7 +225,7 @@ def _descend(
             if converged or damping > HARDEST:
                 break
             damping = _harder(damping)
-    begun = vibrating(here, stepping.stiff)
+    begun = vibrating(here, stepping.stiff) + objective.hypothesis.out_of_step * len(windows)
     return Fit(objective.hypothesis, windows, x, current, here, prior / louder, converged, free, begun)
 
 

@@ -63,6 +63,11 @@ class Hypothesis:
         """Number of effect parameters."""
         return sum(member.size for member in self.members)
 
+    @property
+    def out_of_step(self) -> int:
+        """Number of members that are waves with a phase of their own in every window."""
+        return sum(m.effect.sensor is not None and m.effect.sensor.courses is not None for m in self.members)
+
     def span(self, k: int) -> slice:
         """Where member ``k`` has its parameters in the effect part of the parameter vector."""
         start = sum(member.size for member in self.members[:k])

@@ -85,6 +85,13 @@ class Likelihood:
             out[:, c] = colour.whiten(signal[:, c]) * weights[c]
         return out.reshape(len(signal), -1)
 
+    def roundest(self, channel: int) -> float:
+        """Mean square that rounding alone may reach in a stretch of a channel, in units of the noise's variance; one at least.
+
+        No reading is off by more than half a step, but a slow motion may be off by that much all along.
+        """
+        return max(1.0, (0.5 * self.problem.steps[channel] / self.colours[channel].std) ** 2)
+
     def samples(self, windows: tuple[Window, ...]) -> float:
         """Sum of the weights over windows: the number of independent readings."""
         return float(sum(np.sum(self.weights(w) ** 2) for w in windows))

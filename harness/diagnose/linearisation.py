@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 # run of a hundred radians curvature costs a ten thousandth of the quotient, which is less than most noise; rounding of the runs
 # costs less still.
 DIFFERENCE = 1e-6
+STEEPEST = 1e60  # standard deviations of noise in a unit of a coordinate
 BLOCK = 1024  # rows factorised at once, so that they stay in the cache
 
 
@@ -99,6 +100,8 @@ def linearise(
             np.divide(white[row] - r, steps[row], out=both[:, n + k])
         for j in range(n):
             np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=both[:, j])
+        # A moved run that has gone so far says nothing of a slope, and squares of it would leave the numbers.
+        both[:, ~(np.abs(both).max(axis=0, initial=0.0) < STEEPEST)] = 0.0
         residuals.append(here)
         bases.append(both[:, :n])
         shared.append(both[:, n:])

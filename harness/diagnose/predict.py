@@ -330,6 +330,7 @@ class Predictor(Mechanisms):
                 averaged = _averaged(signal, run, channel, mechanism, sampled)
                 out[:, c] = _sensed(averaged, local, stamps, acting)[:, : window.size]
             out[:, c] += _remembered(out[:, c], signal, stamps, acting, run, window, c)
+            out[:, c] += _out_of_step(out[:, c], stamps, acting, run, window, c)
         return out
 
     def _sensing(self, hypothesis: Hypothesis, x: Array, channel: str) -> list[tuple[Sensor, Array]]:
@@ -348,6 +349,8 @@ class Predictor(Mechanisms):
 def _sensed(signal: Array, local: Array, stamps: Array, acting: Sequence[tuple[Sensor, Array]]) -> Array:
     """A signal (B, T) after its sensors. local, stamps: times from the window's and the recording's first sample [s]."""
     for sensor, values in acting:
+        if sensor.courses is not None:
+            continue
         # What stretches time does so from the window's first sample: the state there is free.
         when = local if sensor.every_channel else stamps
         signal = sensor.apply(np.ascontiguousarray(signal), when, values)
@@ -383,6 +386,31 @@ def _remembered(
     return total
 
 
+def _out_of_step(
+    reading: Array, stamps: Array, acting: Sequence[tuple[Sensor, Array]], run: Run, window: Window, c: int
+) -> Array:
+    """Waves that sensors add in a phase that is every window's own, (B, T): in that which the record there shows."""
+    total = np.zeros_like(reading)
+    record = run.values[c, window.first : window.last]
+    seen = np.isfinite(record)
+    # Towards the ends of a window little counts, lest what else is wrong there looked like a wave.
+    weights = np.hanning(window.size + 2)[1:-1][seen]
+    for sensor, values in acting:
+        if sensor.courses is None or not seen.any():
+            continue
+        courses = sensor.courses(stamps[: window.size], values, _each_within_a_block(run))
+        own = courses[:, :, seen]
+        left = (record - reading - total)[:, seen]
+        gram = np.einsum("ibt,jbt,t->bij", own, own, weights)
+        along = np.einsum("ibt,bt,t->bi", own, left, weights)
+        scale = np.trace(gram, axis1=1, axis2=2)[:, None, None] + 1e-300
+        mixed = np.linalg.solve(gram / scale + 1e-9 * np.eye(2), along[:, :, None] / scale)[:, :, 0]
+        size = np.hypot(mixed[:, 0], mixed[:, 1])
+        phase = np.where(size[:, None] > 0.0, mixed / np.where(size > 0.0, size, 1.0)[:, None], [1.0, 0.0])
+        total += np.einsum("bi,ibt->bt", phase, courses)
+    return total
+
+
 def _averaged(
     signal: Array, run: Run, channel: ChannelInfo, mechanism: Mechanism, sampled: tuple[Array, Array, Array]
 ) -> Array:
@@ -403,6 +431,11 @@ def _within_a_block(run: Run) -> Array:
     count = min(run.averaged, MOST_WITHIN)
     spacing = run.interval / run.averaged * np.sqrt((run.averaged**2 - 1.0) / (count**2 - 1.0))
     return np.asarray(spacing * (np.arange(count) - 0.5 * (count - 1)))
+
+
+def _each_within_a_block(run: Run) -> Array:
+    """Times of all samples of a block around its middle [s]."""
+    return np.asarray(run.interval / run.averaged * (np.arange(run.averaged) - 0.5 * (run.averaged - 1)))
 
 
 def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:

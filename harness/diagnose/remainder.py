@@ -24,6 +24,7 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.response import Response, respond, responsive, to_channels
 from harness.diagnose.screen import Nuisance, Projected, nuisance
+from harness.diagnose.stretches import louder_stretch
 from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
@@ -276,7 +277,8 @@ def examine(
             excess = max(excess, tests[-1].gain)
         tests += _setting_in(own, space, joint, fast, noise)
         excess = max([excess, *(test.gain for test in tests[-2:] if _counts(test, level))])
-    tests.append(_trend(fitted))
+    gain, chance = louder_stretch(likelihood, fitted)
+    tests.append(Test("a louder stretch", gain, 1, chance, places=-1))
     tests.append(_spectrum(own_period=period, predictor=predictor, fitted=fitted))
     tests.append(jump(predictor, likelihood, fitted, space))
     for test in tests[-2:]:
@@ -522,6 +524,7 @@ LOUDER = 1.5  # times the noise's power, beyond what an error of the noise's col
 def _spectrum(own_period: float, predictor: Predictor, fitted: Fit) -> Test:
     """Whether the whitened residual is louder around the swing's frequency than it should be."""
     total, count = 0.0, 0
+    beyond, others = 0.0, 0
     channels = len(predictor.problem.channels)
     for window, r in zip(fitted.windows, fitted.linear.residuals, strict=True):
         interval = predictor.runs[window.run].interval
@@ -533,6 +536,11 @@ def _spectrum(own_period: float, predictor: Predictor, fitted: Fit) -> Test:
             inside = (frequency > MOTION[0] / own_period) & (frequency < MOTION[1] / own_period)
             total += float(power[inside].sum())
             count += int(inside.sum())
+            above = frequency >= MOTION[1] / own_period
+            beyond += float(power[above].sum())
+            others += int(above.sum())
+    # Noise that is louder for a while is so at all frequencies.
+    total /= max(1.0, beyond / others) if others > count else 1.0
     if count < 10:
         return Test("the spectrum around the swing", 0.0, 1, 1.0)
     # Powers of white noise are exponential: twice their sum is chi-squared with two degrees of freedom each.
@@ -552,7 +560,8 @@ def jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisa
     for place, window in enumerate(fitted.windows):
         loudest = -1.0
         run = predictor.runs[window.run]
-        evenly = np.linspace(5, window.size - 5, min(JUMPS, window.size // 8)).astype(int)
+        edge = _edge(window.size)
+        evenly = np.linspace(edge, window.size - edge, min(JUMPS, window.size // 8)).astype(int)
         residual = fitted.linear.residuals[place].reshape(-1, window.size)
         for c, channel in enumerate(predictor.problem.channels):
             likely = _likeliest_jumps(likelihood.colours[c], residual[c], likelihood.weights(window)[c])
@@ -584,26 +593,12 @@ def _likeliest_jumps(colour: Colour, residual: Array, weights: Array) -> NDArray
     shape = colour.whiten(step)[1:]
     along = correlate(residual * weights, shape)[len(residual) - 1 :]
     squares = correlate(weights**2, shape**2)[len(residual) - 1 :]
-    inside = slice(5, max(len(residual) - 5, 5))
+    edge = _edge(len(residual))
+    inside = slice(edge, max(len(residual) - edge, edge))
     gains = along[inside] ** 2 / np.maximum(squares[inside], 1e-12)
-    return np.asarray(5 + np.argsort(gains)[-JUMPS:], dtype=np.intp)
+    return np.asarray(edge + np.argsort(gains)[-JUMPS:], dtype=np.intp)
 
 
-def _trend(fitted: Fit) -> Test:
-    """Whether some stretch of the residual is louder than the others: noise is stationary, a misfit seldom is."""
-    variances, counts = [], []
-    for r in fitted.linear.residuals:
-        for block in np.array_split(r, 16):
-            used = block[block != 0.0]
-            if len(used) >= 20:
-                variances.append(float(np.mean(used**2)))
-                counts.append(len(used))
-    if len(variances) < 8:
-        return Test("a louder stretch", 0.0, 1, 1.0)
-    v, n = np.array(variances), np.array(counts)
-    level = max(1.0, float(np.median(v)))
-    chances = chi2.sf(v * n / level, n)
-    top = int(np.argmin(chances))
-    return Test(
-        "a louder stretch", float((v[top] / level - 1.0) * n[top]), 1, min(1.0, float(chances[top]) * len(v)), places=-1
-    )
+def _edge(samples: int) -> int:
+    """Samples at either end of a window among which a jump could not be told from a single reading that is far off."""
+    return max(5, min(20, samples // 8))

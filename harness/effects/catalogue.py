@@ -7,8 +7,12 @@ from functools import cache
 from importlib import import_module
 from types import MappingProxyType
 
+import numpy as np
+
 from harness.effects.effect import Effect, SiteKind
+from harness.effects.lines import steady_lines
 from harness.effects.measured import Measured
+from harness.effects.scale import references
 from harness.errors import InputError
 from harness.system import System
 from harness.system.suggest import did_you_mean
@@ -50,6 +54,7 @@ NAMES = (
     "sensor_nonlinearity",
     "sensor_drift",
     "sensor_saturation",
+    "sensor_hum",
     "encoder_interpolation",
     "clock_skew",
     "late_release",
@@ -111,7 +116,7 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return not recording.efforts
     if need == "deflection":
         return any(channel.quantity in BENDING_QUANTITIES for channel in recording.channels)
-    if need in ("motion", "channel", "angle"):
+    if need in ("motion", "channel", "angle", "line"):
         return bool(recording.channels)
     raise ValueError(f"unknown need {need!r}")
 
@@ -145,6 +150,9 @@ def _channels(effect: Effect, system: System, recording: Measured | None) -> tup
             or channel.site not in system.joint_names
             or system.joint(channel.site).prismatic
         ):
+            continue
+        own = references(system, channel.name).frequency / (2.0 * np.pi)
+        if "line" in effect.needs and not steady_lines(recording.time, channel.values, own):
             continue
         names.append(channel.name)
     if effect.sensor is not None and effect.sensor.every_channel:

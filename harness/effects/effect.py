@@ -140,6 +140,8 @@ class Sensor:
     clock: its first parameter is recorded over true time, so recorded efforts are stamped by it as well.
     linear: what it adds is proportional to how strongly it acts, so that a weak one is like a strong one made smaller.
     memory: of the same arguments, what it may still know of the time before the first sample: course (B, T) and size (B,).
+    courses: of a wave whose phase is every recording's own: (time (T,), params (B, k), times (K,) around every sample that it is
+        the mean of) -> two courses (2, B, T) a quarter of a period apart, as large as stated; ``apply`` begins it at phase zero.
     """
 
     apply: Callable[[Array, Array, Array], Array]
@@ -148,6 +150,7 @@ class Sensor:
     clock: bool = False
     linear: bool = False
     memory: Callable[[Array, Array, Array], tuple[Array, Array]] | None = None
+    courses: Callable[[Array, Array, Array], Array] | None = None
 
 
 @dataclass(frozen=True)
@@ -178,7 +181,7 @@ class Effect:
     signature: how it shows in a recording. shows_in: which recordings can show it. source: where the law is from.
     needs: what a recording must have: "effort", "motion" (a joint's position, velocity or effort), "flexible" (a beam in
         the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending), "exact shapes" (a beam
-        whose modes theory goes on with; samples end where they end).
+        whose modes theory goes on with; samples end where they end), "line" (a steady line in the channel's spectrum).
     expressed_by: how each engine can say it; an engine that is not named cannot.
     simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing;
         ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other. alongside: (own parameters,

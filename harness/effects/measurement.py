@@ -44,6 +44,18 @@ def periodic_error(signal: Array, time: Array, params: Array) -> Array:
     return signal + params[:, :1] * np.sin(params[:, 1:2] * signal + params[:, 2:3])
 
 
+def hum(signal: Array, time: Array, params: Array) -> Array:
+    """signal + amplitude · sin(2π frequency · time); params: amplitude [channel unit], frequency [Hz]."""
+    return signal + hum_courses(time, params, np.zeros(1))[0]
+
+
+def hum_courses(time: Array, params: Array, around: Array) -> Array:
+    """Sine and cosine of hum (2, B, T), as means over the times ``around`` (K,) every sample [s]; params as for ``hum``."""
+    turn = 2.0 * np.pi * params[:, 1:2]
+    left = np.mean(np.cos(turn * (around - np.mean(around))), axis=1, keepdims=True)
+    return params[:, :1] * left * np.stack([np.sin(turn * time), np.cos(turn * time)])
+
+
 def saturation(signal: Array, time: Array, params: Array) -> Array:
     """signal held within ±limit; params: limit [channel unit]."""
     return np.clip(signal, -params[:, :1], params[:, :1])

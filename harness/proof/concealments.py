@@ -510,6 +510,15 @@ _add("actuator_deadzone", "joint", _nothing, lambda f, d, s, a: {"width": 0.03 *
      needs_drive=True)  # fmt: skip
 
 
+def _hum(scene: Scene, k: int, p: Parameters) -> None:
+    def stage(g: Signal) -> Signal:
+        # Mains know nothing of when a recording begins: far digits of where it does stand for the phase.
+        phase = 1e5 * float(g(np.zeros(1))[0])
+        return lambda t: g(t) + p["amplitude"] * np.sin(2 * np.pi * p["frequency"] * t + phase)
+
+    _sense(scene, k, stage)
+
+
 # --- other forms of what the model states --------------------------------------------------------------------------
 
 
@@ -560,4 +569,10 @@ def _heavy_stop(scene: Scene, k: int, p: Parameters) -> None:
 _add(
     "stop_inertia", "joint", _nothing, lambda f, d, s, a: {"inertia": 2.0 * f * s.inertia_about_joint}, _heavy_stop,
     stated="end_stop",
+)  # fmt: skip
+
+# Last, so that what a seed draws of the others stays as it was. Mains, or what they look like to slow sampling.
+_add(
+    "sensor_hum", "channel", lambda rng, s, a: {"frequency": rng.uniform(15.0, 45.0)},
+    lambda f, d, s, a: {"amplitude": 0.003 * f * a, "frequency": d["frequency"]}, _hum,
 )  # fmt: skip

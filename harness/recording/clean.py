@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from harness.errors import InputError
 from harness.recording.recording import QualityNote
@@ -13,7 +14,9 @@ from harness.system.description import Array
 
 TURN = 2.0 * np.pi
 SAFE_STEP = 0.5 * np.pi  # largest true motion from sample to sample at which a wrap is beyond doubt
-OUTLIER_SIGMAS = 12.0
+OUTLIER_SIGMAS = 8.0  # some eleven of the samples' own: a cubic through four neighbours errs more than a sample does
+NEIGHBOURHOOD = 101  # samples that say how loud noise is around a sample
+BESIDE = 1.5  # of such deviations that neighbours of an outlier may be off by themselves
 LONE = 0.2  # of an outlier's distance: what its neighbours may be off; 0.3 at a corner on a sample
 PLATEAU = 4  # equal samples in a row at an extreme
 SHORT_GAP = 5  # samples of an effort that are filled by a straight line
@@ -114,7 +117,7 @@ def find_saturation(name: str, time: Array, values: Array, step: float) -> Quali
     windows: list[tuple[float, float]] = []
     count, limits = 0, []
     for extreme in (float(signal.max()), float(signal.min())):
-        runs = [run for run in _runs(np.abs(signal - extreme) <= tolerance) if run[1] - run[0] >= PLATEAU]
+        runs = [run for run in runs_of(np.abs(signal - extreme) <= tolerance) if run[1] - run[0] >= PLATEAU]
         cut = [run for run in runs if _runs_into(signal, run, step)]
         if cut:
             limits.append(extreme)
@@ -134,7 +137,8 @@ def find_saturation(name: str, time: Array, values: Array, step: float) -> Quali
     )
 
 
-def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs_of(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Stretches in which a mask is set, as (first, last + 1)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
@@ -160,9 +164,9 @@ def _runs_into(signal: Array, run: tuple[int, int], step: float) -> bool:
 def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[Array, QualityNote | None]:
     """Single samples far off the line of their neighbours, set to nan.
 
-    A sample is held against the cubic through two neighbours on either side. It is an outlier if its distance is beyond
-    twelve robust standard deviations, and its neighbours, held against theirs without it, are on their line: at a corner of
-    the motion (a stop) they are not.
+    A sample is held against the cubic through two neighbours on either side. It is an outlier if its distance is beyond eight
+    robust standard deviations of such distances around it, and its neighbours, held against theirs without it, are on their line:
+    at a corner of the motion (a stop) they are not.
     """
     present = np.flatnonzero(np.isfinite(values))
     if len(present) < 32:
@@ -170,12 +174,17 @@ def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[A
     x, t = values[present], time[present]
     index = np.arange(4, len(x) - 4)
     error = np.abs(x[index] - _predicted(t, x, index, index, (-2, -1, 1, 2)))
-    scale = 1.4826 * float(np.median(error)) + 0.5 * step + 1e-9 * float(np.ptp(x))
-    far = index[error > OUTLIER_SIGMAS * scale]
+    # Where noise grows with speed, what is loud among quiet samples is not so among its own; a reading that stands still has none.
+    around = median_filter(error, min(NEIGHBOURHOOD, len(error)), mode="nearest")
+    least = 1e-9 * float(np.ptp(x))
+    usual = float(np.median(error[error > least])) if bool(np.any(error > least)) else 0.0
+    scale = 1.4826 * np.maximum(around, usual) + 0.5 * step + least
+    loud = error > OUTLIER_SIGMAS * scale
+    far, scale = index[loud], scale[loud]
     size = np.abs(x[far] - _predicted(t, x, far, far, (-2, -1, 1, 2)))
     after = np.abs(x[far + 1] - _predicted(t, x, far, far + 1, (-2, -1, 2, 3)))
     before = np.abs(x[far - 1] - _predicted(t, x, far, far - 1, (-3, -2, 1, 2)))
-    lone = np.maximum(after, before) < LONE * size
+    lone = np.maximum(after, before) < np.maximum(LONE * size, BESIDE * scale)
     where, size = far[lone], size[lone]
     if not len(where) or len(where) > 0.02 * len(x):
         return values, None
@@ -212,7 +221,7 @@ def fill_effort(name: str, time: Array, values: Array, source: Path) -> tuple[Ar
     missing = ~np.isfinite(values)
     if not missing.any():
         return values, None
-    longest = max(last - first for first, last in _runs(missing))
+    longest = max(last - first for first, last in runs_of(missing))
     if longest > SHORT_GAP:
         raise InputError(
             f"the applied effort is missing for {longest} samples in a row",

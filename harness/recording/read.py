@@ -20,6 +20,7 @@ from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_b
 from harness.recording.jitter import jitter_note
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
+from harness.recording.stale import find_stale
 from harness.recording.table import Table, read_table
 from harness.recording.timing import Timing, grouped_mean, mend_time
 from harness.recording.units import factor_to_si
@@ -173,6 +174,10 @@ def _channel(
     else:
         values = grouped_mean(rows, timing.groups, len(timing.time))
     step = quantisation_step(values)
+    if column.quantity != "effort":
+        values, stale = find_stale(column.name, timing.time, values, step)
+        if stale is not None:
+            notes.append(stale)
     if column.quantity == "position":
         values, outliers = find_outliers(column.name, timing.time, values, step)
         if outliers is not None:

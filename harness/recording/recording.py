@@ -46,7 +46,7 @@ class QualityNote:
 
     kind: ``uneven_sampling``, ``gap``, ``unordered_time``, ``repeated_time``, ``rounded_time``, ``missing``, ``outlier``,
         ``wrapped_angle``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``cut_off``,
-        ``timing_jitter``, ``carried_start``, ``outside_push``, ``rezeroed``, ``suspicion``.
+        ``timing_jitter``, ``stale``, ``carried_start``, ``outside_push``, ``rezeroed``, ``suspicion``.
     channel: its name, or ``time``. where: windows [s] from the first sample; empty if everywhere.
     count: samples concerned. done: what was done about it. size: a number that goes with it (step, limit, …), SI or nan.
     """

@@ -189,6 +189,25 @@ def test_a_hard_stop_is_no_outlier(tmp_path, seed):
     assert not notes(read(tmp_path, TIME, values), "outlier")
 
 
+def test_stale_readings_are_left_out(tmp_path):
+    values = noisy()
+    for first, last in ((100, 104), (555, 557), (1200, 1206)):
+        values[first:last] = values[first]
+    recording = read(tmp_path, TIME, values)
+    (note,) = notes(recording, "stale")
+    assert note.count == 3 + 1 + 5
+    kept = recording.channels[0].values
+    assert np.isnan(kept[[101, 102, 103, 556, *range(1201, 1206)]]).all()
+    assert np.isfinite(kept).sum() == len(TIME) - 9
+
+
+def test_what_stands_still_without_noise_or_in_steps_is_not_stale(tmp_path):
+    computed = swing(TIME)
+    computed[1500:] = computed[1500]
+    assert not notes(read(tmp_path, TIME, computed), "stale")
+    assert not notes(read(tmp_path, TIME, np.round(noisy() / 2e-3) * 2e-3), "stale")
+
+
 @pytest.mark.parametrize(("limits", "count"), [((-0.5, 0.5), 2), ((-2.0, 0.5), 1)])
 def test_saturation_is_told_and_kept(tmp_path, limits, count):
     cut = np.clip(noisy(), *limits)
