@@ -277,7 +277,13 @@ def _stretched(outcome: Outcome, best: Fit) -> Test | None:
     return Test("nominal quantities outside their tolerance", best.prior, len(z), chance, where=(where,), places=-1)
 
 
-def _carries(outcome: Outcome, held: Fit, smaller: Fit, times: float) -> bool:
+def _pays(study: Study, best: Fit, k: int) -> bool:
+    """Whether member ``k`` gains more than its price beside the others."""
+    member = best.hypothesis.members[k]
+    return study.below(best, k).score - best.score > study.price(member, len(best.hypothesis.members) - 1)
+
+
+def _carries(outcome: Outcome, best: Fit, smaller: Fit, times: float) -> bool:
     """Whether predictions of data held out, the remainder's error included, become clearly worse without the effect.
 
     Real recordings always keep a remainder far above the noise of their sensors. What removes most of the error of a free run
@@ -286,6 +292,8 @@ def _carries(outcome: Outcome, held: Fit, smaller: Fit, times: float) -> bool:
     # A nominal model bent out of its tolerance may predict as well what the effect is there for; that is no way to do without it.
     study = outcome.study
     bent = study.stretched(smaller, study.loudness(smaller))
+    # Nor is it a way to do with it.
+    held = (judge_straight if bent and study.stretched(best, study.loudness(best)) else judge)(outcome, best)
     without = judge_straight(outcome, smaller) if bent else judge(outcome, smaller)
     channels = range(len(outcome.problem.channels))
     return any(rmse(outcome, without, c) > times * rmse(outcome, held, c) for c in channels)
@@ -333,12 +341,12 @@ def conclude(outcome: Outcome) -> Conclusion:
         best, fresh, saved = _without_doubtful(outcome, best, shaky, together)
         while fresh:
             doubted += fresh
-            held = judge(outcome, best)
             # What has leant on the doubtful must stand without it.
             fresh = [
                 key
                 for k, key in enumerate(best.hypothesis.keys)
-                if key not in [*firm, *saved] and not _carries(outcome, held, study.below(best, k), CARRIES)
+                if not _pays(study, best, k)
+                or (key not in [*firm, *saved] and not _carries(outcome, best, study.below(best, k), CARRIES))
             ]
             best = _left_out(outcome, best, fresh)
         # What made a law more general may have been left out with the doubtful.
@@ -393,7 +401,11 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     """What a set of effects leaves, and whether that is more than noise anywhere."""
     held = judge(outcome, best)
     remains = _examined(outcome, best)
-    for test in (_stretched(outcome, best), _does_not_carry_over(outcome, best)):
+    bent = _stretched(outcome, best)
+    if bent is not None:
+        # What bends the model so far could as well make what is weaker than that.
+        remains = replace(remains, excess=max(remains.excess, bent.gain))
+    for test in (bent, _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))
     crept = motion_where_held(outcome, best) if remains.significant else None
@@ -449,10 +461,10 @@ def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
     """
     if _nowhere(outcome, best, k) or _placed(best.hypothesis.members[k]):
         return False
-    held, smaller = judge(outcome, best), outcome.study.below(best, k)
-    if _carries(outcome, held, smaller, AMPLY):
+    smaller = outcome.study.below(best, k)
+    if _carries(outcome, best, smaller, AMPLY):
         return True
-    return _carries(outcome, held, smaller, CARRIES) and _steady(outcome, trained(outcome, best), k)
+    return _carries(outcome, best, smaller, CARRIES) and _steady(outcome, trained(outcome, best), k)
 
 
 def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:

@@ -11,6 +11,7 @@ LOUD = 20.0  # times the power around it: noise alone reaches that in e⁻²⁰ 
 AROUND = 65  # bins whose median is the power around a line
 ABOVE = 6.0  # times the joint's own frequency, from which on a line is looked for
 STEADY = 0.5  # of its amplitude in one half of a recording that a line must have in the other; vibrations die out
+BEATS = 16.0  # bins from half the sampling rate
 FEWEST = 128  # samples
 STRONGEST = 8  # peaks looked at
 
@@ -33,12 +34,16 @@ def steady_lines(time: Array, values: Array, own: float) -> tuple[float, ...]:
     frequency = np.fft.rfftfreq(len(even), interval)
     around = median_filter(power, min(AROUND, len(power)), mode="mirror") / np.log(2.0)
     ratio = power / np.maximum(around, 1e-300)
-    peak = np.zeros(len(power), dtype=bool)
-    peak[2:-2] = (power[2:-2] >= power[1:-3]) & (power[2:-2] > power[3:-1])
+    # The last bin, half the sampling rate, counts as a peak too: mains at twice their frequency stand there.
+    padded = np.concatenate([[np.inf], power, [0.0]])
+    peak = (power >= padded[:-2]) & (power > padded[2:])
     loud = np.flatnonzero(peak & (ratio > LOUD) & (frequency > ABOVE * own))
     strongest = loud[np.argsort(-power[loud])][:STRONGEST]
-    exact = [float(frequency[k] + _beside(power[k - 1 : k + 2]) * frequency[1]) for k in strongest]
-    return tuple(line for line in exact if _is_steady(even, interval, line))
+    mirrored = np.append(power, power[-2])
+    exact = [float(frequency[k] + _beside(mirrored[k - 1 : k + 2]) * frequency[1]) for k in strongest]
+    # Near half the sampling rate a line beats with its mirror image, however steady it is.
+    beats = 0.5 / interval - BEATS * frequency[1]
+    return tuple(line for line in exact if line > beats or _is_steady(even, interval, line))
 
 
 def _beside(three: Array) -> float:

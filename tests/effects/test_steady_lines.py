@@ -19,6 +19,16 @@ def test_a_line_is_found_to_a_small_part_of_the_resolution(frequency: float) -> 
     assert min(abs(line - frequency) for line in steady_lines(TIME, values, 0.9)) < 0.1 / TIME[-1]
 
 
+@pytest.mark.parametrize("frequency", [50.0, 50.01, 49.95])
+def test_mains_show_at_twice_their_frequency(frequency: float) -> None:
+    rng = np.random.default_rng(6)
+    time = np.arange(0.0, 8.0, 0.01)
+    hum = 2e-3 * np.sin(2.0 * np.pi * frequency * time + 1.0)
+    values = np.cos(5.0 * time) * np.exp(-0.05 * time) + hum + 1e-3 * rng.standard_normal(len(time))
+    (line,) = steady_lines(time, values, 0.8)
+    assert abs(line - frequency) < 2.0 / time[-1]
+
+
 def test_noise_has_no_line() -> None:
     rng = np.random.default_rng(4)
     for _ in range(50):
