@@ -13,7 +13,7 @@ from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis
 from harness.diagnose.differing_levels import Differing
 from harness.diagnose.experiment import propose
-from harness.diagnose.explain import finding_words, summary
+from harness.diagnose.explain import finding_words, number, summary
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import scaled
 from harness.diagnose.investigate import Outcome, judge, trained
@@ -24,8 +24,8 @@ from harness.diagnose.remainder import Remains
 from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.rivals import with_the_same
-from harness.diagnose.study import BEGUN
 from harness.diagnose.uncertainty import Estimate, across, estimates
+from harness.diagnose.zeros import zeros_of
 from harness.effects.room import STATED
 from harness.recording import Recording
 from harness.system import Attachment, System
@@ -89,7 +89,10 @@ def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
 
 def _findings(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> list[dict[str, Any]]:
     """What is claimed; effects that modify another one at their site are told with it."""
-    own = [(claim.candidate, _finding(outcome, claim, values[claim.candidate.key])) for claim in conclusion.claims]
+    own = [
+        (claim.candidate, _finding(outcome, conclusion, claim, values[claim.candidate.key]))
+        for claim in conclusion.claims
+    ]
     whole = []
     for member, finding in own:
         kept = (f for c, f in own if c.site == member.site and c.effect.name in member.effect.modifies)
@@ -101,8 +104,9 @@ def _findings(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[s
     return whole
 
 
-def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate]) -> dict[str, Any]:
+def _finding(outcome: Outcome, conclusion: Conclusion, claim: Claim, values: dict[str, Estimate]) -> dict[str, Any]:
     units = _units(outcome, claim)
+    zeros = zeros_of(outcome, conclusion.best, claim.index)
     return {
         "effect": claim.candidate.effect.name,
         "site": claim.candidate.site,
@@ -112,6 +116,7 @@ def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate]) -> dic
         },
         "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
         "indistinguishable_from": [_short(key, claim.candidate.site) for key in claim.rivals],
+        **({"zeros": zeros} if zeros else {}),
     }
 
 
@@ -147,7 +152,13 @@ def _summary(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[st
     colours = outcome.study.likelihood.colours
     severity = max((rmse(outcome, outcome.nominal, c) / colour.std for c, colour in enumerate(colours)), default=0.0)
     titles = [
-        finding_words(c.candidate.effect.title, c.candidate.site, values[c.candidate.key], _units(outcome, c))
+        finding_words(
+            c.candidate.effect.title,
+            c.candidate.site,
+            values[c.candidate.key],
+            _units(outcome, c),
+            [f"{z['recording']} {number(z['zero'])} {z['unit']}" for z in zeros_of(outcome, conclusion.best, c.index)],
+        )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
     ]
     rivals = [
@@ -191,11 +202,10 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     rows = []
     for fitted in likeliest(outcome, best, SHOWN):
         error = rmse(outcome, judge(outcome, fitted), 0)
-        paid = fitted.hypothesis.size * float(np.log(study.samples)) + BEGUN * fitted.vibrating
         rows.append(
             {
                 "effects": list(fitted.hypothesis.keys),
-                "bic": fitted.score + paid,
+                "bic": fitted.score + study.paid(fitted),
                 "heldout_rmse": error,
                 "lost": why_lost(study, best, fitted, error, own, conclusion.doubted),
             }

@@ -29,6 +29,8 @@ def candidates(
     effects = [e for e in catalogue().values() if not only or e.name in only] + list(further)
     found: dict[str, Candidate] = {}
     for effect in effects:
+        if "several" in effect.needs and len(recordings) < 2:
+            continue
         for recording in recordings:
             for site in sites(effect, system, recording):
                 key = f"{effect.name}@{site}"

@@ -480,7 +480,7 @@ def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:
         rivals += [r for r in _out_of_step(study, best, k) if r.key not in {own.key for own in rivals}]
         claims.append(
             Claim(
-                member, k, gain, heldout_z(outcome, smaller, best), gain - member.size * float(np.log(study.samples)),
+                member, k, gain, heldout_z(outcome, smaller, best), gain - study.numbers(member) * float(np.log(study.samples)),
                 tuple(r.key for r in rivals), tuple(rivals), min(1.0, probabilities.get(member.key, 0.0)),
             )
         )  # fmt: skip

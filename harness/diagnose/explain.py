@@ -22,9 +22,11 @@ def number(value: float) -> str:
     return f"{value:.4g}"
 
 
-def finding_words(title: str, site: str, values: dict[str, Estimate], units: dict[str, str]) -> str:
-    """One finding with its parameters."""
-    parts = []
+def finding_words(
+    title: str, site: str, values: dict[str, Estimate], units: dict[str, str], further: Sequence[str] = ()
+) -> str:
+    """One finding with its parameters and further numbers in words."""
+    parts = list(further)
     for name, e in values.items():
         unit = units[name] if units[name] != "1" else ""
         spread = f" ± {e.std:.2g}" if e.std is not None else " (at its bound)"

@@ -38,6 +38,11 @@ class Candidate:
     def size(self) -> int:
         return len(self.effect.parameters)
 
+    @property
+    def zeros(self) -> int:
+        """One if it adds a constant of its own to every window, else none."""
+        return int(self.effect.sensor is not None and self.effect.sensor.own_zero)
+
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
@@ -62,6 +67,11 @@ class Hypothesis:
     def size(self) -> int:
         """Number of effect parameters."""
         return sum(member.size for member in self.members)
+
+    @property
+    def zeros(self) -> int:
+        """Number of members that add a constant of its own to every window."""
+        return sum(m.zeros for m in self.members)
 
     @property
     def out_of_step(self) -> int:

@@ -330,7 +330,7 @@ class Predictor(Mechanisms):
                 averaged = _averaged(signal, run, channel, mechanism, sampled)
                 out[:, c] = _sensed(averaged, local, stamps, acting)[:, : window.size]
             out[:, c] += _remembered(out[:, c], signal, stamps, acting, run, window, c)
-            out[:, c] += _out_of_step(out[:, c], stamps, acting, run, window, c)
+            out[:, c] += _of_its_own(out[:, c], stamps, acting, run, window, c)
         return out
 
     def _sensing(self, hypothesis: Hypothesis, x: Array, channel: str) -> list[tuple[Sensor, Array]]:
@@ -386,13 +386,15 @@ def _remembered(
     return total
 
 
-def _out_of_step(
+def _of_its_own(
     reading: Array, stamps: Array, acting: Sequence[tuple[Sensor, Array]], run: Run, window: Window, c: int
 ) -> Array:
-    """Waves that sensors add in a phase that is every window's own, (B, T): in that which the record there shows."""
+    """What sensors add that is every window's own, (B, T), as the record there shows it: a zero, waves in a phase."""
     total = np.zeros_like(reading)
     record = run.values[c, window.first : window.last]
     seen = np.isfinite(record)
+    if seen.any() and any(sensor.own_zero for sensor, _ in acting):
+        total += np.mean((record - reading)[:, seen], axis=1, keepdims=True)
     # Towards the ends of a window little counts, lest what else is wrong there looked like a wave.
     weights = np.hanning(window.size + 2)[1:-1][seen]
     for sensor, values in acting:

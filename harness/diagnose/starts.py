@@ -167,6 +167,8 @@ def like(wider: Candidate, amplitude: float) -> list[Array]:
 
 def shapeless(candidate: Candidate, values: Array) -> bool:
     """Whether a law acts as its special case for want of the second size that makes it another."""
+    if not candidate.effect.simpler:
+        return False
     first, *others = candidate.effect.parameters
     sizes = [value for p, value in zip(others, values[1:], strict=True) if p.unit == first.unit]
-    return bool(candidate.effect.simpler) and any(abs(size) < GONE * abs(values[0]) for size in sizes)
+    return any(abs(size) < GONE * abs(values[0]) for size in sizes)

@@ -95,8 +95,12 @@ class Study:
         count = len(fitted.hypothesis.members)
         sets = log_choose(len(self.candidates), count)
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
-        own = fitted.hypothesis.size * float(np.log(self.samples)) + BEGUN * fitted.vibrating
-        return fitted.score + own + 2.0 * (sets + rare)
+        return fitted.score + self.paid(fitted) + 2.0 * (sets + rare)
+
+    def paid(self, fitted: Fit) -> float:
+        """What the Bayesian criterion asks for a fit's numbers, those that are every window's own among them."""
+        zeros = fitted.hypothesis.zeros * len(fitted.windows)
+        return (fitted.hypothesis.size + zeros) * float(np.log(self.samples)) + BEGUN * fitted.vibrating
 
     def evidence(self, fitted: Fit) -> float:
         """−2 log of the evidence (Laplace's method) up to a constant, to weigh rivals with equally many members.
@@ -117,13 +121,18 @@ class Study:
         volume = float(np.sum(np.log1p(np.maximum(np.linalg.eigvalsh(inner), 0.0) * WIDTH**2))) if own.any() else 0.0
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
         volume = min(volume, fitted.hypothesis.size * float(np.log(self.samples)))
-        return fitted.score + volume + BEGUN * fitted.vibrating + 2.0 * rare
+        zeros = fitted.hypothesis.zeros * len(fitted.windows) * float(np.log(self.samples))
+        return fitted.score + volume + zeros + BEGUN * fitted.vibrating + 2.0 * rare
 
     def price(self, candidate: Candidate, members: int = 0) -> float:
         """What the criterion asks for one more effect beside ``members``."""
         n = len(self.candidates)
         sets = log_choose(n, members + 1) - log_choose(n, members)
-        return candidate.size * float(np.log(self.samples)) + 2.0 * (sets + candidate.effect.rarity)
+        return self.numbers(candidate) * float(np.log(self.samples)) + 2.0 * (sets + candidate.effect.rarity)
+
+    def numbers(self, candidate: Candidate) -> int:
+        """How many numbers a candidate adds: its parameters, and what is every window's own."""
+        return candidate.size + candidate.zeros * len(self.windows)
 
     def states_for(self, hypothesis: Hypothesis, near: Fit | None = None) -> dict[Window, Array]:
         """Initial states to start a fit from: those of a fit nearby, or read off the recording."""

@@ -47,6 +47,7 @@ NAMES = (
     "flexural_rigidity",
     "geometric_stiffening",
     "sensor_offset",
+    "sensor_zero",
     "sensor_gain",
     "sensor_delay",
     "sensor_lowpass",
@@ -116,7 +117,7 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return not recording.efforts
     if need == "deflection":
         return any(channel.quantity in BENDING_QUANTITIES for channel in recording.channels)
-    if need in ("motion", "channel", "angle", "line"):
+    if need in ("motion", "channel", "angle", "line", "several"):
         return bool(recording.channels)
     raise ValueError(f"unknown need {need!r}")
 

@@ -142,6 +142,7 @@ class Sensor:
     memory: of the same arguments, what it may still know of the time before the first sample: course (B, T) and size (B,).
     courses: of a wave whose phase is every recording's own: (time (T,), params (B, k), times (K,) around every sample that it is
         the mean of) -> two courses (2, B, T) a quarter of a period apart, as large as stated; ``apply`` begins it at phase zero.
+    own_zero: adds a constant of its own to every recording, as that shows it.
     """
 
     apply: Callable[[Array, Array, Array], Array]
@@ -151,6 +152,7 @@ class Sensor:
     linear: bool = False
     memory: Callable[[Array, Array, Array], tuple[Array, Array]] | None = None
     courses: Callable[[Array, Array, Array], Array] | None = None
+    own_zero: bool = False
 
 
 @dataclass(frozen=True)
@@ -181,7 +183,8 @@ class Effect:
     signature: how it shows in a recording. shows_in: which recordings can show it. source: where the law is from.
     needs: what a recording must have: "effort", "motion" (a joint's position, velocity or effort), "flexible" (a beam in
         the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending), "exact shapes" (a beam
-        whose modes theory goes on with; samples end where they end), "line" (a steady line in the channel's spectrum).
+        whose modes theory goes on with; samples end where they end), "line" (a steady line in the channel's spectrum),
+        "several" (recordings).
     expressed_by: how each engine can say it; an engine that is not named cannot.
     simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing;
         ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other. alongside: (own parameters,

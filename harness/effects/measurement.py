@@ -19,6 +19,11 @@ EDGE, FEW = 2, 8  # samples at whose slopes little is known, and on which a swin
 SHORT_STEP = 1.0  # step over time constant below which quadrature replaces the recursion, which cancels there
 
 
+def unchanged(signal: Array, time: Array, params: Array) -> Array:
+    """The signal itself; no params."""
+    return signal
+
+
 def offset(signal: Array, time: Array, params: Array) -> Array:
     """signal + offset; params: offset [channel unit]."""
     return signal + params[:, :1]

@@ -51,6 +51,7 @@ WORDS = {
     "sensor_nonlinearity": {"quadratic": "1/channel", "cubic": "1/channel**2"},
     "sensor_drift": {"rate": "channel/s"},
     "sensor_saturation": {"limit": "channel"},
+    "sensor_zero": {},
     "sensor_hum": {"amplitude": "channel", "frequency": "Hz"},
     "clock_skew": {"factor": "1"},
     "actuator_gain": {"gain": "1"},
