@@ -35,6 +35,7 @@ class Concealment:
     joints: number of joints of the rigs it is tried on.
     stated: an effect that the nominal model states, of which this one is another form; ``parameters`` and ``plant`` are given its
         parameters too, among the draws and among their own.
+    alone: no part of pairs and triples: it hides nothing else, and nothing else hides it.
     """
 
     effect: str
@@ -46,6 +47,7 @@ class Concealment:
     needs_armature: bool = False
     joints: tuple[int, ...] = (1, 2)
     stated: str = ""
+    alone: bool = False
 
 
 CONCEALMENTS: dict[str, Concealment] = {}
@@ -574,5 +576,5 @@ _add(
 # Last, so that what a seed draws of the others stays as it was. Mains, or what they look like to slow sampling.
 _add(
     "sensor_hum", "channel", lambda rng, s, a: {"frequency": rng.uniform(15.0, 45.0)},
-    lambda f, d, s, a: {"amplitude": 0.003 * f * a, "frequency": d["frequency"]}, _hum,
+    lambda f, d, s, a: {"amplitude": 0.003 * f * a, "frequency": d["frequency"]}, _hum, alone=True,
 )  # fmt: skip

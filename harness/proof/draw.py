@@ -127,7 +127,7 @@ def _names(kind: str, rng: np.random.Generator, forced: Sequence[str]) -> list[s
     if kind in ("clean", "outside"):
         return []
     size = {"single": 1, "pair": 2, "triple": 3}[kind]
-    names = [name for name, c in CONCEALMENTS.items() if not c.stated]
+    names = [name for name, c in CONCEALMENTS.items() if not (c.stated or c.alone)]
     while True:
         chosen = [str(x) for x in rng.choice(names, size, replace=False)]
         if all(len(family.intersection(chosen)) <= 1 for family in FAMILIES):

@@ -14,6 +14,7 @@ from harness.proof.peers import to_ask
 from harness.proof.run import FULL, QUICK, tasks
 from harness.proof.score import CaseScore, Share, score_case, summarise
 from harness.proof.seal import seal, unseal
+from harness.proof.strength import Sight
 from harness.proof.visibility import distance
 from harness.proof.write import write_case
 
@@ -178,11 +179,23 @@ def test_what_does_not_show_is_not_concealed() -> None:
         draw_case("pair", 1865228484, 3, effects=("end_stop", "actuator_delay"), short=True)
 
 
-def test_a_mass_moved_to_where_the_swing_is_as_fast_is_hardly_seen() -> None:
-    # Followed from smaller shifts its visibility came out as 43.7, while the nominal model fits the recordings down to the noise.
+def test_a_mass_moved_to_where_the_swing_is_as_fast_counts_as_seen_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Followed from smaller shifts its visibility once came out as 43.7, while the nominal model fits the recordings down to the
+    # noise. Which shift is chosen hangs on the last digits of the processor; what it counts as must not be beyond what is seen
+    # there by someone who begins at the nominal model.
+    asked: list[tuple[Sight, np.ndarray]] = []
+    reckoned = Sight._distance
+
+    def remembered(self: Sight, seen: np.ndarray, start: np.ndarray) -> tuple[float, np.ndarray]:
+        asked.append((self, seen))
+        return reckoned(self, seen, start)
+
+    monkeypatch.setattr(Sight, "_distance", remembered)
     seed = 1677326322
     (task,) = (t for t in tasks(QUICK) if t.name == "single-10")
     case = draw_case("single", seed, task.index, effects=("com_offset",), short=True)
     (planted,) = case.planted
     assert planted.parameters["offset"] < -0.15
-    assert case.visibility[0] < 5.0
+    sight, seen = asked[-1]
+    afresh, _ = reckoned(sight, seen, np.zeros(len(sight.sigma)))
+    assert case.visibility[0] <= afresh * (1.0 + 1e-9)
