@@ -15,6 +15,7 @@ EFFECT = Effect(
     expressed_by={"any engine": "acts on the signal that any engine predicts"},
     needs=("channel", "several"),
     confusable_with=("sensor_offset", "base_tilt", "sensor_drift"),
+    rarity=1.5,  # two recordings that share a zero part it from an offset
     sensor=Sensor(unchanged, stage=72, linear=True, own_zero=True),
 )
 """Its zeros are taken as every recording shows them, the one held out too, where nobody could know it."""
