@@ -21,6 +21,16 @@ def one_by_one(findings: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]
     return [each for finding in findings for each in (finding, *finding.get(MODIFIED_BY, ()))]
 
 
+def numbers_of(finding: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """The parameters of a finding, and the zeros of recordings if it lists them, by name: ``value``, ``unit``, and their spread if
+    it is known."""
+    zeros = {
+        f"zero of {zero['recording']}": {"value": zero["zero"], "unit": zero["unit"]}
+        for zero in finding.get("zeros", ())
+    }
+    return {**finding["parameters"], **zeros}
+
+
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What a diagnosis found; fields as in ``denoc.diagnosis/1``.

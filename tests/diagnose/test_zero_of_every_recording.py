@@ -10,6 +10,7 @@ import pytest
 from simulated_recordings import Rig, nominal, recording, swing
 
 from harness import diagnose
+from harness.diagnose.diagnosis import numbers_of
 from harness.recording import Recording
 
 ZEROS = (0.03, -0.02, 0.05)
@@ -36,6 +37,7 @@ def test_zeros_are_told_beside_what_is_missing() -> None:
     # The mean of 800 readings is good to a thirtieth of the noise; within five of these.
     assert [z["zero"] for z in zeros] == pytest.approx(ZEROS, abs=5.0 * NOISE / np.sqrt(800.0))
     assert "run1 -0.0" in found.summary
+    assert numbers_of(findings["sensor_zero"])["zero of run1"]["unit"] == "rad"
 
 
 @pytest.mark.parametrize("count", [2, 3])

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from harness.diagnose.diagnosis import one_by_one
+from harness.diagnose.diagnosis import numbers_of, one_by_one
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
@@ -48,7 +48,7 @@ def _findings(findings: list[Mapping[str, Any]]) -> Table:
             f"{name} = {value['value']:.4g} ± {value['std']:.2g} {value['unit']}"
             if value.get("std") is not None
             else f"{name} = {value['value']:.4g} {value['unit']}"
-            for name, value in finding["parameters"].items()
+            for name, value in numbers_of(finding).items()
         )
         others = ", ".join(str(other) for other in finding.get("indistinguishable_from", ()))
         bic = finding.get("evidence", {}).get("delta_bic")
