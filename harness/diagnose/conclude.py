@@ -320,6 +320,8 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
         return None
     # Noise may be louder there, and is no misfit as long as its samples do not follow one another.
     chance = max(float(norm.sf(z)), follows_itself(by_channel(best, outcome.held_windows)))
+    if chance >= LEVEL:
+        return None
     where = f"mean square {np.exp(rise):.2f} times that of the training data"
     return Test("a worse fit of the data held out", added - judged * level, 1, chance, (where,), -1)
 

@@ -391,6 +391,8 @@ def _of_its_own(
 ) -> Array:
     """What sensors add that is every window's own, (B, T), as the record there shows it: a zero, waves in a phase."""
     total = np.zeros_like(reading)
+    if not any(sensor.own_zero or sensor.courses is not None for sensor, _ in acting):
+        return total
     record = run.values[c, window.first : window.last]
     seen = np.isfinite(record)
     if seen.any() and any(sensor.own_zero for sensor, _ in acting):
