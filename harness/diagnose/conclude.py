@@ -311,8 +311,7 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
     fitted = likelihood.samples(own.windows)
     if min(fitted, judged) < 2.0:
         return None
-    channels = range(len(outcome.problem.channels))
-    level = max(own.linear.cost / fitted, *(likelihood.roundest(c) for c in channels))
+    level = max(own.linear.cost / fitted, likelihood.rounded)
     added = best.score - own.score
     rise = float(np.log(max(added, 1e-300) / judged / level))
     z = rise / float(np.sqrt(2.0 / fitted + 2.0 / judged))
@@ -414,10 +413,8 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     if crept is not None:
         remains = replace(remains, tests=(*remains.tests, crept))
     # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
-    rounded = max(outcome.study.likelihood.roundest(c) for c in range(len(outcome.problem.channels)))
-    above = (
-        _level(outcome, held) > AT_FLOOR * np.sqrt(rounded) and follows_itself(by_channel(held, held.windows)) < LEVEL
-    )
+    floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)
+    above = _level(outcome, held) > floor and follows_itself(by_channel(held, held.windows)) < LEVEL
     return remains, remains.significant or above
 
 

@@ -92,6 +92,11 @@ class Likelihood:
         """
         return max(1.0, (0.5 * self.problem.steps[channel] / self.colours[channel].std) ** 2)
 
+    @property
+    def rounded(self) -> float:
+        """The same of whichever channel is rounded most."""
+        return max(self.roundest(c) for c in range(len(self.colours)))
+
     def samples(self, windows: tuple[Window, ...]) -> float:
         """Sum of the weights over windows: the number of independent readings."""
         return float(sum(np.sum(self.weights(w) ** 2) for w in windows))
