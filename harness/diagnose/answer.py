@@ -25,7 +25,7 @@ from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.rivals import with_the_same
 from harness.diagnose.uncertainty import Estimate, across, estimates
-from harness.diagnose.zeros import zeros_of
+from harness.diagnose.zeros import Zero, zeros_of
 from harness.effects.room import STATED
 from harness.recording import Recording
 from harness.system import Attachment, System
@@ -45,12 +45,13 @@ def answer(
     side, site = _side_and_site(outcome, conclusion)
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
     values = _intervals(outcome, conclusion)
+    zeros = {claim.candidate.key: zeros_of(outcome, conclusion.best, claim.index) for claim in conclusion.claims}
     return Diagnosis(
         verdict=conclusion.verdict,
-        summary=" ".join([_summary(outcome, conclusion, values), *([levels.sentence] if levels else [])]),
+        summary=" ".join([_summary(outcome, conclusion, values, zeros), *([levels.sentence] if levels else [])]),
         noise=noise,
         mismatch=[_mismatch(place) for place in places],
-        findings=_findings(outcome, conclusion, values),
+        findings=_findings(outcome, conclusion, values, zeros),
         ranking=_ranking(outcome, conclusion),
         fit=_fit_rows(outcome, conclusion),
         remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
@@ -87,10 +88,12 @@ def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
     return dict(zip(member.effect.parameter_names, units, strict=True))
 
 
-def _findings(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> list[dict[str, Any]]:
+def _findings(
+    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]]
+) -> list[dict[str, Any]]:
     """What is claimed; effects that modify another one at their site are told with it."""
     own = [
-        (claim.candidate, _finding(outcome, conclusion, claim, values[claim.candidate.key]))
+        (claim.candidate, _finding(outcome, claim, values[claim.candidate.key], zeros[claim.candidate.key]))
         for claim in conclusion.claims
     ]
     whole = []
@@ -104,9 +107,8 @@ def _findings(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[s
     return whole
 
 
-def _finding(outcome: Outcome, conclusion: Conclusion, claim: Claim, values: dict[str, Estimate]) -> dict[str, Any]:
+def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate], zeros: list[Zero]) -> dict[str, Any]:
     units = _units(outcome, claim)
-    zeros = zeros_of(outcome, conclusion.best, claim.index)
     return {
         "effect": claim.candidate.effect.name,
         "site": claim.candidate.site,
@@ -147,7 +149,9 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
     return values
 
 
-def _summary(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> str:
+def _summary(
+    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]]
+) -> str:
     """The answer in plain words."""
     colours = outcome.study.likelihood.colours
     severity = max((rmse(outcome, outcome.nominal, c) / colour.std for c, colour in enumerate(colours)), default=0.0)
@@ -157,7 +161,7 @@ def _summary(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[st
             c.candidate.site,
             values[c.candidate.key],
             _units(outcome, c),
-            [f"{z['recording']} {number(z['zero'])} {z['unit']}" for z in zeros_of(outcome, conclusion.best, c.index)],
+            [f"{z['recording']} {number(z['zero'])} {z['unit']}" for z in zeros[c.candidate.key]],
         )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
     ]

@@ -11,7 +11,7 @@ from harness.diagnose.hypothesis import Candidate
 from harness.effects.catalogue import catalogue, sites
 from harness.effects.effect import BY_MODEL, Effect, SiteKind
 from harness.effects.lanes import lane_model
-from harness.effects.lines import steady_lines
+from harness.effects.lines import lines_of
 from harness.effects.measured import Measured
 from harness.effects.room import with_room
 from harness.effects.scale import References, references
@@ -38,7 +38,7 @@ def candidates(
                     continue
                 law = _on_its_own(_within_sampling(with_room(effect, system, site), recordings), system, site)
                 sizes = references(system, site, recording)
-                candidate = Candidate(_at_lines(law, site, sizes, recording), site, sizes)
+                candidate = Candidate(_at_lines(law, system, site, sizes, recording), site, sizes)
                 if _possible(candidate, system):
                     found[key] = candidate
     return tuple(found.values())
@@ -57,14 +57,14 @@ def _within_sampling(effect: Effect, recordings: Sequence[Measured]) -> Effect:
     return replace(effect, parameters=tuple(limited))
 
 
-def _at_lines(effect: Effect, site: str, sizes: References, recording: Measured) -> Effect:
+def _at_lines(effect: Effect, system: System, site: str, sizes: References, recording: Measured) -> Effect:
     """The effect begun at every steady line of its channel, if lines are what it needs."""
     if "line" not in effect.needs:
         return effect
     (channel,) = (c for c in recording.channels if c.name == site)
-    lines = steady_lines(recording.time, channel.values, sizes.frequency / (2.0 * np.pi))
+    lines = lines_of(system, channel, recording.time)
     begun = (
-        replace(p, starts=tuple(line / sizes.line for line in lines)) if p.name == "frequency" else p
+        replace(p, starts=tuple(line / p.scale(sizes) for line in lines)) if p.search == "line" else p
         for p in effect.parameters
     )
     return replace(effect, parameters=tuple(begun))

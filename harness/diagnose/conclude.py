@@ -493,7 +493,7 @@ def _out_of_step(study: Study, best: Fit, k: int) -> list[Candidate]:
     The catalogue's has one phase for all of them, so no fit of it says this.
     """
     member = best.hypothesis.members[k]
-    if member.effect.sensor is None or member.effect.sensor.courses is None:
+    if not member.out_of_step:
         return []
     values = member.effect.named(study.predictor.effect_values(best.hypothesis, k, best.x))
     swing = member.references.frequency / (2.0 * np.pi)

@@ -43,6 +43,11 @@ class Candidate:
         """One if it adds a constant of its own to every window, else none."""
         return int(self.effect.sensor is not None and self.effect.sensor.own_zero)
 
+    @property
+    def out_of_step(self) -> int:
+        """One if it is a wave with a phase of its own in every window, else none."""
+        return int(self.effect.sensor is not None and self.effect.sensor.courses is not None)
+
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
@@ -76,7 +81,7 @@ class Hypothesis:
     @property
     def out_of_step(self) -> int:
         """Number of members that are waves with a phase of their own in every window."""
-        return sum(m.effect.sensor is not None and m.effect.sensor.courses is not None for m in self.members)
+        return sum(m.out_of_step for m in self.members)
 
     def span(self, k: int) -> slice:
         """Where member ``k`` has its parameters in the effect part of the parameter vector."""

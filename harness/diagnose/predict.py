@@ -402,7 +402,7 @@ def _of_its_own(
     for sensor, values in acting:
         if sensor.courses is None or not seen.any():
             continue
-        courses = sensor.courses(stamps[: window.size], values, _each_within_a_block(run))
+        courses = sensor.courses(stamps[: window.size], values, _within_a_block(run, run.averaged))
         own = courses[:, :, seen]
         left = (record - reading - total)[:, seen]
         gram = np.einsum("ibt,jbt,t->bij", own, own, weights)
@@ -430,16 +430,13 @@ def _averaged(
 MOST_WITHIN = 4  # times at which what a sensor makes of a block is worked out
 
 
-def _within_a_block(run: Run) -> Array:
-    """Times around the middle of a block [s] that stand for its samples: few, spread as widely as they are."""
-    count = min(run.averaged, MOST_WITHIN)
+def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
+    """Times around the middle of a block [s] that stand for its samples: at most so many, spread as widely as they are."""
+    count = min(run.averaged, most)
+    if count == 1:
+        return np.zeros(1)
     spacing = run.interval / run.averaged * np.sqrt((run.averaged**2 - 1.0) / (count**2 - 1.0))
     return np.asarray(spacing * (np.arange(count) - 0.5 * (count - 1)))
-
-
-def _each_within_a_block(run: Run) -> Array:
-    """Times of all samples of a block around its middle [s]."""
-    return np.asarray(run.interval / run.averaged * (np.arange(run.averaged) - 0.5 * (run.averaged - 1)))
 
 
 def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:

@@ -13,7 +13,7 @@ from scipy.signal import coherence
 from harness.effects.measured import Measured
 from harness.effects.scale import references
 from harness.errors import InputError
-from harness.recording.differences import SQUARE, third_differences
+from harness.recording.differences import white_noise
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -67,8 +67,7 @@ class Run:
 
         nan for a channel without samples.
         """
-        sizes = [d[np.isfinite(d)] for d in np.abs(third_differences(self.time, self.values))]
-        return np.array([np.median(d) / 0.6745 / np.sqrt(SQUARE) if len(d) else np.nan for d in sizes])
+        return np.array([white_noise(self.time, values) for values in self.values])
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ LAGS = 10  # samples over which a misfit is looked for to go on, at most a quart
 
 
 def by_channel(fitted: Fit, windows: Sequence[Window]) -> list[Array]:
-    """Whitened residuals of some of a fit's windows, one (T,) a channel and window."""
+    """Whitened residuals of some of a fit's windows, one (T,) a channel and window, channels of a window in a row."""
     return [
         own
         for window, r in zip(fitted.windows, fitted.linear.residuals, strict=True)
@@ -61,13 +61,12 @@ def louder_stretch(likelihood: Likelihood, fitted: Fit) -> tuple[float, float]:
     """
     stretches: list[Array] = []
     rounded: list[float] = []
-    for window, r in zip(fitted.windows, fitted.linear.residuals, strict=True):
-        channels = r.reshape(-1, window.size)
-        for c, own in enumerate(channels):
-            for part in np.array_split(own, max(STRETCHES // len(channels), 1)):
-                if np.count_nonzero(part) >= FEWEST:
-                    stretches.append(part)
-                    rounded.append(likelihood.roundest(c))
+    channels = len(likelihood.colours)
+    for k, own in enumerate(by_channel(fitted, fitted.windows)):
+        for part in np.array_split(own, max(STRETCHES // channels, 1)):
+            if np.count_nonzero(part) >= FEWEST:
+                stretches.append(part)
+                rounded.append(likelihood.roundest(k % channels))
     if len(stretches) < FEWEST_STRETCHES:
         return 0.0, 1.0
     count = np.array([np.count_nonzero(part) for part in stretches])

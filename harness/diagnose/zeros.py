@@ -9,8 +9,11 @@ import numpy as np
 from harness.diagnose.fit import Fit
 from harness.diagnose.investigate import Outcome
 
+Zero = dict[str, Any]
+"""``recording``, ``zero`` [unit], ``unit``."""
 
-def zeros_of(outcome: Outcome, fitted: Fit, k: int) -> list[dict[str, Any]]:
+
+def zeros_of(outcome: Outcome, fitted: Fit, k: int) -> list[Zero]:
     """What member ``k`` of a fit adds to its channel in every recording: ``recording``, ``zero``, ``unit``.
 
     None if it is no zero of a recording's own.
@@ -19,13 +22,11 @@ def zeros_of(outcome: Outcome, fitted: Fit, k: int) -> list[dict[str, Any]]:
     if not member.zeros:
         return []
     (c,) = (c for c, channel in enumerate(outcome.problem.channels) if channel.name == member.site)
-    without = fitted.hypothesis.without(k)
+    lanes = [(0, window, fitted.states[window]) for window in fitted.windows]
+    whole = outcome.predictor.predict(fitted.hypothesis, fitted.x[None, :], lanes)
+    bare = outcome.predictor.predict(fitted.hypothesis.without(k), fitted.x[None, :], lanes)
     found: dict[str, list[float]] = {}
-    for window in fitted.windows:
-        run = outcome.problem.runs[window.run]
-        lanes = [(0, window, fitted.states[window])]
-        bare = outcome.predictor.predict(without, fitted.x[None, :], lanes)[0]
-        whole = outcome.predictor.predict(fitted.hypothesis, fitted.x[None, :], lanes)[0]
-        found.setdefault(run.name, []).append(float(np.mean(whole[c] - bare[c])))
+    for window, with_, without in zip(fitted.windows, whole, bare, strict=True):
+        found.setdefault(outcome.problem.runs[window.run].name, []).append(float(np.mean(with_[c] - without[c])))
     unit = outcome.problem.channels[c].unit
     return [{"recording": name, "zero": float(np.mean(values)), "unit": unit} for name, values in found.items()]

@@ -7,12 +7,9 @@ from functools import cache
 from importlib import import_module
 from types import MappingProxyType
 
-import numpy as np
-
 from harness.effects.effect import Effect, SiteKind
-from harness.effects.lines import steady_lines
+from harness.effects.lines import lines_of
 from harness.effects.measured import Measured
-from harness.effects.scale import references
 from harness.errors import InputError
 from harness.system import System
 from harness.system.suggest import did_you_mean
@@ -152,8 +149,7 @@ def _channels(effect: Effect, system: System, recording: Measured | None) -> tup
             or system.joint(channel.site).prismatic
         ):
             continue
-        own = references(system, channel.name).frequency / (2.0 * np.pi)
-        if "line" in effect.needs and not steady_lines(recording.time, channel.values, own):
+        if "line" in effect.needs and not lines_of(system, channel, recording.time):
             continue
         names.append(channel.name)
     if effect.sensor is not None and effect.sensor.every_channel:

@@ -56,8 +56,8 @@ class Parameter:
     starts: values to start a search from, in multiples of ``scale`` counted from ``neutral`` (from 0 if that is infinite).
     neutral: the value at which the effect is absent, if one value alone does that.
     search: "gradient" where a start near the truth is not needed, "spectrum" where the residual's spectrum must give the start,
-        "range" where the motion's range must (the misfit has no slope far from the truth), "size" where the starts are tried as
-        they are, because equations are stiff near absence.
+        "line" where steady lines of the channel must, "range" where the motion's range must (the misfit has no slope far from the
+        truth), "size" where the starts are tried as they are, because equations are stiff near absence.
     """
 
     name: str

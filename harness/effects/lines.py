@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import median_filter
 
+from harness.effects.measured import MeasuredChannel
+from harness.effects.scale import references
+from harness.system import System
 from harness.system.description import Array
 
 LOUD = 20.0  # times the power around it: noise alone reaches that in e⁻²⁰ of the bins
@@ -14,6 +17,11 @@ STEADY = 0.5  # of its amplitude in one half of a recording that a line must hav
 BEATS = 16.0  # bins from half the sampling rate
 FEWEST = 128  # samples
 STRONGEST = 8  # peaks looked at
+
+
+def lines_of(system: System, channel: MeasuredChannel, time: Array) -> tuple[float, ...]:
+    """``steady_lines`` of a channel, above the motion of the joint that it belongs to."""
+    return steady_lines(time, channel.values, references(system, channel.name).frequency / (2.0 * np.pi))
 
 
 def steady_lines(time: Array, values: Array, own: float) -> tuple[float, ...]:

@@ -55,9 +55,9 @@ def hum(signal: Array, time: Array, params: Array) -> Array:
 
 
 def hum_courses(time: Array, params: Array, around: Array) -> Array:
-    """Sine and cosine of hum (2, B, T), as means over the times ``around`` (K,) every sample [s]; params as for ``hum``."""
+    """Sine and cosine of hum (2, B, T), as means over times ``around`` (K,) every sample [s], even about it; params as ``hum``."""
     turn = 2.0 * np.pi * params[:, 1:2]
-    left = np.mean(np.cos(turn * (around - np.mean(around))), axis=1, keepdims=True)
+    left = np.mean(np.cos(turn * around), axis=1, keepdims=True)
     return params[:, :1] * left * np.stack([np.sin(turn * time), np.cos(turn * time)])
 
 

@@ -6,13 +6,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from harness.effects.lines import steady_lines
 from harness.effects.measured import Measured
 from harness.system import Link, System
 from harness.system.description import Array
 from harness.system.inertia import about_origin, point_inertia
-
-MAINS = 50.0  # Hz
 
 
 @dataclass(frozen=True)
@@ -24,8 +21,7 @@ class References:
     frequency: √(torque / inertia), or one turn a second where gravity does not act [rad/s].
     mass: carried by the joint [kg]; length: from the joint to the tip [m]; gravity [m/s²].
     signal: extent of the channel, half its range [channel unit]; effort: largest applied [N·m or N].
-    duration: of the recording [s]; interval: median sampling interval [s]. line: the channel's strongest steady line above the
-    motion [Hz], or mains.
+    duration: of the recording [s]; interval: median sampling interval [s].
     """
 
     torque: float = 1.0
@@ -38,7 +34,6 @@ class References:
     effort: float = 1.0
     duration: float = 10.0
     interval: float = 0.01
-    line: float = MAINS
 
 
 @dataclass(frozen=True)
@@ -59,7 +54,6 @@ class Scale:
     effort: int = 0
     duration: int = 0
     interval: int = 0
-    line: int = 0
 
     def __call__(self, references: References) -> float:
         """The size in SI (or channel) units; positive."""
@@ -86,7 +80,7 @@ def references(system: System, site: str, recording: Measured | None = None) -> 
     owner = site.rsplit(".", 1)[0] if "." in site else site
     joint_name = _joint_of(system, owner)
     sizes = _mechanical(system, joint_name)
-    signal, effort, duration, interval, line = 1.0, 0.0, 10.0, 0.01, MAINS
+    signal, effort, duration, interval = 1.0, 0.0, 10.0, 0.01
     if recording is not None:
         time = np.asarray(recording.time)
         duration = float(time[-1] - time[0]) or duration
@@ -95,7 +89,6 @@ def references(system: System, site: str, recording: Measured | None = None) -> 
             if channel.name == site:
                 finite = channel.values[np.isfinite(channel.values)]
                 signal = float(np.ptp(finite)) / 2.0 if finite.size else 1.0
-                line = next(iter(steady_lines(recording.time, channel.values, sizes[2] / (2.0 * np.pi))), MAINS)
         for channel in recording.efforts:
             if channel.site == joint_name:
                 finite = channel.values[np.isfinite(channel.values)]
@@ -112,7 +105,6 @@ def references(system: System, site: str, recording: Measured | None = None) -> 
         effort=effort or torque,
         duration=duration,
         interval=interval,
-        line=line,
     )
 
 

@@ -22,3 +22,10 @@ def third_differences(time: Array, values: Array) -> Array:
     weights *= np.sqrt(SQUARE / np.sum(weights**2, axis=0))
     count = values.shape[-1] - 3
     return np.asarray(sum(weights[k] * values[..., k : count + k] for k in range(4)))
+
+
+def white_noise(time: Array, values: Array) -> float:
+    """Standard deviation of the white noise of a signal (T,), robustly from its third differences; nan without samples."""
+    third = np.abs(third_differences(time, values))
+    seen = third[np.isfinite(third)]
+    return float(np.median(seen) / 0.6745 / np.sqrt(SQUARE)) if len(seen) else np.nan

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from harness.recording.clean import runs_of
-from harness.recording.differences import SQUARE, third_differences
+from harness.recording.differences import white_noise
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
@@ -20,11 +20,9 @@ def find_stale(name: str, time: Array, values: Array, step: float) -> tuple[Arra
     time, values: shape (T,), values nan where missing. step: quantisation step of the channel: with one, equal readings are as they
     should be, and so they are at the signal's extremes (saturation).
     """
-    third = third_differences(time, values)
-    finite = third[np.isfinite(third)]
-    if step > 0.0 or not len(finite):
+    noise = white_noise(time, values)
+    if step > 0.0 or np.isnan(noise):
         return values, None
-    noise = 1.4826 * float(np.median(np.abs(finite))) / float(np.sqrt(SQUARE))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     levels = np.unique(values[np.isfinite(values)])
     if noise <= EXACT * (high - low) or float(np.diff(levels).min(initial=np.inf)) > FINE * noise:
