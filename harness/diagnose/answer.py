@@ -13,14 +13,14 @@ from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis
 from harness.diagnose.differing_levels import Differing
 from harness.diagnose.experiment import propose
-from harness.diagnose.explain import finding_words, number, summary
+from harness.diagnose.explain import finding_words, number, plainest, summary
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import scaled
 from harness.diagnose.investigate import Outcome, judge, trained
 from harness.diagnose.locate import Mismatch, locate, rmse
 from harness.diagnose.lost import why_lost
 from harness.diagnose.profile_likelihood import as_likely, profiled, spanning
-from harness.diagnose.remainder import Remains
+from harness.diagnose.remainder import JUMP, WANDERS, Remains
 from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.rivals import with_the_same
@@ -70,10 +70,14 @@ def answer(
 
 
 def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
-    """What the mismatch is attributed to: the weightiest claim, else the best score test of the empty hypothesis."""
+    """What the mismatch is attributed to: the weightiest claim, a reading that nothing named moves, or else the best score test."""
     if conclusion.claims:
         claim = max(conclusion.claims, key=lambda c: c.gain)
         return claim.candidate.effect.side, claim.candidate.site
+    if conclusion.remains.significant:
+        left = plainest(conclusion)
+        if left.name in (JUMP, WANDERS):
+            return "sensor", left.where[0]
     ranked = outcome.study.ranked(outcome.empty)
     if ranked:
         return ranked[0].candidate.effect.side, ranked[0].candidate.site

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -16,7 +15,7 @@ from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained, training_gain
 from harness.diagnose.locate import rmse
-from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump
+from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump, wandering
 from harness.diagnose.rivals import APART, near, preferred
 from harness.diagnose.screen import scanned
 from harness.diagnose.starts import FOLLOWS
@@ -189,13 +188,17 @@ def _probabilities(outcome: Outcome) -> dict[str, float]:
 
 
 def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *, exact: bool = False) -> bool:
-    """Whether a force or a jump that nobody has named explains, better by ``margin``, what a member was called for.
+    """Whether a force, or jump or course of a reading, that nobody has named does better by ``margin`` than what a member does.
 
     exact: ask only for what brings what it promises.
     """
     study = outcome.study
-    tests: Sequence[Test]
-    tests = [jump(outcome.predictor, study.likelihood, smaller)] if exact else _examined(outcome, smaller).tests
+    tests: list[Test] | tuple[Test, ...]
+    if exact:
+        tests = [jump(outcome.predictor, study.likelihood, smaller)]
+        tests += wandering(outcome.predictor, study.likelihood, smaller, outcome.period)
+    else:
+        tests = _examined(outcome, smaller).tests
     # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
     lasting = any(
         m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
@@ -338,16 +341,14 @@ def conclude(outcome: Outcome) -> Conclusion:
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if _doubtful(outcome, best, k, remains)]
     together = _imitated_together(outcome, best, remains)
     if shaky or together:
-        firm = [key for k, key in enumerate(best.hypothesis.keys) if _firm(outcome, best, k)]
-        best, fresh, saved = _without_doubtful(outcome, best, shaky, together)
+        best, fresh = _without_doubtful(outcome, best, shaky, together)
         while fresh:
             doubted += fresh
             # What has leant on the doubtful must stand without it.
             fresh = [
                 key
                 for k, key in enumerate(best.hypothesis.keys)
-                if not _pays(study, best, k)
-                or (key not in [*firm, *saved] and not _carries(outcome, best, study.below(best, k), CARRIES))
+                if not _pays(study, best, k) or not _carries(outcome, best, study.below(best, k), CARRIES)
             ]
             best = _left_out(outcome, best, fresh)
         # What made a law more general may have been left out with the doubtful.
@@ -370,10 +371,8 @@ def _left_out(outcome: Outcome, best: Fit, keys: list[str]) -> Fit:
     return best
 
 
-def _without_doubtful(
-    outcome: Outcome, best: Fit, shaky: list[str], together: list[str]
-) -> tuple[Fit, list[str], list[str]]:
-    """The fit without the doubtful, what was left out, and what stands after all.
+def _without_doubtful(outcome: Outcome, best: Fit, shaky: list[str], together: list[str]) -> tuple[Fit, list[str]]:
+    """The fit without the doubtful, and what was left out.
 
     together: doubted together, and left out at once. shaky: doubted one by one; the weakest goes first, for beside one less that
     is doubtful another may be firm.
@@ -387,7 +386,7 @@ def _without_doubtful(
         dropped.append(weakest)
         best = _left_out(outcome, best, [weakest])
         left = [key for key in left if key != weakest and not _firm(outcome, best, best.hypothesis.keys.index(key))]
-    return best, dropped, [key for key in shaky if key not in dropped]
+    return best, dropped
 
 
 def _examined(outcome: Outcome, fitted: Fit) -> Remains:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from harness.diagnose.conclude import Conclusion
 from harness.diagnose.creep import WHERE_HELD
+from harness.diagnose.remainder import Test
 from harness.diagnose.uncertainty import Estimate
 
 VERDICTS = {
@@ -53,14 +54,19 @@ def summary(
     if doubts:
         text += " The remainder could have imitated " + ", ".join(doubts) + ", so that is not claimed."
     if conclusion.remains.significant:
-        tests = conclusion.remains.tests
-        plainest = min(tests, key=lambda t: (t.chance, -t.gain))
-        if plainest.places >= 0:
-            # What happens once in every recording is weighed with all its times, as it is where it stands against a finding.
-            samples = sum(len(r) for r in conclusion.best.linear.residuals)
-            plainest = max((t for t in tests if t.places >= 0), key=lambda t: t.worth(samples))
-        # Other tests see a creep too, but that one says where it comes from.
-        plainest = next((t for t in tests if t.name == WHERE_HELD and t.gain > TELLING * plainest.gain), plainest)
-        where = ", ".join(w for w in plainest.where if w)
-        text += f" What is left shows as {plainest.name.split(' at ')[0]}" + (f" ({where})." if where else ".")
+        left = plainest(conclusion)
+        where = ", ".join(w for w in left.where if w)
+        text += f" What is left shows as {left.name.split(' at ')[0]}" + (f" ({where})." if where else ".")
     return text
+
+
+def plainest(conclusion: Conclusion) -> Test:
+    """The test that says most of what is left."""
+    tests = conclusion.remains.tests
+    found = min(tests, key=lambda t: (t.chance, -t.gain))
+    if found.places >= 0:
+        # What happens once in every recording is weighed with all its times, as it is where it stands against a finding.
+        samples = sum(len(r) for r in conclusion.best.linear.residuals)
+        found = max((t for t in tests if t.places >= 0), key=lambda t: t.worth(samples))
+    # Other tests see a creep too, but that one says where it comes from.
+    return next((t for t in tests if t.name == WHERE_HELD and t.gain > TELLING * found.gain), found)

@@ -279,11 +279,13 @@ def examine(
         excess = max([excess, *(test.gain for test in tests[-2:] if _counts(test, level))])
     gain, chance = louder_stretch(likelihood, fitted)
     tests.append(Test("a louder stretch", gain, 1, chance, places=-1))
-    tests.append(_spectrum(own_period=period, predictor=predictor, fitted=fitted))
-    tests.append(jump(predictor, likelihood, fitted, space))
-    for test in tests[-2:]:
-        if _counts(test, level):
-            excess = max(excess, test.gain)
+    others = [
+        _spectrum(own_period=period, predictor=predictor, fitted=fitted),
+        jump(predictor, likelihood, fitted, space),
+        *wandering(predictor, likelihood, fitted, period, space),
+    ]
+    tests += others
+    excess = max([excess, *(test.gain for test in others if _counts(test, level))])
     significant = any(_counts(t, level) for t in tests)
     form = force_map = None
     if chosen:
@@ -472,6 +474,8 @@ def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float
 
 
 SETS_IN = "a force that sets in"
+JUMP = "a jump of the reading"
+WANDERS = "a reading that wanders"
 JUMPS = 160  # places of a recording at which a lasting jump of a reading is tried, evenly spread and again where it is likely
 MOMENTS = 12  # in a recording at which a force is tried to set in
 
@@ -580,7 +584,50 @@ def jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisa
         chosen.append(column)
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
     every = (_jointly(space, chosen), len(chosen))
-    return Test("a jump of the reading", best, 1, chance, where, 1, every, exact=True)
+    return Test(JUMP, best, 1, chance, where, 1, every, exact=True)
+
+
+BENDS = 12  # half waves of a reading that wanders over a window, at most
+
+
+def wandering(
+    predictor: Predictor, likelihood: Likelihood, fitted: Fit, period: float, space: Nuisance | None = None
+) -> list[Test]:
+    """For every channel the gain by a course of its reading that is slower than the motion, in every window another.
+
+    As a constant and half waves over the window, two periods of the swing long or longer (those of a discrete cosine transform).
+    period: of the slowest swing [s]. space: what the hypothesis may adjust, if known already.
+    """
+    space = space or nuisance(fitted, predictor)
+    noise = _loudness(fitted)
+    channels = predictor.problem.channels
+    found = []
+    courses = [_courses(predictor, window, period) for window in fitted.windows]
+    edges = np.cumsum([0, *(len(own) for own in courses)])
+    if not edges[-1]:
+        return []
+    for c, channel in enumerate(channels):
+        columns = []
+        for window, own, first in zip(fitted.windows, courses, edges, strict=False):
+            signal = np.zeros((edges[-1], len(channels), window.size))
+            signal[first : first + len(own), c] = likelihood.colours[c].std * own
+            columns.append(likelihood.whiten_signal(window, signal))
+        gain, amplitudes, size = solve_gain(space.measure(columns), range(edges[-1]))
+        chance = float(chi2.sf(gain / noise, max(size, 1.0))) if gain > LOUDER * size else 1.0
+        extents = [float(np.ptp(amplitudes[a:b] @ own)) for own, a, b in zip(courses, edges, edges[1:], strict=False)]
+        widest = int(np.argmax(extents))
+        by = f"by {likelihood.colours[c].std * extents[widest]:.2g} {channel.unit}"
+        where = (channel.name, f"{by} in {predictor.runs[fitted.windows[widest].run].name}")
+        found.append(Test(WANDERS, gain, int(size), chance, where, exact=True))
+    return found
+
+
+def _courses(predictor: Predictor, window: Window, period: float) -> Array:
+    """Constant and half waves over a window (k, T); none if no half wave is slow enough."""
+    time = predictor.runs[window.run].time[window.first : window.last]
+    count = min(int((time[-1] - time[0]) / period), BENDS)
+    turns = np.arange(count + 1 if count else 0)[:, None] * (time - time[0]) / (time[-1] - time[0])
+    return np.asarray(np.cos(np.pi * turns))
 
 
 def _likeliest_jumps(colour: Colour, residual: Array, weights: Array) -> NDArray[np.intp]:
