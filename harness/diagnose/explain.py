@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from harness.diagnose.conclude import Conclusion
+from harness.diagnose.conclude import LEVEL, Conclusion
 from harness.diagnose.creep import WHERE_HELD
 from harness.diagnose.remainder import Test
 from harness.diagnose.uncertainty import Estimate
@@ -62,7 +62,7 @@ def summary(
 
 def plainest(conclusion: Conclusion) -> Test:
     """The test that says most of what is left."""
-    tests = conclusion.remains.tests
+    tests = [t for t in conclusion.remains.tests if t.chance < LEVEL] or conclusion.remains.tests
     found = min(tests, key=lambda t: (t.chance, -t.gain))
     if found.places >= 0:
         # What happens once in every recording is weighed with all its times, as it is where it stands against a finding.

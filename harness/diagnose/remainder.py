@@ -595,7 +595,8 @@ def wandering(
 ) -> list[Test]:
     """For every channel the gain by a course of its reading that is slower than the motion, in every window another.
 
-    As a constant and half waves over the window, two periods of the swing long or longer (those of a discrete cosine transform).
+    As half waves over the window, two periods of the swing long or longer (those of a discrete cosine transform), all of which are
+    taken to begin at zero: a zero that is wrong from the start is another thing.
     period: of the slowest swing [s]. space: what the hypothesis may adjust, if known already.
     """
     space = space or nuisance(fitted, predictor)
@@ -623,11 +624,11 @@ def wandering(
 
 
 def _courses(predictor: Predictor, window: Window, period: float) -> Array:
-    """Constant and half waves over a window (k, T); none if no half wave is slow enough."""
+    """Half waves over a window (k, T), from zero on; none if no half wave is slow enough."""
     time = predictor.runs[window.run].time[window.first : window.last]
     count = min(int((time[-1] - time[0]) / period), BENDS)
-    turns = np.arange(count + 1 if count else 0)[:, None] * (time - time[0]) / (time[-1] - time[0])
-    return np.asarray(np.cos(np.pi * turns))
+    turns = np.arange(1, count + 1)[:, None] * (time - time[0]) / (time[-1] - time[0])
+    return np.asarray(np.cos(np.pi * turns) - 1.0)
 
 
 def _likeliest_jumps(colour: Colour, residual: Array, weights: Array) -> NDArray[np.intp]:
