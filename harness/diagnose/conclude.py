@@ -43,6 +43,9 @@ CROWDED = 3.0  # so that each must gain so many times its price
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
 )
+NEEDED = (
+    0.05  # share of what an effect explains that an unnamed force must leave, to which its linear response is trusted
+)
 CARRIES = (
     1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
 )
@@ -348,7 +351,9 @@ def conclude(outcome: Outcome) -> Conclusion:
             fresh = [
                 key
                 for k, key in enumerate(best.hypothesis.keys)
-                if not _pays(study, best, k) or not _carries(outcome, best, study.below(best, k), CARRIES)
+                if not _pays(study, best, k)
+                or not _carries(outcome, best, study.below(best, k), CARRIES)
+                or _a_force_as_well(outcome, best, k)
             ]
             best = _left_out(outcome, best, fresh)
         # What made a law more general may have been left out with the doubtful.
@@ -446,6 +451,26 @@ def _nowhere(outcome: Outcome, best: Fit, k: int) -> bool:
     return place.low <= 0.0 <= place.high
 
 
+def _a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
+    """Whether what member ``k``, of a sensor or of a drive, explains is also explained by a force that nobody has named.
+
+    The force may act on both sides of the comparison, so that what it explains of a remainder says nothing about the member.
+    """
+    if best.hypothesis.members[k].effect.side == "dynamics":
+        return False
+    study = outcome.study
+    smaller = study.below(best, k)
+
+    def left(fitted: Fit) -> dict[tuple[str, str], float]:
+        there = max(fitted.score - study.samples, 0.0)
+        forces = (t for t in _examined(outcome, fitted).tests if t.places == 0 and not t.exact)
+        return {(t.name, t.where[0]): max(there - t.gain, 0.0) for t in forces}
+
+    without, with_ = left(smaller), left(best)
+    least = NEEDED * (smaller.score - best.score)
+    return any(without[key] < max(FAKED * with_[key], least) for key in without.keys() & with_.keys())
+
+
 def _placed(member: Candidate) -> bool:
     """Whether an effect was chosen among many places: numbers of periods, frequencies, angles."""
     return scanned(member) or "phase" in member.effect.parameter_names
@@ -455,9 +480,9 @@ def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves.
 
     Never of a force or error that could be put at many places: one of them always fits some of what something else makes, and
-    recordings of one rig repeat that.
+    recordings of one rig repeat that. Nor of what a sensor or drive does if a force might do it: not even the side is then known.
     """
-    if _nowhere(outcome, best, k) or _placed(best.hypothesis.members[k]):
+    if _nowhere(outcome, best, k) or _placed(best.hypothesis.members[k]) or _a_force_as_well(outcome, best, k):
         return False
     smaller = outcome.study.below(best, k)
     if _carries(outcome, best, smaller, AMPLY):
