@@ -32,6 +32,7 @@ MOST_SECOND = 2  # nearly as good sets whose other members' relatives are tried
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
 MOST_TOGETHER, MOST_SLOW = 6, 1  # pairs of exchanges fitted, and those of them that are dear beside a set that is not
+NOTHING = 1e-3  # of an effect's typical size, below which it is absent
 
 
 def generalized(study: Study, base: Fit) -> list[Fit]:
@@ -293,6 +294,31 @@ def reduced(study: Study, best: Fit) -> list[Fit]:
             if k != swap.k and study.reduce(best, k).score < FAR * best.score:
                 found.append(study.reduce(swap.fit, swap.fit.hypothesis.keys.index(key)))
     return found
+
+
+def emptied(study: Study, best: Fit) -> list[Fit]:
+    """Fits of sets that would be better than the best one, were it not for a member that has come to nothing, without that one.
+
+    What was found beside something that explained part of it by mistake may need nothing beside it.
+    """
+    own, found = study.criterion(best), []
+    for fitted in list(study.fits.values()):
+        for k, member in enumerate(fitted.hypothesis.members):
+            price = study.price(member, len(fitted.hypothesis.members) - 1)
+            if study.criterion(fitted) - price < own and _came_to_nothing(study, fitted, k):
+                found.append(study.reduce(fitted, k))
+                break
+    return found
+
+
+def _came_to_nothing(study: Study, fitted: Fit, k: int) -> bool:
+    """Whether member ``k`` of a fit is absent to within a small part of its typical size."""
+    member = fitted.hypothesis.members[k]
+    if not member.effect.parameters:
+        return False
+    size = member.effect.parameters[0]
+    value = study.predictor.effect_values(fitted.hypothesis, k, fitted.x)[0]
+    return bool(np.isfinite(size.neutral) and abs(value - size.neutral) < NOTHING * size.scale(member.references))
 
 
 def pruned(study: Study, fitted: Fit, louder: float = 1.0) -> Fit:

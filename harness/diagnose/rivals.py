@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import generalized, pruned, reduced, related, relatives
+from harness.diagnose.exchange import emptied, generalized, pruned, reduced, related, relatives
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible, dear
 from harness.diagnose.investigate import Outcome
@@ -147,7 +147,7 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
         close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
         others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED]]
-        better = min([*others, *reduced(study, best)], key=study.criterion, default=best)
+        better = min([*others, *reduced(study, best), *emptied(study, best)], key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break
         best = better

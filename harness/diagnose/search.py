@@ -8,7 +8,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from harness.diagnose.bent import straightened
-from harness.diagnose.exchange import FLOOR, alternatives, generalized, pruned, reduced, relatives, second, together
+from harness.diagnose.exchange import (
+    FLOOR,
+    alternatives,
+    emptied,
+    generalized,
+    pruned,
+    reduced,
+    relatives,
+    second,
+    together,
+)
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Hypothesis, compatible, dear
 from harness.diagnose.screen import Score
@@ -329,6 +339,7 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
         together(study, best, 2 * effort.most_fits)
         second(study, best, 2 * effort.most_fits)
         reduced(study, best)
+        emptied(study, best)
         ordered = sorted(study.fits.values(), key=study.criterion)
         if study.criterion(ordered[0]) > before - 1e-6:
             break
