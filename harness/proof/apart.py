@@ -46,9 +46,8 @@ def apart(answer: Mapping[str, Any], predicted: Sequence[Mapping[str, Any]]) -> 
         run = truth[one["recording"]]
         time = np.array(run["time"])
         at = np.array(one["time"])
-        at += time[
-            0
-        ]  # a diagnosis counts time from a recording's first sample, be that one of a block of which it takes the mean
+        # A diagnosis counts time from a recording's first sample, be that one of a block of which it takes the mean.
+        at += time[0]
         # The two differ by what varies slowly, and so may be compared at the times of either.
         difference = np.array(one["value"]) - np.interp(at, time, np.array(run[one["channel"]]))
         squares += float(np.sum(whiten(np.interp(time, at, difference), sensor) ** 2))
