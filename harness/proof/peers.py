@@ -221,9 +221,10 @@ def to_ask(scores: Sequence[CaseScore], most: int) -> list[CaseScore]:
     """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, tilted and late ones first.
 
     Tilts, late and shifted readings are what peers that fit damping and dry friction alone take for these. What a model states as
-    an effect cannot be handed to them.
+    an effect cannot be handed to them, nor can links that bend.
     """
     told = {"base_tilt": 0, "sensor_delay": 1, "sensor_offset": 2}
+    scores = [s for s in scores if not s.name.startswith("flexible")]
     fit = [s for s in scores if s.kind == "single" and not CONCEALMENTS[s.planted[0][0]].stated]
     single = sorted(fit, key=lambda s: told.get(s.planted[0][0], len(told)))
     clean = [s for s in scores if s.kind == "clean"]

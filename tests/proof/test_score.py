@@ -171,8 +171,12 @@ def test_peers_are_asked_about_clean_cases_and_about_single_effects() -> None:
     single = [score_case(f"single-{k}", hidden("coulomb_friction"), told("coulomb_friction")) for k in range(30)]
     tilted = score_case("tilted", hidden("base_tilt"), told("base_tilt"))
     soft = score_case("soft", hidden("friction_softness"), told("friction_softness"))
-    asked = to_ask([*clean, soft, *single, tilted], 40)
+    # Links that bend are no peer's matter either, and what is concealed in them is known to the catalogue alone.
+    bent = [score_case(f"flexible-{kind}-0", hidden(*planted, kind=kind), told(verdict="consistent"))
+            for kind, planted in (("clean", ()), ("single", ("geometric_stiffening",)))]  # fmt: skip
+    asked = to_ask([*bent, *clean, soft, *single, tilted], 40)
     assert soft not in asked
+    assert not {s.name for s in bent} & {s.name for s in asked}
     assert [s.kind for s in asked] == ["clean"] * 20 + ["single"] * 20
     assert asked[20] is tilted
     # Where there are few single effects, clean cases take the room.
