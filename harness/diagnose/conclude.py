@@ -49,6 +49,7 @@ NEEDED = (
 CARRIES = (
     1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
 )
+RUNG = 0.9  # share of what a wave explains, from which on something that rings may be it
 AMPLY = 1.8  # times that it grows without an effect that is claimed whatever the data held out give by themselves
 UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
 BETTER = 12.0  # in the criterion, by which an unnamed force must do better than an effect that explains all
@@ -514,13 +515,21 @@ def _out_of_step(study: Study, best: Fit, k: int) -> list[Candidate]:
     """What looks like member ``k`` if that is a wave with a phase of its own in every recording: a shaken base that nobody started
     with the recordings, as far as joints still follow one.
 
-    The catalogue's has one phase for all of them, so no fit of it says this.
+    The catalogue's has one phase for all of them, so no fit of it says this. Or something that rings by itself.
     """
     member = best.hypothesis.members[k]
     if not member.out_of_step:
         return []
     values = member.effect.named(study.predictor.effect_values(best.hypothesis, k, best.x))
     swing = member.references.frequency / (2.0 * np.pi)
-    if values["frequency"] > FOLLOWS * swing:
-        return []
-    return [c for c in study.candidates if c.effect.name in member.effect.confusable_with]
+    followed = values["frequency"] <= FOLLOWS * swing
+    without = study.below(best, k).score
+
+    def alike(other: Candidate) -> bool:
+        if not other.effect.adds_coordinates:
+            return followed
+        # What hardly dies away rings in every recording as it was released.
+        rung = study.known(best.hypothesis.without(k).with_(other))
+        return rung is not None and without - rung.score > RUNG * (without - best.score)
+
+    return [c for c in study.candidates if c.effect.name in member.effect.confusable_with and alike(c)]

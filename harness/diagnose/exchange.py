@@ -126,12 +126,41 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
                 start = to_internal(scored.candidate, np.clip(alike, law.lower, law.upper))
                 known = study.fit(hypothesis, [np.concatenate([study.without(best, k), start])], best)
             found.append(known)
+        elif _rings(member, scored.candidate):
+            found.append(_rung(study, best, k, scored.candidate))
         elif scored.gain > LEAST_SHARE * own:
             found.append(study.extend(without, scored))
     if study.stretched(without) or without.score > HOPELESS * study.samples:
         # All others have gone far to do without the member, so that tests there say little, and fits from there end elsewhere.
         found += _in_its_place(study, best, k, most_fits)
     return found
+
+
+def _rings(member: Candidate, other: Candidate) -> bool:
+    """Whether the other's own vibration may be the wave that a member is."""
+    wave = any(p.search == "line" for p in member.effect.parameters)
+    return wave and other.effect.adds_coordinates and "frequency" in other.effect.parameter_names
+
+
+def _rung(study: Study, best: Fit, k: int, other: Candidate) -> Fit:
+    """The fit with something that vibrates in the place of a wave, begun at its frequency and hardly damped.
+
+    Nothing rings in what a score test starts from. Nor does anything until the initial states have taken up the wave, so that
+    the frequency is held until they have.
+    """
+    hypothesis = best.hypothesis.without(k).with_(other)
+    known = study.known(hypothesis)
+    if known is not None:
+        return known
+    wave = best.hypothesis.members[k].effect.named(study.predictor.effect_values(best.hypothesis, k, best.x))
+    values = [
+        wave["frequency"] if p.name == "frequency" else scale * p.starts[0]
+        for p, scale in zip(other.effect.parameters, other.scales, strict=True)
+    ]
+    held = np.concatenate([study.whole(best.hypothesis.without(k)), np.ones(other.size, dtype=bool)])
+    start = np.concatenate([study.without(best, k), to_internal(other, np.array(values))])
+    ringing = fit(study.objective(hypothesis), start, study.states_for(hypothesis, best), fixed=held, enough=0.2)
+    return study.fit(hypothesis, [ringing.x], ringing)
 
 
 def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:

@@ -211,7 +211,7 @@ def _descend(
             if converged and reach < UNCHANGED:
                 here = eliminated(found[0], found[1], here.bases, here.shared)
                 break
-            here = linearise(objective, x, current, upper=upper, fixed=held, known=found)
+            here = linearise(objective, x, current, upper=upper, fixed=held, known=found, nearby=here)
             scores.append(here.cost + prior)
             tried, mixed, mended, loosened = {}, mended, False, False
             # Quickly where the linear view holds: along a valley whose sides are steep, little damping is much.

@@ -20,9 +20,11 @@ from harness.diagnose.windows import Window
 Array = NDArray[np.float64]
 
 # Step of difference quotients, in the fit's own coordinates (order one); of large initial states, relative to them. Over a free
-# run of a hundred radians curvature costs a ten thousandth of the quotient, which is less than most noise; rounding of the runs
-# costs less still.
+# run of a hundred radians curvature costs a ten thousandth of the quotient, which is less than most noise.
 DIFFERENCE = 1e-6
+# Norm of the change of the whitened prediction that a quotient is taken of where that needs a longer step, up to LONGEST. Runs in
+# which friction switches are uneven by 1e-4, where friction gives way by 1e-3 to 1e-2, and a weak parameter's slope would be that.
+FELT, LONGEST = 1.0, 1e-2
 STEEPEST = 1e60  # standard deviations of noise in a unit of a coordinate
 BLOCK = 1024  # rows factorised at once, so that they stay in the cache
 
@@ -54,18 +56,21 @@ def linearise(
     upper: Array | None = None,
     fixed: NDArray[np.bool_] | None = None,
     known: Residuals | None = None,
+    nearby: Linearisation | None = None,
 ) -> Linearisation:
     """Residuals and Jacobian by differences, all lanes of all windows at once; known: the residuals if they are at hand.
 
-    upper: bounds beyond which no parameter is moved; fixed: parameters that are not moved at all.
+    nearby: a linear view of a point not far off, whose slopes say how long the steps of weak parameters have to be. upper: bounds
+    beyond which no parameter is moved; fixed: parameters that are not moved at all.
     """
     predictor, hypothesis, windows = objective.predictor, objective.hypothesis, objective.windows
     size = len(x)
     moves = [k for k in range(size) if fixed is None or not fixed[k]]
     vectors = np.tile(x, (1 + len(moves), 1))
     steps = np.zeros(len(moves))
+    felt = np.full(size, DIFFERENCE) if nearby is None else _felt(nearby)
     for row, k in enumerate(moves):
-        step = max(DIFFERENCE, 1e-9 * abs(x[k]))
+        step = max(float(felt[k]), 1e-9 * abs(x[k]))
         if upper is not None and x[k] + step > upper[k]:
             step = -step
         steps[row] = step
@@ -108,8 +113,19 @@ def linearise(
     return eliminated(cost, residuals, bases, shared)
 
 
+def _norms(view: Linearisation) -> Array:
+    """How much a unit of each shared parameter changes the whitened prediction, shape (P,)."""
+    return np.asarray(np.sqrt(sum(np.sum(columns**2, axis=0) for columns in view.shared)))
+
+
+def _felt(nearby: Linearisation) -> Array:
+    """Steps (P,) of the shared parameters that change the prediction enough to be told from the unevenness of its runs."""
+    return np.asarray(np.clip(FELT / np.maximum(_norms(nearby), FELT), DIFFERENCE, LONGEST))
+
+
 CHANGE = 10.0  # norm of the change of the whitened prediction by one step of a sharp difference quotient
-LEAST, MOST = 1e-7, 1e-3  # of such a step
+LEAST, MOST = 1e-7, 0.1  # of such a step,
+NARROWEST = 1e-3  # unless a bound is nearer, but no nearer than this
 
 
 def sharply(objective: Objective, x: Array, states: States, rough: Linearisation) -> Linearisation:
@@ -119,11 +135,13 @@ def sharply(objective: Objective, x: Array, states: States, rough: Linearisation
     curvature in a simple difference quotient looks like such a difference, and intervals would be far too narrow. So these are
     central differences over steps that change the prediction alike, extrapolated (Richardson, Phil. Trans. A 210 (1911) 307).
     """
-    norms = np.sqrt(sum(np.sum(np.asarray(columns) ** 2, axis=0) for columns in rough.shared))
+    norms = _norms(rough)
     steps = np.maximum(np.clip(CHANGE / np.maximum(norms, 1e-300), LEAST, MOST), 1e-9 * np.abs(x))
     lower, upper = objective.bounds()
+    room = np.minimum(x - lower, upper - x)
     # What stands at a bound cannot be moved both ways, what is held was not moved at all.
-    moves = np.flatnonzero((norms > 0.0) & (x - steps >= lower) & (x + steps <= upper))
+    moves = np.flatnonzero((norms > 0.0) & (room >= np.minimum(steps, NARROWEST)))
+    steps = np.minimum(steps, np.maximum(room, 0.0))
     if not len(moves):
         return rough
     points = []

@@ -18,7 +18,7 @@ EFFECT = Effect(
             "speed v_c under which dry friction gives way: all of it at the joint acts times tanh(q̇/v_c), at rest too",
             lower=1e-9,
             scale=Scale(0.01, frequency=1),
-            starts=(0.003, 0.1, 3.0),
+            starts=(0.003, 0.1, 3.0, 40.0),
             search="size",
             linear_unit="m/s",
         ),

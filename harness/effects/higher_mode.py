@@ -29,7 +29,7 @@ EFFECT = Effect(
             lower=0.0,
             upper=0.99,
             scale=Scale(0.01),
-            starts=(0.3, 3.0),
+            starts=(0.01, 0.3, 3.0),
         ),
     ),
     signature="A second, higher frequency in strain, deflection or tip acceleration after a release or an impact.",
@@ -37,6 +37,6 @@ EFFECT = Effect(
     source="Meirovitch, Fundamentals of Vibrations (2001), ch. 8: bending vibration of beams.",
     expressed_by={"denoc": "one more mode of the beam", "exudyn": "ANCF cable elements, which have it already"},
     needs=("flexible", "deflection", "exact shapes"),
-    confusable_with=("base_compliance", "joint_flexibility"),
+    confusable_with=("base_compliance", "joint_flexibility", "sensor_hum"),
     reshape=Reshape(add_mode, topology=True, expected=next_mode),
 )

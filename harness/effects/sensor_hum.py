@@ -33,6 +33,6 @@ EFFECT = Effect(
     source="Morrison, Grounding and Shielding (2016), ch. 3: power-line interference.",
     expressed_by={"any engine": "acts on the signal that any engine predicts"},
     needs=("channel", "line"),
-    confusable_with=("base_excitation",),
+    confusable_with=("base_excitation", "higher_mode"),
     sensor=Sensor(hum, stage=80, linear=True, courses=hum_courses),
 )
