@@ -342,8 +342,11 @@ def carry_state(predictor: Predictor, before: Hypothesis, after: Hypothesis, sta
     return out
 
 
-SMALL = 0.02  # of a channel's extent: deviations up to here count as linear
-LEAST = 1e-4  # by which a starting point is brought nearer to absence at most
+SMALL = 0.02  # of a channel's extent: deviations of its reading up to here count as linear
+# The same of motion, which gets out of step. A spring and a heavier link do so alike, and what parts them is a ten thousandth of
+# that; by deviations twenty times as large nothing was left of it. Much smaller ones drown in the unevenness of runs with friction.
+FINE = 1e-3
+LEAST = 1e-6  # by which a starting point is brought nearer to absence at most
 FIRST_TRY = 0.1
 SOFTEST = 0.3  # times the spring that a torque at rest asks for with its rest at a typical angle
 RESIZED = 10.0  # times, either way, by which a start with coordinates of its own is moved
@@ -430,9 +433,11 @@ def near_changes(
             starts, changes, factors = found[k] or ([], [], [])
             squares = sum(_by_channel(np.nan_to_num(c, nan=1e6), len(extent)) for c in changes)
             sizes = np.max(np.sqrt(squares) / extent, axis=1)
-            own_wide = [i for i in range(len(starts)) if sizes[i] > SMALL and factors[i] > LEAST]
+            sensor = candidates[k].effect.sensor
+            small = FINE if sensor is None or sensor.clock else SMALL
+            own_wide = [i for i in range(len(starts)) if sizes[i] > small and factors[i] > LEAST]
             for i in own_wide:
-                factors[i] = max(LEAST, factors[i] * 0.5 * SMALL / float(sizes[i]))
+                factors[i] = max(LEAST, factors[i] * 0.5 * small / float(sizes[i]))
                 starts[i] = brought_near(candidates[k], points[k][i], factors[i])
             if own_wide:
                 wide[k] = own_wide
