@@ -31,7 +31,8 @@ class Concealment:
     draw: (rng, segment, amplitude) -> what does not scale with the strength.
     parameters: (strength, draws, segment, amplitude) -> true parameters in SI; strength 1 is plainly visible in a clean recording.
     plant: (scene, segment index, parameters).
-    needs_drive, needs_armature: the rig must be driven, must have an armature.
+    needs_drive, needs_armature, needs_freedom: the rig must be driven, must have an armature, must not be driven.
+    everywhere: acts on the rig as a whole, and is told of its first joint.
     joints: number of joints of the rigs it is tried on.
     stated: an effect that the nominal model states, of which this one is another form; ``parameters`` and ``plant`` are given its
         parameters too, among the draws and among their own.
@@ -45,6 +46,8 @@ class Concealment:
     plant: Callable[[Scene, int, Parameters], None]
     needs_drive: bool = False
     needs_armature: bool = False
+    needs_freedom: bool = False
+    everywhere: bool = False
     joints: tuple[int, ...] = (1, 2)
     stated: str = ""
     alone: bool = False
@@ -486,7 +489,10 @@ def _skew(scene: Scene, k: int, p: Parameters) -> None:
     scene.command.append(lambda u: lambda t: u(factor * t))
 
 
-_add("clock_skew", "channel", _signed, lambda f, d, s, a: {"factor": 1.0 + 0.03 * min(f, 6.0) * d["sign"]}, _skew)
+_add(
+    "clock_skew", "channel", _signed, lambda f, d, s, a: {"factor": 1.0 + 0.03 * min(f, 6.0) * d["sign"]}, _skew,
+    everywhere=True,
+)  # fmt: skip
 
 
 # --- inputs --------------------------------------------------------------------------------------------------------
@@ -577,4 +583,54 @@ _add(
 _add(
     "sensor_hum", "channel", lambda rng, s, a: {"frequency": rng.uniform(15.0, 45.0)},
     lambda f, d, s, a: {"amplitude": 0.003 * f * a, "frequency": d["frequency"]}, _hum, alone=True,
+)  # fmt: skip
+
+
+def _beside(scene: Scene, k: int, p: Parameters) -> None:
+    scene.edit_segment(k, side=scene.rig.segments[k].side + p["offset"])
+
+
+_add(
+    "com_side_offset", "link", _signed, lambda f, d, s, a: {"offset": 0.05 * f * d["sign"] * s.com}, _beside,
+)  # fmt: skip
+
+
+def _zeros(scene: Scene, k: int, p: Parameters) -> None:
+    scene.zeros[scene.rig.joints[k]] = [p[f"zero_{run}"] for run in range(len(scene.runs))]
+
+
+def _spread(rng: np.random.Generator, s: Segment, a: float) -> Draws:
+    # Apart from one another, or one offset would be all there is.
+    values = rng.permutation([-1.0, rng.uniform(-0.5, 0.5), 1.0])
+    return {f"zero_{run}": float(value) for run, value in enumerate(values)}
+
+
+_add(
+    "sensor_zero", "channel", _spread, lambda f, d, s, a: {name: 0.03 * f * value for name, value in d.items()}, _zeros,
+)  # fmt: skip
+
+
+def _uneven(scene: Scene, k: int, p: Parameters) -> None:
+    _sense(scene, k, lambda g: lambda t: g(t) + p["amplitude"] * np.sin(p["periods"] * g(t) + p["phase"]))
+
+
+_add(
+    "encoder_interpolation", "channel",
+    lambda rng, s, a: {
+        "periods": float(rng.choice([1.0, float(rng.integers(2, 65))])), "phase": rng.uniform(-np.pi, np.pi),
+    },
+    lambda f, d, s, a: {"amplitude": 0.03 * f / np.sqrt(d["periods"]), "periods": d["periods"], "phase": d["phase"]},
+    _uneven,
+)  # fmt: skip
+
+
+def _hold(scene: Scene, k: int, p: Parameters) -> None:
+    # The hand holds what the release state is until it lets go.
+    for joint in scene.rig.joints:
+        scene.signal.setdefault(joint, []).insert(0, lambda g: lambda t: g(np.maximum(t - p["delay"], 0.0)))
+
+
+_add(
+    "late_release", "channel", _nothing, lambda f, d, s, a: {"delay": 0.1 * f / _rate(s)}, _hold,
+    needs_freedom=True, everywhere=True,
 )  # fmt: skip

@@ -25,11 +25,14 @@ FAINTEST = 1.0  # visibility that what is concealed has at least
 # Effects that leave one and the same trace on an angle, or cannot both be planted at one place.
 FAMILIES = (
     {"coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction"},
-    {"sensor_offset", "base_tilt", "constant_torque", "sensor_drift"},
+    {"sensor_offset", "base_tilt", "constant_torque", "sensor_drift", "sensor_zero", "com_side_offset"},
     {"payload_mass", "added_inertia", "com_offset", "clock_skew", "joint_stiffness", "sensor_gain"},
-    {"sensor_delay", "sensor_lowpass", "sensor_highpass"},
+    {"sensor_delay", "sensor_lowpass", "sensor_highpass", "late_release"},
+    # What lies beside the line is the link's own mass, in one piece.
+    {"com_side_offset", "payload_mass"},
+    {"com_side_offset", "link_flexibility"},
     {"base_tilt", "base_excitation"},
-    {"sensor_nonlinearity", "cubic_stiffness", "sensor_gain"},
+    {"sensor_nonlinearity", "cubic_stiffness", "sensor_gain", "encoder_interpolation"},
     # A spring whose rest is free takes a constant torque up exactly.
     {"joint_stiffness", "constant_torque"},
     {"joint_flexibility", "backlash", "link_flexibility", "base_compliance", "base_excitation"},
@@ -130,7 +133,9 @@ def _names(kind: str, rng: np.random.Generator, forced: Sequence[str]) -> list[s
     names = [name for name, c in CONCEALMENTS.items() if not (c.stated or c.alone)]
     while True:
         chosen = [str(x) for x in rng.choice(names, size, replace=False)]
-        if all(len(family.intersection(chosen)) <= 1 for family in FAMILIES):
+        needs = [CONCEALMENTS[name] for name in chosen]
+        fit = not (any(c.needs_drive for c in needs) and any(c.needs_freedom for c in needs))
+        if fit and all(len(family.intersection(chosen)) <= 1 for family in FAMILIES):
             return chosen
 
 
@@ -167,11 +172,12 @@ def draw_case(
         motor = [replace(s, armature=float(rng.uniform(0.05, 0.3)) * s.inertia_about_joint) for s in rig.segments]
         rig = replace(rig, segments=tuple(motor))
     driven = any(c.needs_drive for c in chosen) or rng.random() < 0.2
+    driven = driven and not any(c.needs_freedom for c in chosen)
     runs, top = _draw_runs(rng, rig, driven, short)
     sensor = _draw_sensor(rng, short)
     true = deviate(rig, rng)
     sites = [
-        0 if (c.site == "base" or c.effect.startswith("actuator") or c.effect == "clock_skew")
+        0 if (c.site == "base" or c.effect.startswith("actuator") or c.everywhere)
         else int(rng.integers(len(rig.segments)))
         for c in chosen
     ]  # fmt: skip

@@ -23,6 +23,7 @@ class Segment:
 
     length: to the next joint or the tip [m]; mass [kg]; com: distance of the centre of mass below the joint [m];
     inertia: about the centre of mass, transverse [kg·m²]; damping [N·m·s/rad]; armature [kg·m²].
+    side: distance of the centre of mass from the link's line, along joint axis × line [m].
     """
 
     joint: str
@@ -33,11 +34,12 @@ class Segment:
     inertia: float
     damping: float
     armature: float
+    side: float = 0.0
 
     @property
     def inertia_about_joint(self) -> float:
         """Inertia about the joint axis, armature included [kg·m²]."""
-        return self.inertia + self.mass * self.com**2 + self.armature
+        return self.inertia + self.mass * (self.com**2 + self.side**2) + self.armature
 
     @property
     def gravity_moment(self) -> float:

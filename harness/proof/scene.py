@@ -72,7 +72,8 @@ class Scene:
 
     segments of ``rig`` may be edited by planting; laws are collected and become the ``Hidden`` of the truth.
     signal: stages between true angle and samples, by joint; command: stages between commanded and acting effort; each turns
-    one function of time into another. motions: of mechanisms without hidden laws, by what determines them; scenes with the same
+    one function of time into another. zeros: of a joint's sensor in every run [rad].
+    motions: of mechanisms without hidden laws, by what determines them; scenes with the same
     runs may share them, since effects of sensors do not alter the motion.
     """
 
@@ -92,6 +93,7 @@ class Scene:
     extra: dict[int, str] = field(default_factory=dict)
     splits: dict[int, list[tuple[float, str]]] = field(default_factory=dict)
     signal: dict[str, list[Callable[[Signal], Signal]]] = field(default_factory=dict)
+    zeros: dict[str, Sequence[float]] = field(default_factory=dict)
     command: list[Callable[[Signal], Signal]] = field(default_factory=list)
     motions: dict[tuple[object, ...], tuple[Array, Array]] = field(default_factory=dict)
 
@@ -172,7 +174,7 @@ class Scene:
             signal: Signal = CubicHermiteSpline(fine, q[:, j], v[:, j])
             for stage in self.signal.get(joint, ()):
                 signal = stage(signal)
-            out[f"{joint}.position"] = signal(instants)
+            out[f"{joint}.position"] = signal(instants) + (self.zeros[joint][index] if joint in self.zeros else 0.0)
         if run.drive:
             out[f"{self.rig.joints[0]}.effort"] = np.asarray(run.effort(instants))
         return out

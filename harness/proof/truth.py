@@ -101,8 +101,9 @@ def mechanism_xml(
         s = rig.segments[k]
         s = as_floats(s)
         top = 0.0 if k == 0 else -float(rig.segments[k - 1].length)
+        beside = " ".join(repr(float(x) * s.side) for x in np.cross(rig.axis, (0.0, 0.0, -1.0))[:2])
         inertial = (
-            f'<inertial pos="0 0 {-s.com!r}" mass="{s.mass!r}" '
+            f'<inertial pos="{beside} {-s.com!r}" mass="{s.mass!r}" '
             f'diaginertia="{s.inertia!r} {s.inertia!r} {s.inertia!r}"/>'
         )
         hinge = f'<joint name="{s.joint}" type="hinge" axis="{ax}" damping="{s.damping!r}" armature="{s.armature!r}"/>'
