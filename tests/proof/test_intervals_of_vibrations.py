@@ -9,21 +9,24 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-from harness.proof.run import QUICK, conceal, diagnose_folder, tasks
-from harness.proof.seal import unseal
+from harness.proof.draw import draw_case
+from harness.proof.run import diagnose_folder
+from harness.proof.write import write_case
 
 SEED = 604417153
 
 
-def test_an_interval_holds_the_mass_of_a_base_that_gives(tmp_path: Path) -> None:
-    (task,) = (t for t in tasks(QUICK) if t.name == "pair-0")
-    name, digest = conceal(task, SEED, tmp_path, short=True)
-    found = diagnose_folder(tmp_path / "cases" / name)
-    (true,) = (p for p in unseal(name, tmp_path / "sealed", digest)["planted"] if p["effect"] == "base_compliance")
+@pytest.mark.parametrize("index", [0, 1])
+def test_an_interval_holds_the_mass_of_a_base_that_gives(index: int, tmp_path: Path) -> None:
+    case = draw_case("pair", SEED, index, effects=("base_compliance", "cogging_torque"), short=True)
+    write_case(case, tmp_path / "case", np.random.default_rng([SEED, index]))
+    found = diagnose_folder(tmp_path / "case")
+    (true,) = (p for p in case.planted if p.effect == "base_compliance")
     (told,) = (f for f in found["findings"] if f["effect"] == "base_compliance")
     for parameter in ("stiffness", "mass"):
         low, high = np.log(told["parameters"][parameter]["ci95"])
         # One interval in twenty may miss, narrowly. Half as wide again, one in three hundred may.
-        beside = abs(np.log(true["parameters"][parameter]) - (low + high) / 2.0)
+        beside = abs(np.log(true.parameters[parameter]) - (low + high) / 2.0)
         assert beside <= 1.5 * (high - low) / 2.0, parameter
