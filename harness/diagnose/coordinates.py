@@ -84,6 +84,8 @@ def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:
     """How far a logarithm may go from the starting values: beyond, the effect is as good as absent or as good as rigid."""
     if np.isfinite(parameter.neutral) and parameter.neutral != 0.0:
         return -np.inf, np.inf  # starting values are counted from there, and physics sets the bounds
+    if parameter.unit == "1/rev":
+        return -np.inf, np.inf  # scanned, so where its effect lists starting values says nothing about how far it goes
     positive = [s for s in parameter.starts if s > 0.0] or [1.0]
     # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff.
     highest = max(positive) / 3.0 if nested and parameter.name == "stiffness" else max(positive) * REACH

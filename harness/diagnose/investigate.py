@@ -20,6 +20,7 @@ from harness.diagnose.screen import carry_state
 from harness.diagnose.search import Effort, grow, polish, transfer
 from harness.diagnose.study import FAR, HOPELESS, Study
 from harness.diagnose.vibration_windows import stages
+from harness.diagnose.waves import without_waves
 from harness.diagnose.window_states import measured_state
 from harness.diagnose.windows import Window, cut
 
@@ -53,6 +54,7 @@ def colours_from(
 ) -> tuple[Colour, ...]:
     """Noise of every channel from the residuals of a fit."""
     pieces: list[list[Array]] = [[] for _ in problem.channels]
+    places: list[list[Array]] = [[] for _ in problem.channels]
     for window in fitted.windows:
         run = problem.runs[window.run]
         prediction = predictor.predict(fitted.hypothesis, fitted.x[None, :], [(0, window, fitted.states[window])])[0]
@@ -61,11 +63,14 @@ def colours_from(
             good = np.isfinite(raw[c])
             if good.sum() >= 32:
                 pieces[c].append(raw[c][good])
+                places[c].append(prediction[c][good])
     out = []
     for c, segments in enumerate(pieces):
         if not segments:
             out.append(likelihood.colours[c])
             continue
+        if (problem.channels[c].quantity, problem.channels[c].unit) == ("position", "rad"):
+            segments, _ = without_waves(segments, places[c], problem.steps[c])
         interval = problem.train[0].interval
         found = estimate_colour(segments, interval, motion_hz, motion_hz / MOTION_HARMONICS)
         floor = quietest(problem, c) / np.sqrt(problem.train[0].averaged)

@@ -21,7 +21,8 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor, Request
 from harness.diagnose.problem import Problem
 from harness.diagnose.response import Response, respond, responsive, to_channels
-from harness.diagnose.starts import Ray, rays
+from harness.diagnose.starts import MOST_PERIODS, Ray, rays
+from harness.diagnose.waves import without_waves
 from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
@@ -156,7 +157,10 @@ def score(
     """
     found = []
     motions: dict[Window, Response] = {}
-    asked = [(candidate, rays(candidate, problem)) for candidate in candidates]
+    asked = [
+        (candidate, [*rays(candidate, problem), *_beyond_the_scan(fitted, predictor, candidate, problem)])
+        for candidate in candidates
+    ]
     for batch in _batches(asked, fitted):
         points = [[point for line in lines for point in line] for _, lines in batch]
         near = near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
@@ -166,6 +170,29 @@ def score(
             own += at_size.get(candidate.key, [])
             found += sorted(own, key=lambda s: -s.gain)[:1]
     return sorted(found, key=lambda s: -s.gain)
+
+
+def _beyond_the_scan(fitted: Fit, predictor: Predictor, candidate: Candidate, problem: Problem) -> list[Ray]:
+    """Where an encoder's error has more periods a turn than are tried one by one: those of the residual's line over the angle."""
+    names = [channel.name for channel in problem.channels]
+    if candidate.effect.name != "encoder_interpolation" or candidate.site not in names:
+        return []
+    c = names.index(candidate.site)
+    lanes = [(0, window, fitted.states[window]) for window in fitted.windows]
+    predictions = predictor.predict(fitted.hypothesis, fitted.x[None], lanes)
+    pieces, places = [], []
+    for window, predicted in zip(fitted.windows, predictions, strict=True):
+        left = problem.runs[window.run].values[c, window.first : window.last] - predicted[c]
+        present = np.isfinite(left)
+        pieces.append(left[present])
+        places.append(predicted[c][present])
+    _, lines = without_waves(pieces, places, problem.steps[c], most=1)
+    size = candidate.scales[0]
+    return [
+        (np.array([size, round(line), 0.0]), np.array([size, round(line), 0.5 * np.pi]))
+        for line in lines
+        if line > MOST_PERIODS
+    ]
 
 
 def by_place(

@@ -19,9 +19,6 @@ from harness.proof.seal import answer
 from harness.proof.write import write_case
 
 LEVELS = {15.0: 1958353948, 50.0: 8101, 200.0: 332645733}
-# An error of 28 periods a turn, read at 2 rad swings, is as fast as noise and irregular like it: it is estimated as noise (16 mrad
-# where 4 are true), and nothing is left to explain.
-MISSED = {("encoder_interpolation", 200.0): "a fast encoder error is taken for coloured noise"}
 
 
 def _drawn(effect: str, index: int, visibility: float) -> Case:
@@ -37,14 +34,7 @@ def _drawn(effect: str, index: int, visibility: float) -> Case:
 
 
 CASES = [
-    pytest.param(
-        index,
-        visibility,
-        id=f"{effect}-{visibility}",
-        marks=[pytest.mark.xfail(strict=True, reason=MISSED[effect, visibility])]
-        if (effect, visibility) in MISSED
-        else [],
-    )
+    pytest.param(index, visibility, id=f"{effect}-{visibility}")
     for index, effect in enumerate(CONCEALMENTS)
     for visibility in LEVELS
 ]
