@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, dear
+from harness.diagnose.in_tune import in_tune
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, HOPELESS, NOTICEABLE, Study
 from harness.diagnose.vibration_windows import FEWEST_SAMPLES
@@ -129,7 +130,8 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
         elif _rings(member, scored.candidate):
             found.append(_rung(study, best, k, scored.candidate))
         elif scored.gain > LEAST_SHARE * own:
-            found.append(study.extend(without, scored))
+            extended = study.extend(without, scored)
+            found.append(_tuned(study, best, k, without, extended) if _both_give(member, scored.candidate) else extended)
     if study.stretched(without) or without.score > HOPELESS * study.samples:
         # All others have gone far to do without the member, so that tests there say little, and fits from there end elsewhere.
         found += _in_its_place(study, best, k, most_fits)
@@ -143,11 +145,7 @@ def _rings(member: Candidate, other: Candidate) -> bool:
 
 
 def _rung(study: Study, best: Fit, k: int, other: Candidate) -> Fit:
-    """The fit with something that vibrates in the place of a wave, begun at its frequency and hardly damped.
-
-    Nothing rings in what a score test starts from. Nor does anything until the initial states have taken up the wave, so that
-    the frequency is held until they have.
-    """
+    """The fit with something that vibrates in the place of a wave, begun at its frequency and hardly damped."""
     hypothesis = best.hypothesis.without(k).with_(other)
     known = study.known(hypothesis)
     if known is not None:
@@ -157,10 +155,39 @@ def _rung(study: Study, best: Fit, k: int, other: Candidate) -> Fit:
         wave["frequency"] if p.name == "frequency" else scale * p.starts[0]
         for p, scale in zip(other.effect.parameters, other.scales, strict=True)
     ]
-    held = np.concatenate([study.whole(best.hypothesis.without(k)), np.ones(other.size, dtype=bool)])
-    start = np.concatenate([study.without(best, k), to_internal(other, np.array(values))])
-    ringing = fit(study.objective(hypothesis), start, study.states_for(hypothesis, best), fixed=held, enough=0.2)
+    return _begun_ringing(
+        study, best, hypothesis, np.concatenate([study.without(best, k), to_internal(other, np.array(values))])
+    )
+
+
+def _begun_ringing(study: Study, near: Fit, hypothesis: Hypothesis, start: Array) -> Fit:
+    """The fit of a set whose last member vibrates, from a start near a known fit.
+
+    Nothing rings in what a score test starts from. Nor does anything until the initial states have taken up what rings, so that
+    the frequency is held until they have.
+    """
+    held = study.whole(hypothesis)
+    held[len(start) - hypothesis.members[-1].size :] = True
+    ringing = fit(study.objective(hypothesis), start, study.states_for(hypothesis, near), fixed=held, enough=0.2)
     return study.fit(hypothesis, [ringing.x], ringing)
+
+
+def _both_give(member: Candidate, other: Candidate) -> bool:
+    """Whether two candidates each let something give that was taken to be rigid."""
+    return member.effect.adds_coordinates and other.effect.adds_coordinates
+
+
+def _tuned(study: Study, best: Fit, k: int, without: Fit, known: Fit) -> Fit:
+    """The fit with something else that gives in the place of member ``k``, begun in tune with it too where that may help.
+
+    A vibration has a valley at every phase, and the best set knows the right one.
+    """
+    other = known.hypothesis.members[-1]
+    if known.score < best.score + NOTICEABLE or study.was_exchanged(best, other, "in tune"):
+        return known
+    for start in in_tune(study.predictor, best, k, without, other):
+        known = _begun_ringing(study, without, known.hypothesis, start)
+    return known
 
 
 def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:

@@ -190,7 +190,7 @@ class Study:
                 others=others,
             )
             self.ends.setdefault(hypothesis.keys, []).append((found.score, found.x))
-            if best is None or found.score < best.score:
+            if best is None or self.criterion(found) < self.criterion(best):
                 best = found
         assert best is not None
         # Where a degree of freedom is added, every step is dear; whole numbers are then left as the scan found them.

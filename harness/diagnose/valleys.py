@@ -55,7 +55,7 @@ def made_to_ring(study: Study, fitted: Fit, most_steps: int) -> Fit:
         study.objective(hypothesis), start, fitted.states, fixed=study.whole(hypothesis),
         most_steps=most_steps, enough=0.2, target=fitted.score, others=study.others(hypothesis),
     )  # fmt: skip
-    return min(fitted, other, key=lambda f: f.score)
+    return min(fitted, other, key=study.criterion)
 
 
 def ringing(predictor: Predictor, fitted: Fit) -> Array | None:
