@@ -131,7 +131,9 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
             found.append(_rung(study, best, k, scored.candidate))
         elif scored.gain > LEAST_SHARE * own:
             extended = study.extend(without, scored)
-            found.append(_tuned(study, best, k, without, extended) if _both_give(member, scored.candidate) else extended)
+            found.append(
+                _tuned(study, best, k, without, extended) if _both_give(member, scored.candidate) else extended
+            )
     if study.stretched(without) or without.score > HOPELESS * study.samples:
         # All others have gone far to do without the member, so that tests there say little, and fits from there end elsewhere.
         found += _in_its_place(study, best, k, most_fits)
@@ -185,7 +187,7 @@ def _tuned(study: Study, best: Fit, k: int, without: Fit, known: Fit) -> Fit:
     other = known.hypothesis.members[-1]
     if known.score < best.score + NOTICEABLE or study.was_exchanged(best, other, "in tune"):
         return known
-    for start in in_tune(study.predictor, best, k, without, other):
+    for start in in_tune(study.predictor, best.hypothesis, best.x, k, without.x, other):
         known = _begun_ringing(study, without, known.hypothesis, start)
     return known
 

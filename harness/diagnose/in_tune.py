@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.predict import Predictor
 from harness.effects.directions import sideways
@@ -26,25 +25,27 @@ SAME = 1.05  # ratio of stiffness below which two starts are one
 
 @dataclass(frozen=True)
 class Give:
-    """How something that gives does so: frequency of its vibration [rad/s], damping ratio, compliance under an even sideways load."""
+    """How something gives: frequency of its vibration [rad/s], damping ratio, compliance under an even sideways load."""
 
     frequency: float
     damping_ratio: float
     compliance: float
 
 
-def in_tune(predictor: Predictor, best: Fit, k: int, without: Fit, other: Candidate) -> list[Array]:
-    """Parameter vectors of a set with something else that gives in member ``k``'s place, all others where they stand without it.
+def in_tune(
+    predictor: Predictor, hypothesis: Hypothesis, x: Array, k: int, others: Array, other: Candidate
+) -> list[Array]:
+    """Parameter vectors of a set at ``x`` with something else that gives in member ``k``'s place, and ``others`` of the rest.
 
     In the first one it vibrates at the same frequency and dies out as fast, in the second it gives as much under slow forces.
-    None if what is given has no stiffness to tune.
+    Empty if one of the two has no stiffness to tune.
     """
-    rest, others = without.hypothesis, without.x
-    aim = _give(predictor, best.hypothesis, best.x, rest)
-    effect, hypothesis = other.effect, rest.with_(other)
+    rest = hypothesis.without(k)
+    aim = _give(predictor, hypothesis, x, rest)
+    effect = other.effect
     first = np.array([p.start_values(other.references)[0] for p in effect.parameters])
     begun = np.concatenate([others, to_internal(other, first)])
-    own = _give(predictor, hypothesis, begun, rest)
+    own = _give(predictor, rest.with_(other), begun, rest)
     if aim is None or own is None:
         return []
     stiffer = [(aim.frequency / own.frequency) ** 2]
