@@ -29,7 +29,8 @@ GOES_ON = 2.5  # of a later window's
 NEAR = 1.5  # swings after a carried stretch in which a knock still counts as part of it
 SHARE = 0.12  # of the accelerations that gravity makes, below which a carrying hand is not claimed
 MOST = 0.4  # of a recording that may be left out; beyond, it is the model that is wrong
-MOVING = 0.03  # of the greatest speed; what stands still is held, and has an effect of its own (late release)
+# Of the greatest speed, and of the swing's extent; what stands still is held, and has an effect of its own (late release).
+MOVING = 0.03
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def carried_start(system: System, recording: Recording) -> CarriedStart | None:
     expected = Denoc(system).forward_dynamics_batch(q, qd, np.zeros_like(q))
     found: CarriedStart | None = None
     for j, name in enumerate(system.joint_names):
-        end, share = _strange_beginning(qd[:, j], qdd[:, j], expected[:, j])
+        end, share = _strange_beginning(q[:, j], qd[:, j], qdd[:, j], expected[:, j])
         if 0 < end <= MOST * len(grid) and (found is None or grid[end] > found.time):
             found = CarriedStart(float(grid[end]), name, share)
     return found
@@ -117,7 +118,7 @@ def _motion(recording: Recording, channel: Channel, grid: Array) -> tuple[Array,
     return np.interp(grid, even, parts[0]), np.interp(grid, even, parts[1]), np.interp(grid, even, parts[2])
 
 
-def _strange_beginning(qd: Array, qdd: Array, expected: Array) -> tuple[int, float]:
+def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array) -> tuple[int, float]:
     """Number of grid samples at the beginning that follow no law which the rest follows, and how far they are off."""
     scale = float(np.percentile(np.abs(expected), 95)) or 1.0
     speed = float(np.abs(qd).max()) or 1.0
@@ -148,12 +149,18 @@ def _strange_beginning(qd: Array, qdd: Array, expected: Array) -> tuple[int, flo
     count = 0
     while count < windows and (off[count] or (0 < count < windows - 1 and off[count + 1])):
         count += 1
+    moves = np.mean(np.abs(qd[: count * WINDOW]) > MOVING * speed) >= 0.5
+    if count < SHORTEST or not moves or _held(q, count):
+        return 0, 0.0
     # A hand just taken away is still near, and a knock in the first swings belongs to the letting go.
-    knocks = np.flatnonzero(
-        np.abs(means[: count + round(NEAR * SAMPLES_A_SWING / WINDOW)]) > max(SIGMAS * sigma, SHARE)
-    )
+    near = count + round(NEAR * SAMPLES_A_SWING / WINDOW)
+    knocks = np.flatnonzero(np.abs(means[:near]) > max(SIGMAS * sigma, SHARE))
     share = float(np.mean(np.abs(means[: max(count, 1)])))
     count = max(count, int(knocks[-1]) + 1) if len(knocks) else count
-    if count < SHORTEST or np.mean(np.abs(qd[: count * WINDOW]) > MOVING * speed) < 0.5:
-        return 0, 0.0
     return SMOOTHING // 2 + (count + 1) * WINDOW, share
+
+
+def _held(q: Array, count: int) -> bool:
+    """Whether what is carried for ``count`` windows stands still until the last of them; noise may look like speed there."""
+    means = q[: max(count - 1, 2) * WINDOW].reshape(-1, WINDOW).mean(axis=1)
+    return float(np.ptp(means)) < MOVING * 0.5 * float(np.ptp(q))

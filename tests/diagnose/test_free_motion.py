@@ -24,8 +24,10 @@ def pendulum(inertia: float = 0.0) -> System:
     return System("pendulum", (joint,), (link,))
 
 
-def recording(time: np.ndarray, angle: np.ndarray, *, seed: int = 1, effort: np.ndarray | None = None) -> Recording:
-    noise = np.random.default_rng(seed).normal(0.0, NOISE, len(time))
+def recording(
+    time: np.ndarray, angle: np.ndarray, *, seed: int = 1, effort: np.ndarray | None = None, loud: float = NOISE
+) -> Recording:
+    noise = np.random.default_rng(seed).normal(0.0, loud, len(time))
     channel = Channel("pivot.position", "pivot", "position", "rad", angle + noise)
     efforts = () if effort is None else (Channel("pivot.effort", "pivot", "effort", "N*m", effort),)
     return Recording("swing", "", time, (channel,), efforts)
@@ -92,6 +94,24 @@ def test_a_hand_that_only_holds_is_not_cut_off() -> None:
     angle = np.full_like(time, 1.2)
     angle[~held] = free_swing(1.2, 0.0, time[~held], dry=0.3)
     assert carried_start(pendulum(), recording(time, angle)) is None
+
+
+@pytest.mark.parametrize("held_for", [0.1, 0.15, 0.2, 0.3])
+def test_noise_of_what_is_held_does_not_pass_for_its_speed(held_for: float) -> None:
+    time = np.arange(0.0, 6.0, 1.0 / RATE)
+    held = time < held_for
+    angle = np.full_like(time, -0.3)
+    angle[~held] = free_swing(-0.3, 0.0, time[~held])
+    for seed in range(6):
+        assert carried_start(pendulum(), recording(time, angle, seed=seed, loud=4e-3)) is None
+
+
+def test_a_reading_cut_off_at_every_turn_is_no_hand() -> None:
+    # At the first turn it lasts for one window of forces only, and what comes after is the next turn and no knock.
+    time = np.arange(0.0, 12.0, 1.0 / RATE)
+    angle = np.minimum(free_swing(1.45, 0.0, time, drag=0.03), 1.434)
+    for seed in range(6):
+        assert carried_start(pendulum(), recording(time, angle, seed=seed, loud=3.3e-3)) is None
 
 
 def test_driven_recordings_are_not_judged() -> None:
