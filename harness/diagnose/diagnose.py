@@ -15,6 +15,7 @@ from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.differing_levels import differing_levels
 from harness.diagnose.effort import diagnose_effort
 from harness.diagnose.free_motion import free_part
+from harness.diagnose.held_start import released
 from harness.diagnose.investigate import investigate
 from harness.diagnose.problem import pose
 from harness.diagnose.search import Effort
@@ -59,7 +60,7 @@ def diagnose(
         if not 0.0 < tolerance < 1.0:
             raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
         system = replace(system, tolerance=tolerance)
-    read = [free_part(system, recording) for recording in _read(recordings, holdout, mapping, system)]
+    read = [free_part(system, recording) for recording in released(_read(recordings, holdout, mapping, system))]
     held = read.pop() if holdout is not None else None
     steps = 0
 

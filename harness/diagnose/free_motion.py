@@ -6,7 +6,7 @@ still on it. Such a stretch obeys no law of motion at all, and any effect fitted
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,26 +78,16 @@ def free_part(system: System, recording: Recording) -> Recording:
     start = carried_start(system, recording)
     if start is None:
         return recording
-    keep = recording.time >= start.time
     note = QualityNote(
         "carried_start",
         start.joint,
         f"the first {start.time:.3g} s are not the free motion of the rest: something carries it, with about "
         f"{100.0 * start.share:.0f} % of the largest force that the model has there, or a slow sensor has yet to catch up",
         "left out",
-        int(np.count_nonzero(~keep)),
-        ((0.0, start.time),),
-        start.time,
+        where=((0.0, start.time),),
+        size=start.time,
     )
-    first = float(recording.time[keep][0])
-    return replace(
-        recording,
-        time=recording.time[keep] - first,
-        channels=tuple(replace(c, values=c.values[keep]) for c in recording.channels),
-        efforts=tuple(replace(c, values=c.values[keep]) for c in recording.efforts),
-        quality=(*recording.quality, note),
-        start=recording.start + first,
-    )
+    return recording.without_beginning(recording.time >= start.time, note)
 
 
 def _positions(system: System, recording: Recording) -> list[Channel] | None:

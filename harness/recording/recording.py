@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.system.description import Array
 
@@ -46,7 +47,7 @@ class QualityNote:
 
     kind: ``uneven_sampling``, ``gap``, ``unordered_time``, ``repeated_time``, ``rounded_time``, ``missing``, ``outlier``,
         ``wrapped_angle``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``cut_off``,
-        ``timing_jitter``, ``stale``, ``carried_start``, ``outside_push``, ``rezeroed``, ``suspicion``.
+        ``timing_jitter``, ``stale``, ``carried_start``, ``held_start``, ``outside_push``, ``rezeroed``, ``suspicion``.
     channel: its name, or ``time``. where: windows [s] from the first sample; empty if everywhere.
     count: samples concerned. done: what was done about it. size: a number that goes with it (step, limit, …), SI or nan.
     """
@@ -94,6 +95,18 @@ class Recording:
     @property
     def channel_names(self) -> tuple[str, ...]:
         return tuple(channel.name for channel in self.channels)
+
+    def without_beginning(self, keep: NDArray[np.bool_], note: QualityNote) -> Recording:
+        """The recording from the first sample kept (T,) on, counted from there; the note tells how many went."""
+        first = float(self.time[keep][0])
+        return replace(
+            self,
+            time=self.time[keep] - first,
+            channels=tuple(replace(c, values=c.values[keep]) for c in self.channels),
+            efforts=tuple(replace(c, values=c.values[keep]) for c in self.efforts),
+            quality=(*self.quality, replace(note, count=int(np.count_nonzero(~keep)))),
+            start=self.start + first,
+        )
 
     def channel(self, name: str) -> Channel:
         """The measured channel or effort of that name; KeyError if there is none."""
