@@ -89,7 +89,9 @@ def test_diagnosis_that_is_timed_runs_as_a_user_would_have_it(tmp_path: Path, mo
     stand_in = SimpleNamespace(verdict="explained", findings=[{"effect": "coulomb_friction", "site": "pivot"}])
     monkeypatch.setattr(harness, "diagnose", lambda runs, model: stand_in)
     space: dict[str, object] = {}
-    exec(diagnosis._OURS.format(folder=str(tmp_path)), space)
+    (_, both, _), (_, one, _) = diagnosis.CASES
+    assert both == ["run1.csv", "run2.csv"] and one == ["run1.csv"]
+    exec(diagnosis._OURS.format(folder=str(tmp_path), runs=both), space)
     answer = space["answer"]
     assert isinstance(answer, dict)
     assert answer["found"] == ["coulomb_friction@pivot"]

@@ -46,7 +46,9 @@ BENCHMARKS = {
         "a flexible pendulum against Exudyn's finite elements at the same accuracy",
         ("flexible_pendulum", "flexible_pendulum_many"),
     ),
-    "diagnosis": Benchmark("a full diagnosis against one mujoco.sysid fit", ("diagnosis",)),
+    "diagnosis": Benchmark(
+        "a full diagnosis against one mujoco.sysid fit of the same recordings", ("diagnosis", "diagnosis_one_recording")
+    ),
     "startup": Benchmark(
         "denoc --help, and the first acceleration of a fresh process",
         (
