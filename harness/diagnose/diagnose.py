@@ -11,10 +11,11 @@ import numpy as np
 from harness.diagnose.answer import answer
 from harness.diagnose.candidates import candidates
 from harness.diagnose.conclude import conclude
+from harness.diagnose.conventions import conventional
 from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.differing_levels import differing_levels
 from harness.diagnose.effort import diagnose_effort
-from harness.diagnose.free_motion import free_part
+from harness.diagnose.free_motion import free_parts
 from harness.diagnose.held_start import released
 from harness.diagnose.investigate import investigate
 from harness.diagnose.problem import pose
@@ -60,7 +61,8 @@ def diagnose(
         if not 0.0 < tolerance < 1.0:
             raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
         system = replace(system, tolerance=tolerance)
-    read = [free_part(system, recording) for recording in released(_read(recordings, holdout, mapping, system))]
+    stated = conventional(system, _read(recordings, holdout, mapping, system))
+    read = free_parts(system, released(stated))
     held = read.pop() if holdout is not None else None
     steps = 0
 

@@ -1,11 +1,13 @@
-"""Where free motion begins in a recording: a hand that still carries the mechanism is no physics of it.
+"""Where free motion begins and ends in a recording: a hand that carries or stops the mechanism is no physics of it.
 
 Recordings of released mechanisms are often started by hand, or by a trigger that the mechanism passes while the hand is
-still on it. Such a stretch obeys no law of motion at all, and any effect fitted to it is an invention.
+still on it, and end with somebody who stops it. Such a stretch obeys no law of motion at all, and any effect fitted to it is an
+invention.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,14 +30,17 @@ SIGMAS = 5.0  # of the first windows' mean force beyond what the rest of the rec
 GOES_ON = 2.5  # of a later window's
 NEAR = 1.5  # swings after a carried stretch in which a knock still counts as part of it
 SHARE = 0.12  # of the accelerations that gravity makes, below which a carrying hand is not claimed
+BEYOND = 0.05  # of the extent of all recordings, that a joint must have gone beyond a place for no stop to be there
+STATIC = 2.0  # times its friction in motion that a joint may be held by
+BLOW = 0.06  # the same for a blow that ends the motion
 MOST = 0.4  # of a recording that may be left out; beyond, it is the model that is wrong
 # Of the greatest speed, and of the swing's extent; what stands still is held, and has an effect of its own (late release).
 MOVING = 0.03
 
 
 @dataclass(frozen=True)
-class CarriedStart:
-    """Time at which the motion becomes free [s from the first sample], the joint where it shows and how strong it was.
+class Carried:
+    """Time at which the motion becomes free, or is no longer [s from the first sample], the joint where it shows and how strongly.
 
     share: mean force in the carried stretch over the largest one that the model itself has there.
     """
@@ -45,7 +50,7 @@ class CarriedStart:
     share: float
 
 
-def carried_start(system: System, recording: Recording) -> CarriedStart | None:
+def carried_start(system: System, recording: Recording) -> Carried | None:
     """The stretch at the beginning of a free recording in which something carries the mechanism, or None.
 
     Accelerations read off the recording are held against those of the model; what is left is regressed, robustly, on
@@ -53,6 +58,27 @@ def carried_start(system: System, recording: Recording) -> CarriedStart | None:
     beyond that in every window is carried. Not judged (None): driven recordings, systems with flexible links, joints
     without a measured position, recordings of less than three swings.
     """
+    return _carried(system, recording, backwards=False)
+
+
+def carried_end(system: System, recording: Recording, others: Sequence[Recording] = ()) -> Carried | None:
+    """The same at the end, from where something catches the mechanism on; it may hold it still.
+
+    Friction holds a joint as well, but with no more than it brakes it by; and a stop does, but nothing goes beyond it. others:
+    recordings of the same mechanism, which may go there.
+    """
+    found = _carried(system, recording, backwards=True)
+    if found is None:
+        return None
+    (channel,) = (c for c in recording.channels if c.quantity == "position" and c.site == found.joint)
+    held = float(np.nanmedian(channel.values[recording.time > found.time]))
+    every = [c.values for r in (recording, *others) for c in r.channels if c.name == channel.name]
+    low, high = min(map(np.nanmin, every)), max(map(np.nanmax, every))
+    margin = BEYOND * (high - low)
+    return found if low + margin < held < high - margin else None
+
+
+def _carried(system: System, recording: Recording, *, backwards: bool) -> Carried | None:
     if system.flexible or any(np.any(effort.values != 0.0) for effort in recording.efforts):
         return None
     channels = _positions(system, recording)
@@ -63,31 +89,53 @@ def carried_start(system: System, recording: Recording) -> CarriedStart | None:
     if recording.duration < 3.0 * period or period / step < 4 * SMOOTHING:
         return None
     grid = np.arange(0.0, recording.duration, step)
-    q, qd, qdd = (np.stack(part, axis=1) for part in zip(*(_motion(recording, c, grid) for c in channels), strict=True))
+    q, qd, qdd = (np.stack(part, axis=1) for part in zip(*(motion(recording, c, grid) for c in channels), strict=True))
     expected = Denoc(system).forward_dynamics_batch(q, qd, np.zeros_like(q))
-    found: CarriedStart | None = None
+    found: Carried | None = None
     for j, name in enumerate(system.joint_names):
-        end, share = _strange_beginning(q[:, j], qd[:, j], qdd[:, j], expected[:, j])
-        if 0 < end <= MOST * len(grid) and (found is None or grid[end] > found.time):
-            found = CarriedStart(float(grid[end]), name, share)
+        course = (q[:, j], qd[:, j], qdd[:, j], expected[:, j])
+        # A film run backwards obeys the same laws but for friction and drag, whose size and sense are open here anyhow.
+        course = (q[::-1, j], -qd[::-1, j], qdd[::-1, j], expected[::-1, j]) if backwards else course
+        count, share = _strange_beginning(*course, stopped=backwards)
+        if 0 < count <= MOST * len(grid):
+            time = float(grid[len(grid) - 1 - count] if backwards else grid[count])
+            if found is None or (time < found.time) == backwards:
+                found = Carried(time, name, share)
     return found
 
 
-def free_part(system: System, recording: Recording) -> Recording:
-    """The recording without a carried beginning; the same recording if there is none. A quality note tells."""
-    start = carried_start(system, recording)
-    if start is None:
-        return recording
-    note = QualityNote(
-        "carried_start",
-        start.joint,
-        f"the first {start.time:.3g} s are not the free motion of the rest: something carries it, with about "
-        f"{100.0 * start.share:.0f} % of the largest force that the model has there, or a slow sensor has yet to catch up",
-        "left out",
-        where=((0.0, start.time),),
-        size=start.time,
-    )
-    return recording.without_beginning(recording.time >= start.time, note)
+def free_parts(system: System, recordings: Sequence[Recording]) -> list[Recording]:
+    """Recordings without what is carried at their beginnings and ends; the same ones if nothing is. Quality notes tell."""
+    return [
+        _free_part(recording, carried_start(system, recording), carried_end(system, recording, recordings))
+        for recording in recordings
+    ]
+
+
+def _free_part(recording: Recording, start: Carried | None, end: Carried | None) -> Recording:
+    if end is not None:
+        note = QualityNote(
+            "carried_end",
+            end.joint,
+            f"from {end.time:.3g} s on it is not the free motion of the rest: something stops or carries it, with about "
+            f"{100.0 * end.share:.0f} % of the largest force that the model has there",
+            "left out",
+            where=((end.time, recording.duration),),
+            size=end.time,
+        )
+        recording = recording.only(recording.time <= end.time, note)
+    if start is not None:
+        note = QualityNote(
+            "carried_start",
+            start.joint,
+            f"the first {start.time:.3g} s are not the free motion of the rest: something carries it, with about "
+            f"{100.0 * start.share:.0f} % of the largest force that the model has there, or a slow sensor has yet to catch up",
+            "left out",
+            where=((0.0, start.time),),
+            size=start.time,
+        )
+        recording = recording.only(recording.time >= start.time, note)
+    return recording
 
 
 def _positions(system: System, recording: Recording) -> list[Channel] | None:
@@ -97,7 +145,7 @@ def _positions(system: System, recording: Recording) -> list[Channel] | None:
     return [by_site[name] for name in system.joint_names]
 
 
-def _motion(recording: Recording, channel: Channel, grid: Array) -> tuple[Array, Array, Array]:
+def motion(recording: Recording, channel: Channel, grid: Array) -> tuple[Array, Array, Array]:
     """Position, velocity and acceleration on an even grid, from local cubics over the recording's own samples."""
     good = np.isfinite(channel.values)
     interval = recording.interval
@@ -108,8 +156,11 @@ def _motion(recording: Recording, channel: Channel, grid: Array) -> tuple[Array,
     return np.interp(grid, even, parts[0]), np.interp(grid, even, parts[1]), np.interp(grid, even, parts[2])
 
 
-def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array) -> tuple[int, float]:
-    """Number of grid samples at the beginning that follow no law which the rest follows, and how far they are off."""
+def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array, *, stopped: bool) -> tuple[int, float]:
+    """Number of grid samples at the beginning that follow no law which the rest follows, and how far they are off.
+
+    stopped: whether what is held still counts; else it has to move.
+    """
     scale = float(np.percentile(np.abs(expected), 95)) or 1.0
     speed = float(np.abs(qd).max()) or 1.0
     left = (qdd - expected) / scale
@@ -120,10 +171,12 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array) -> tupl
         axis=1,
     )  # fmt: skip
     # Few terms, none of them of position alone: a carried stretch often lies where the free motion never comes again.
-    # The robust loss lets it pull no more than its number of samples.
-    spread = float(1.4826 * np.median(np.abs(left - np.median(left)))) or 1e-12
+    # The robust loss lets it pull no more than its number of samples; what is held for long would still pull too much.
+    told = slice(round(MOST * len(left)) if stopped else 0, None)
+    design, target = basis[told], left[told]
+    spread = float(1.4826 * np.median(np.abs(target - np.median(target)))) or 1e-12
     start = np.zeros(basis.shape[1])
-    fitted = least_squares(lambda x: basis @ x - left, start, jac=lambda x: basis, loss="soft_l1", f_scale=spread)
+    fitted = least_squares(lambda x: design @ x - target, start, jac=lambda x: design, loss="soft_l1", f_scale=spread)
     rest = left - basis @ fitted.x
     rest = rest[SMOOTHING // 2 :]  # the local cubics at the very edge are noisier than elsewhere
     windows = len(rest) // WINDOW
@@ -132,15 +185,21 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array) -> tupl
     fast = np.abs(qd[SMOOTHING // 2 :][: windows * WINDOW]).reshape(windows, WINDOW).max(axis=1) > 0.1 * speed
     sigma = float(1.4826 * np.median(np.abs(means[fast])))
     first = float(np.mean(means[:SHORTEST]))
+    friction = STATIC * abs(float(fitted.x[-1]))
     if abs(first) < max(SIGMAS * sigma / np.sqrt(SHORTEST), SHARE):
-        return 0, 0.0
+        # It may have been stopped where nothing pulls it away.
+        caught = _caught(means, fast, max(SIGMAS * sigma, BLOW) + friction) if stopped else 0
+        return (SMOOTHING // 2 + (caught + 1) * WINDOW, float(np.abs(means[:caught]).max())) if caught else (0, 0.0)
     # It goes on until two windows in a row are ordinary; a force that turns round is no longer the same carrying.
     off = np.sign(first) * means > GOES_ON * sigma
     count = 0
     while count < windows and (off[count] or (0 < count < windows - 1 and off[count + 1])):
         count += 1
-    moves = np.mean(np.abs(qd[: count * WINDOW]) > MOVING * speed) >= 0.5
-    if count < SHORTEST or not moves or _held(q, count):
+    if count < SHORTEST:
+        return 0, 0.0
+    moves = np.mean(np.abs(qd[: count * WINDOW]) > MOVING * speed) >= 0.5 and not _held(q, count)
+    holds = stopped and abs(first) > SHARE + friction
+    if not (moves or holds):
         return 0, 0.0
     # A hand just taken away is still near, and a knock in the first swings belongs to the letting go.
     near = count + round(NEAR * SAMPLES_A_SWING / WINDOW)
@@ -148,6 +207,15 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array) -> tupl
     share = float(np.mean(np.abs(means[: max(count, 1)])))
     count = max(count, int(knocks[-1]) + 1) if len(knocks) else count
     return SMOOTHING // 2 + (count + 1) * WINDOW, share
+
+
+def _caught(means: Array, fast: NDArray[np.bool_], least: float) -> int:
+    """Number of windows, seen from the end, up to a blow of at least ``least`` that ended fast motion for good; 0 if none did."""
+    moving = np.flatnonzero(fast)
+    if not len(moving) or moving[0] < SHORTEST:
+        return 0
+    blow = np.flatnonzero(np.abs(means[moving[0] - 1 : moving[0] + SHORTEST]) > least)
+    return int(moving[0] + blow[-1]) if len(blow) else 0
 
 
 def _held(q: Array, count: int) -> bool:

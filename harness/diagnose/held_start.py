@@ -88,7 +88,7 @@ def _without(recording: Recording, held: Hold) -> Recording:
         where=((0.0, held.time),),
         size=held.time,
     )
-    return recording.without_beginning(keep, note)
+    return recording.only(keep, note)
 
 
 def _begun(recording: Recording) -> float:

@@ -19,6 +19,7 @@ NEIGHBOURHOOD = 101  # samples that say how loud noise is around a sample
 BESIDE = 1.5  # of such deviations that neighbours of an outlier may be off by themselves
 LONE = 0.2  # of an outlier's distance: what its neighbours may be off; 0.3 at a corner on a sample
 PLATEAU = 4  # equal samples in a row at an extreme
+MANY = 4  # jumps that no counter makes
 SHORT_GAP = 5  # samples of an effort that are filled by a straight line
 
 
@@ -39,7 +40,9 @@ def unwrap_angle(name: str, time: Array, values: Array, source: Path) -> tuple[A
         at = float(stamps[jumps[0] + 1])
         raise InputError(
             f"the angle jumps by {steps[jumps[0]]:.3g} rad at {at:.4g} s, in a record that is not wrapped to one turn",
-            mend="a dropped sample or a reset counter; cut the recording there",
+            mend="a dropped sample or a reset counter; cut the recording there"
+            if len(jumps) < MANY
+            else f"it does so {len(jumps)} times; if it is in degrees, write {name} [deg] in the header",
             source=source,
             column=name,
         )

@@ -47,7 +47,8 @@ class QualityNote:
 
     kind: ``uneven_sampling``, ``gap``, ``unordered_time``, ``repeated_time``, ``rounded_time``, ``missing``, ``outlier``,
         ``wrapped_angle``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``cut_off``,
-        ``timing_jitter``, ``stale``, ``carried_start``, ``held_start``, ``outside_push``, ``rezeroed``, ``suspicion``.
+        ``timing_jitter``, ``stale``, ``carried_start``, ``held_start``, ``carried_end``, ``outside_push``,
+        ``rezeroed``, ``other_zero``.
     channel: its name, or ``time``. where: windows [s] from the first sample; empty if everywhere.
     count: samples concerned. done: what was done about it. size: a number that goes with it (step, limit, …), SI or nan.
     """
@@ -96,8 +97,8 @@ class Recording:
     def channel_names(self) -> tuple[str, ...]:
         return tuple(channel.name for channel in self.channels)
 
-    def without_beginning(self, keep: NDArray[np.bool_], note: QualityNote) -> Recording:
-        """The recording from the first sample kept (T,) on, counted from there; the note tells how many went."""
+    def only(self, keep: NDArray[np.bool_], note: QualityNote) -> Recording:
+        """The samples to keep (T,), counted from the first of them; the note tells why, and gets the number of the others."""
         first = float(self.time[keep][0])
         return replace(
             self,

@@ -1,4 +1,4 @@
-"""Where free motion begins: a hand that carries, a hand that only holds, and none."""
+"""Where free motion begins and ends: a hand that carries, holds or stops the mechanism, and none."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.diagnose.free_motion import carried_start, free_part
+from harness.diagnose.free_motion import carried_end, carried_start, free_parts
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System
@@ -67,7 +67,7 @@ def test_a_carrying_hand_is_cut_off(until: float) -> None:
 
 def test_what_is_left_is_free_motion_and_a_note_tells() -> None:
     time, angle = carried(0.3)
-    cut = free_part(pendulum(), recording(time, angle))
+    cut = free_parts(pendulum(), [recording(time, angle)])[0]
     assert cut.time[0] == 0.0
     assert cut.start == pytest.approx(cut.quality[-1].size, abs=1.0 / RATE)
     assert cut.quality[-1].kind == "carried_start"
@@ -84,7 +84,7 @@ def test_free_motion_is_left_alone_whatever_the_model_lacks(dry: float, drag: fl
     for seed, (angle, speed) in enumerate([(1.5, 0.0), (-0.4, 0.0), (0.3, 6.0), (2.6, -1.0)]):
         swing = recording(time, free_swing(angle, speed, time, dry=dry, drag=drag), seed=seed)
         assert carried_start(pendulum(inertia), swing) is None
-        assert free_part(pendulum(inertia), swing) is swing
+        assert free_parts(pendulum(inertia), [swing]) == [swing]
 
 
 def test_a_hand_that_only_holds_is_not_cut_off() -> None:
@@ -130,3 +130,50 @@ def test_a_joint_that_is_not_measured_leaves_the_recording_alone() -> None:
     )
     assert carried_start(pendulum(), swing) is not None
     assert carried_start(pendulum(), other) is None
+
+
+def stopped(at: float, *, carried_to: float | None = None, seed: int = 1) -> Recording:
+    """A swing that a hand stops within a tenth of a second, and then carries to another angle if one is given."""
+    time = np.arange(0.0, 9.0, 1.0 / RATE)
+    angle = free_swing(1.4, 0.0, time, dry=0.8)
+    after = time >= at
+    since, first = time[after] - at, int(np.argmax(after))
+    speed = (angle[first] - angle[first - 1]) * RATE
+    angle[after] = angle[first] + 0.04 * speed * (1.0 - np.exp(-since / 0.04))
+    if carried_to is not None:
+        angle[after] += (carried_to - angle[after]) * (0.5 - 0.5 * np.cos(np.pi * np.clip(since, 0.0, 1.0)))
+    return recording(time, angle, seed=seed)
+
+
+@pytest.mark.parametrize("carried_to", [None, 0.7])
+@pytest.mark.parametrize("at", [6.13, 7.4])
+def test_a_hand_that_stops_it_is_cut_off(at: float, carried_to: float | None) -> None:
+    whole = stopped(at, carried_to=carried_to)
+    found = carried_end(pendulum(), whole)
+    assert found is not None
+    period = 2.0 * np.pi * np.sqrt(LENGTH / 9.81)
+    assert at - 0.2 * period <= found.time <= at + 0.02
+    (cut,) = free_parts(pendulum(), [whole])
+    assert cut.time[0] == 0.0
+    assert cut.time[-1] == pytest.approx(found.time, abs=1.0 / RATE)
+    assert cut.quality[-1].kind == "carried_end"
+    assert cut.quality[-1].count == whole.samples - cut.samples
+    assert carried_end(pendulum(), cut) is None
+
+
+@pytest.mark.parametrize("dry", [2.0, 6.0, 12.0])
+def test_what_friction_stops_is_not_cut_off(dry: float) -> None:
+    # It may stand a quarter of gravity's torque off its lowest place.
+    time = np.arange(0.0, 6.0, 1.0 / RATE)
+    for seed, angle in enumerate((1.5, 1.1, 0.9, 0.7)):
+        assert carried_end(pendulum(), recording(time, free_swing(angle, 0.0, time, dry=dry), seed=seed)) is None
+
+
+def test_what_lies_against_a_stop_is_not_cut_off() -> None:
+    # Nothing goes beyond the stop, here or in another recording; a hand would have stopped it where it had been before.
+    whole = stopped(6.5, carried_to=0.7)
+    held = np.minimum(whole.channels[0].values, 0.7)
+    before_stop = recording(whole.time, np.where(whole.time < 0.15, 0.7, held), loud=0.0)
+    assert carried_end(pendulum(), before_stop) is None
+    other = recording(whole.time, free_swing(1.3, 0.0, whole.time), seed=2)
+    assert carried_end(pendulum(), before_stop, [other]) is not None

@@ -19,7 +19,7 @@ from scipy.special import ellipk
 import harness
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.effort_motion import effort_run
-from harness.diagnose.free_motion import carried_start, free_part
+from harness.diagnose.free_motion import carried_start, free_parts
 from harness.diagnose.levels import fit_levels
 from harness.diagnose.pushes import find_pushes
 from harness.effects import apply
@@ -65,7 +65,7 @@ def test_a_hand_carries_the_furuta_rod_at_first() -> None:
 def test_pieces_of_one_decay_are_free_from_the_first_sample(run: str) -> None:
     # Cut by their authors out of one free swing of 55 s: nothing touches the arm.
     swing = recording("multiarm-single", run)
-    assert free_part(rig("multiarm-single"), swing) is swing
+    assert free_parts(rig("multiarm-single"), [swing]) == [swing]
 
 
 def test_a_servo_bus_reads_late_by_turns() -> None:
