@@ -156,8 +156,8 @@ def _counted(recording: Recording, zeros: Mapping[str, float]) -> Recording:
                 QualityNote(
                     "other_zero",
                     channel.name,
-                    f"accelerations follow the model if {QUARTERS[zero / QUARTER]} is taken off the angle, and else do not: "
-                    "it is counted from elsewhere, or the base is mounted so",
+                    f"accelerations follow the model only with {QUARTERS[zero / QUARTER]} taken off the angle: it is counted from "
+                    "elsewhere, or the base is mounted so",
                     f"{zero:.4g} rad taken off",
                     len(channel.values),
                     size=zero,
