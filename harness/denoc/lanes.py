@@ -6,7 +6,7 @@ This is the workhorse of fitting and sweeping: a Jacobian is a few extra lanes. 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
@@ -53,6 +53,7 @@ from harness.denoc.lanes_tree import (
     section_table_size,
     section_work_size,
 )
+from harness.denoc.law_address import compiled_law
 from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 from harness.system import Link, System
@@ -151,23 +152,6 @@ def _kept_kernels() -> tuple[Path, ...]:
         return ()
 
 
-@lru_cache(maxsize=64)
-def _user_address(function: Callable[..., float] | None) -> tuple[int, Any]:
-    """Address of a user's law ``(q, qd, t, p) -> force`` as plain compiled code, and what keeps it alive; compiled once."""
-    if function is None:
-        return 0, None
-    from numba import carray, cfunc, njit, types
-
-    law = function if hasattr(function, "py_func") else njit(function)
-    kind = types.float64(types.float64, types.float64, types.float64, types.CPointer(types.float64))
-
-    def call(q: float, qd: float, t: float, pointer: Any) -> float:
-        return law(q, qd, t, carray(pointer, (4,)))
-
-    compiled = cfunc(kind)(call)
-    return int(compiled.address), compiled
-
-
 class LaneModel:
     """One topology, compiled for many copies at once.
 
@@ -235,8 +219,16 @@ class LaneModel:
         self.slots = MappingProxyType(slots)
         self.tables = _topology(system, slots)
         self.plane = plane_of(system, self.tables[0], self.tables[1]) if planar else None
-        self.user, self._alive = _user_address(law)
+        self._law = law
         _kept_kernels()
+
+    @cached_property
+    def user(self) -> int:
+        """Address of the user's own law, 0 without one; it is compiled when first asked for."""
+        if self._law is None:
+            return 0
+        self._alive = compiled_law(self._law)
+        return int(self._alive.address)
 
     def slot(self, site: str, name: str) -> int:
         """Index of one parameter in a row; InputError names what there is if there is no such parameter."""
@@ -369,6 +361,7 @@ class LaneModel:
         limits = np.where(shaken & (frequency * longest > 0.125), 0.125 / np.maximum(frequency, 1e-300), longest)
         # A sampled effort cuts the motion into pieces; where a step or two of order 5 span a piece, it is the cheaper one.
         order = 5 if driven and np.median(np.diff(time)) < 7e-3 * (tolerance / 1e-10) ** (1.0 / 6.0) else 8
+        law = self.user  # compiled here, and not by several threads
         shape = (copies, len(time), n)
         position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
 
@@ -384,7 +377,7 @@ class LaneModel:
 
             def part(first: int, last: int) -> None:
                 run(
-                    first, last, mine, initial, recursion, *tables, self.user,
+                    first, last, mine, initial, recursion, *tables, law,
                     time, forces, driven, int(hold == "linear"), longest_steps, tolerance, *step_method(order),
                     *out,
                 )  # fmt: skip

@@ -93,6 +93,7 @@ def march(
     )  # fmt: skip
     begun[:, :, :n], begun[:, :, n:] = first[0], first[1]
     carried, driven = _weights(linear, h)
+    law = model.user  # compiled here, and not by several threads
     shape = (copies, len(time), n)
     position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
     worst = np.zeros((copies, n))
@@ -108,7 +109,7 @@ def march(
         def part(first: int, last: int) -> None:
             mine, initial, *weights = (array[first:last] for array in given)
             march_groups(
-                mine, initial, recursion, *tables, model.user, *weights, float(time[0]), h, inner,
+                mine, initial, recursion, *tables, law, *weights, float(time[0]), h, inner,
                 *(array[first:last] for array in out),
             )  # fmt: skip
 

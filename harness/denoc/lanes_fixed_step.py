@@ -50,6 +50,7 @@ def simulate(
         raise InputError("steps of a fixed size want evenly spaced sample times", mend="leave method out")
     between = float(interval[0]) if len(time) > 1 else step
     inner = max(1, int(np.ceil(between / step * (1.0 - 1e-9))))
+    law = model.user  # compiled here, and not by several threads
     shape = (len(rows), len(time), model.n)
     position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
 
@@ -61,7 +62,7 @@ def simulate(
 
         def part(first: int, last: int) -> None:
             march_groups(
-                first, last, mine, initial, recursion, *tables, model.user, forces, hold,
+                first, last, mine, initial, recursion, *tables, law, forces, hold,
                 float(time[0]), between / inner, inner, *out,
             )  # fmt: skip
 

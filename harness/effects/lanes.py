@@ -26,6 +26,7 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
     Raises UnsupportedError if two different laws would be needed: the lanes carry one.
     """
     from harness.denoc.lanes import LaneModel
+    from harness.denoc.law_address import teeth
 
     needed: dict[str, Callable[..., float]] = {
         effect.name: effect.user.torque for effect in user if effect.user is not None
@@ -84,20 +85,6 @@ def _write_user(row: Array, model: LaneModel, site: str, values: Any) -> None:
     row[model.slot(site, "user_scale")] = 1.0
     for k, value in enumerate(values):
         row[model.slot(site, f"user_{k + 1}")] = value
-
-
-def teeth(position: float, velocity: float, time: float, p: Any) -> float:
-    """Torque of teeth with play: nothing within ±p[0], beyond it stiffness p[1] and damping p[2], which never pulls.
-
-    Damping sets in over half a hundredth of half the play, so that the torque has no jump for the integrator to stumble over.
-    """
-    beyond = abs(position) - p[0]
-    if beyond <= 0.0:
-        return 0.0
-    side = 1.0 if position > 0.0 else -1.0
-    share = min(beyond / max(0.005 * p[0], 1e-6), 1.0)
-    push = p[1] * beyond + p[2] * share * side * velocity
-    return -side * max(push, 0.0)
 
 
 def rows(model: LaneModel, systems: Sequence[System]) -> Array:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pint
 
 from harness.errors import InputError
 from harness.recording.recording import LINEAR_UNITS, UNITS
+
+if TYPE_CHECKING:
+    import pint
 
 # Words that mean something else to a measuring engineer than to a table of units.
 SPELLINGS = {
@@ -32,6 +35,9 @@ AMBIGUOUS = {"velocity": ("Hz", "hertz", "1/s", "rps", "cps")}
 
 @cache
 def _registry() -> pint.UnitRegistry:
+    # A third of a second, and most recordings are in SI.
+    import pint
+
     registry: pint.UnitRegistry = pint.UnitRegistry(cache_folder=None)
     registry.define("strain = 1")
     registry.define("microstrain = 1e-6")
@@ -55,6 +61,8 @@ def factor_to_si(
     text = unit.strip()
     if not text:
         return 1.0, candidates[0]
+    if text in candidates:
+        return 1.0, text
     if text in AMBIGUOUS.get(quantity, ()) and not prismatic:
         raise InputError(
             f"unit {text!r} of a velocity could mean turns or radians",

@@ -13,6 +13,9 @@ from scipy.io import savemat
 
 from harness.errors import InputError
 from harness.recording import quality_table, read_recording, read_recordings
+from harness.recording.recording import LINEAR_UNITS
+from harness.recording.recording import UNITS as SI
+from harness.recording.units import factor_to_si
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
 
@@ -174,6 +177,20 @@ def test_units(tmp_path, system, header, factor, unit):
     channel = read_recording(file, system=system).channels[0]
     assert channel.unit == unit
     assert np.allclose(channel.values, wave * factor, rtol=1e-12)
+
+
+@pytest.mark.parametrize("quantity", ["time", *SI])
+@pytest.mark.parametrize("prismatic", [None, False, True])
+@pytest.mark.parametrize("unit", sorted({"s", *SI.values(), *LINEAR_UNITS.values()}))
+def test_plain_si_is_what_the_table_of_units_says(quantity, prismatic, unit):
+    def answer(text):
+        try:
+            return factor_to_si(text, quantity, prismatic=prismatic)
+        except InputError:
+            return None
+
+    # With a factor it is looked up.
+    assert answer(unit) == answer(f"1.0 {unit}")
 
 
 def test_effort_units(tmp_path, system):
