@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.denoc import ahead
+from harness.denoc import ahead, batch_mass
+from harness.denoc import batch_kernels as kernels
 from harness.denoc import lanes_tree as nodes
 from harness.denoc.lanes import LaneModel
 from harness.denoc.lanes_vector import aligned
+from harness.denoc.results import apart, place_for
 from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 from harness.system import System
@@ -28,7 +30,7 @@ _EIGHT = 8
 class BatchModel:
     """A rigid system compiled for many states at once.
 
-    names: joints in the order of the columns; n: their number.
+    names: joints in the order of the columns; n: their number; serial: whether each link carries the next and no other.
     States are rows, shape (B, n), SI units; joint damping and springs act, dry friction does not.
     threads: threads to spread the states over; the result does not depend on it.
     Raises UnsupportedError for systems with flexible links.
@@ -40,6 +42,9 @@ class BatchModel:
         model = LaneModel(system)
         self.names, self.n, self.threads = model.names, model.n, threads
         self._tree, self._constants, self._accumulators = _compile(system, model)
+        self.serial = bool((self._tree[:, 0] == np.arange(-1, self.n - 1)).all())
+        # Workspaces that no call uses at present.
+        self._rooms: list[Array] = []
         self._gravity = np.array(system.gravity, dtype=np.float64)
         self._masses = self._constants.reshape(self.n, -1)[:, 9].copy()
         for i in range(self.n - 1, -1, -1):
@@ -47,46 +52,38 @@ class BatchModel:
             if parent >= 0:
                 self._masses[parent] += self._masses[i]
 
-    def forward_dynamics(self, Q: ArrayLike, Qd: ArrayLike, Tau: ArrayLike | None = None) -> Array:
-        """Accelerations, shape (B, n), under applied generalized forces Tau (none by default)."""
-        from harness.denoc.batch_kernels import ACCUMULATOR, forward_dynamics
+    def forward_dynamics(
+        self, Q: ArrayLike, Qd: ArrayLike, Tau: ArrayLike | None = None, *, out: Array | None = None
+    ) -> Array:
+        """Accelerations, shape (B, n), under applied generalized forces Tau (none by default).
 
+        out: where to write them, here and below: a writeable, C-contiguous array of float64 of the result's shape, which is
+        returned. A new result of many states costs as much to make room for as to compute.
+        """
         q, qd = self._states("Q", Q), self._states("Qd", Qd)
         tau = np.zeros_like(q) if Tau is None else self._states("Tau", Tau)
-        accumulators = max(1, self._accumulators) * ACCUMULATOR * _EIGHT
+        bodies = self.n * kernels.BODY * _EIGHT
 
-        def part(first: int, last: int, out: Array, *arrays: Array) -> None:
-            forward_dynamics(
-                first, last, self._tree, self._constants, self._workspace(), aligned(accumulators), self._gravity,
-                *arrays, out,
-            )  # fmt: skip
+        def kernel(first: int, last: int, tree: Any, c: Array, ws: Array, *others: Array) -> None:
+            kernels.forward_dynamics(first, last, tree, c, ws[:bodies], ws[bodies:], *others)
 
-        return self._spread(part, self.n, q, qd, tau)
+        size = bodies + max(1, self._accumulators) * kernels.ACCUMULATOR * _EIGHT
+        return self._spread(kernel, size, self._gravity, (self.n,), out, q, qd, tau)
 
-    def inverse_dynamics(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike) -> Array:
-        """Generalized forces that make the accelerations Qdd, shape (B, n)."""
-        from harness.denoc.batch_kernels import inverse_dynamics
+    def inverse_dynamics(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike, *, out: Array | None = None) -> Array:
+        """Generalized forces that make the accelerations Qdd, shape (B, n); out as in ``forward_dynamics``."""
+        q, qd, qdd = self._states("Q", Q), self._states("Qd", Qd), self._states("Qdd", Qdd)
+        size = self.n * kernels.BODY * _EIGHT
+        return self._spread(kernels.inverse_dynamics, size, self._gravity, (self.n,), out, q, qd, qdd)
 
-        def part(first: int, last: int, out: Array, *arrays: Array) -> None:
-            inverse_dynamics(
-                first, last, self._tree, self._constants, self._workspace(), self._gravity, *arrays, out
-            )  # fmt: skip
-
-        return self._spread(part, self.n, self._states("Q", Q), self._states("Qd", Qd), self._states("Qdd", Qdd))
-
-    def mass_matrix(self, Q: ArrayLike) -> Array:
-        """Generalized inertia matrices, armature included, shape (B, n, n)."""
-        from harness.denoc.batch_kernels import mass_matrix
-
-        def part(first: int, last: int, out: Array, *arrays: Array) -> None:
-            mass_matrix(first, last, self._tree, self._constants, self._workspace(), self._masses, *arrays, out)
-
-        return self._spread(part, self.n * self.n, self._states("Q", Q)).reshape(-1, self.n, self.n)
-
-    def _workspace(self) -> Array:
-        from harness.denoc.batch_kernels import BODY
-
-        return aligned(self.n * BODY * _EIGHT)
+    def mass_matrix(self, Q: ArrayLike, *, out: Array | None = None) -> Array:
+        """Generalized inertia matrices, armature included, shape (B, n, n); out as in ``forward_dynamics``."""
+        q = self._states("Q", Q)
+        if self.serial and self.n >= batch_mass.SHORTEST:
+            kernel, size = batch_mass.chain_mass_matrix, batch_mass.room(self.n)
+        else:
+            kernel, size = kernels.mass_matrix, self.n * kernels.BODY * _EIGHT
+        return self._spread(kernel, size, self._masses, (self.n, self.n), out, q)
 
     def _states(self, name: str, values: ArrayLike) -> Array:
         array = np.asarray(values, dtype=np.float64, order="C")
@@ -95,38 +92,60 @@ class BatchModel:
         # A read-only array would be another type to the compiler.
         return array if array.flags.writeable else array.copy()
 
-    def _spread(self, part: Callable[..., None], columns: int, *arrays: Array) -> Array:
-        """Run a kernel over all rows, eight at a time; the last eight may overlap those before."""
+    def _spread(
+        self,
+        kernel: Callable[..., None],
+        size: int,
+        own: Array,
+        each: tuple[int, ...],
+        out: Array | None,
+        *arrays: Array,
+    ) -> Array:
+        """Run a kernel over all rows, eight at a time; the last eight may overlap those before.
+
+        size: numbers in its workspace; own: what else of the model it needs; each: shape of the result of one row.
+        """
         count = len(arrays[0])
-        if any(len(array) != count for array in arrays):
-            raise InputError(
-                f"arrays of {', '.join(str(len(a)) for a in arrays)} rows", mend="give as many rows in each"
-            )
+        for array in arrays:
+            if len(array) != count:
+                rows = ", ".join(str(len(a)) for a in arrays)
+                raise InputError(f"arrays of {rows} rows", mend="give as many rows in each")
+        result = place_for((count, *each), out)
         if count < _EIGHT:
-            if count == 0:
-                return np.empty((0, columns))
-            padded = [np.concatenate([array, np.repeat(array[-1:], _EIGHT - count, axis=0)]) for array in arrays]
-            return self._spread(part, columns, *padded)[:count]
-        # The mass matrix leaves elements between branches alone, so they have to be zero before.
-        branched = columns != self.n and bool((self._tree[:, 0] != np.arange(-1, self.n - 1)).any())
-        out = np.zeros((count, columns)) if branched else np.empty((count, columns))
-        flat = [array.reshape(-1) for array in arrays]
+            if count:
+                padded = [np.concatenate([array, np.repeat(array[-1:], _EIGHT - count, axis=0)]) for array in arrays]
+                result[:] = self._spread(kernel, size, own, each, None, *padded)[:count]
+            return result
+        flat = [*(apart(array, out).reshape(-1) for array in arrays), np.asarray(result).reshape(-1)]
+
+        def part(first: int, last: int) -> None:
+            ws = self._workspace(size)
+            kernel(first, last, self._tree, self._constants, ws, own, *flat)
+            self._rooms.append(ws)
+
         groups, rest = divmod(count, _EIGHT)
         threads = min(self.threads, groups)
         if threads <= 1:
-            part(0, groups * _EIGHT, out.reshape(-1), *flat)
+            part(0, groups * _EIGHT)
         else:
             # Several pieces a thread, since other work may hold one of them up.
             edges = (np.linspace(0, groups, min(groups, 4 * threads) + 1).astype(int) * _EIGHT).tolist()
-            share(lambda a, b: part(a, b, out.reshape(-1), *flat), list(pairwise(edges)), threads)
+            share(part, list(pairwise(edges)), threads)
         if rest:
-            part(count - _EIGHT, count, out.reshape(-1), *flat)
-        return out
+            part(count - _EIGHT, count)
+        return result
+
+    def _workspace(self, size: int) -> Array:
+        """Room for so many numbers that no other thread has: one that a call gave back, since fresh memory is slow at first."""
+        try:
+            room = self._rooms.pop()
+        except IndexError:
+            return aligned(size)
+        return room if len(room) >= size else aligned(size)
 
 
 def _compile(system: System, model: LaneModel) -> tuple[Any, Array, int]:
     """Integers and constants of the bodies, and the number of accumulators."""
-    from harness.denoc import batch_kernels as kernels
     from harness.denoc import laws
     from harness.denoc.lanes_rows import prepare_lane
 

@@ -21,6 +21,7 @@ from harness.denoc.lanes_vector import (
     scatter,
     sine_cosine,
     spread,
+    spread_from,
     store,
     store_run,
 )
@@ -44,7 +45,7 @@ ACCUMULATOR = 27
 
 
 @in_place
-def _turn_of(c: Any, k: int, q: Any, prismatic: int) -> Any:
+def turn_of(c: Any, k: int, q: Any, prismatic: int) -> Any:
     """Cosine and sine of a body's turn about z."""
     cd = c[k + DELTA]
     sd = c[k + DELTA + 1]
@@ -55,7 +56,7 @@ def _turn_of(c: Any, k: int, q: Any, prismatic: int) -> Any:
 
 
 @in_place
-def _to_parent(c: Any, k: int, cosine: Any, sine: Any, x: Any, y: Any, z: Any) -> Any:
+def to_parent(c: Any, k: int, cosine: Any, sine: Any, x: Any, y: Any, z: Any) -> Any:
     """A vector's coordinates after the turns about z and x, before that of a later child about z."""
     x, y = cosine * x - sine * y, sine * x + cosine * y
     ca = c[k + ALPHA]
@@ -87,7 +88,7 @@ def forward_dynamics(
             position = gather(q, base + i, n)
             rate = gather(qd, base + i, n)
             prismatic = tree[i, PRISMATIC]
-            cosine, sine = _turn_of(c, k, position, prismatic)
+            cosine, sine = turn_of(c, k, position, prismatic)
             p = tree[i, PARENT]
             zero = spread(0.0)
             if p >= 0:
@@ -431,7 +432,7 @@ def inverse_dynamics(
             rate = gather(qd, base + i, n)
             push = gather(qdd, base + i, n)
             prismatic = tree[i, PRISMATIC]
-            cosine, sine = _turn_of(c, k, position, prismatic)
+            cosine, sine = turn_of(c, k, position, prismatic)
             p = tree[i, PARENT]
             if p >= 0:
                 p = p * BODY * 8
@@ -539,8 +540,8 @@ def inverse_dynamics(
                 position = load(ws, b + TURN * 8)
                 nx = nx - position * fy
                 ny = ny + position * fx
-            nx, ny, nz = _to_parent(c, k, cosine, sine, nx, ny, nz)
-            fx, fy, fz = _to_parent(c, k, cosine, sine, fx, fy, fz)
+            nx, ny, nz = to_parent(c, k, cosine, sine, nx, ny, nz)
+            fx, fy, fz = to_parent(c, k, cosine, sine, fx, fy, fz)
             rx = c[k + R]
             ry = c[k + R + 1]
             rz = c[k + R + 2]
@@ -557,26 +558,80 @@ def inverse_dynamics(
             add_run(ws, a + THRUST * 8, (fx, fy, fz))
 
 
+@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel, fastmath={"reassoc"})
+def all_finite(x: Any) -> bool:
+    """Whether all numbers of a flat array are finite: nothing else times zero is zero."""
+    total = 0.0
+    for k in range(len(x)):
+        total += x[k] * 0.0
+    return total == 0.0
+
+
 # Workspace of the mass matrix: turn (two, of a prismatic joint too), position, composite first and second moments.
 SLIDE, WHOLE_FIRST, WHOLE_SECOND = 2, 3, 6
+
+
+@in_place
+def composite_inward(
+    c: Any, k: int, prismatic: int, cosine: Any, sine: Any, position: Any, m: Any, hx: Any, hy: Any, hz: Any,
+    ixx: Any, iyy: Any, izz: Any, ixy: Any, ixz: Any, iyz: Any,
+) -> Any:  # fmt: skip
+    """First and second moments of a composite body of mass m, in the parent's axes about its origin (before a turn about z)."""
+    if prismatic != 0:
+        # Shift along the axis: first moments by m q z, second moments with them.
+        along = position * (hz + hz + m * position)
+        ixx = ixx + along
+        iyy = iyy + along
+        ixz = ixz - hx * position
+        iyz = iyz - hy * position
+        hz = hz + m * position
+    ca = spread_from(c, k + ALPHA)
+    sa = spread_from(c, k + ALPHA + 1)
+    ixx, iyy, izz, ixy, ixz, iyz = turn_symmetric(cosine, sine, ixx, iyy, izz, ixy, ixz, iyz)
+    iyy, izz, ixx, iyz, ixy, ixz = turn_symmetric(ca, sa, iyy, izz, ixx, iyz, ixy, ixz)
+    hx, hy, hz = to_parent(c, k, cosine, sine, hx, hy, hz)
+    rx = spread_from(c, k + R)
+    ry = spread_from(c, k + R + 1)
+    rz = spread_from(c, k + R + 2)
+    gx = hx + m * rx
+    gy = hy + m * ry
+    gz = hz + m * rz
+    # r (h + g) is twice what the first moment adds, and what the mass adds.
+    xx = rx * (hx + gx)
+    yy = ry * (hy + gy)
+    zz = rz * (hz + gz)
+    ixx = ixx + (yy + zz)
+    iyy = iyy + (zz + xx)
+    izz = izz + (xx + yy)
+    ixy = ixy - (rx * hy + ry * gx)
+    ixz = ixz - (rx * hz + rz * gx)
+    iyz = iyz - (ry * hz + rz * gy)
+    return gx, gy, gz, ixx, iyy, izz, ixy, ixz, iyz
 
 
 @njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
 def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, q: Any, out: Any) -> None:
     """Generalized inertia matrices of the states in rows first, first + 8, … below last, from composite bodies.
 
-    masses: of the composite bodies (n,); out: zeros, flat (B, n, n).
+    masses: of the composite bodies (n,); out: flat (B, n, n).
     """
     n = tree.shape[0]
     square = n * n
+    branched = False
+    for i in range(n):
+        branched = branched or tree[i, PARENT] != i - 1
     for row in range(first, last, 8):
         base = row * n
         corner = row * square
+        if branched:
+            # Elements between branches are left alone by what follows.
+            for k in range(corner, corner + 8 * square, 8):
+                store(out, k, spread(0.0))
         for i in range(n):
             b = i * BODY * 8
             k = i * CONSTANTS
             position = gather(q, base + i, n)
-            cosine, sine = _turn_of(c, k, position, tree[i, PRISMATIC])
+            cosine, sine = turn_of(c, k, position, tree[i, PRISMATIC])
             store_run(ws, b + TURN * 8, (cosine, sine))
             store(ws, b + SLIDE * 8, position)
             for f in range(3):
@@ -606,8 +661,8 @@ def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, 
                     position = load(ws, d + SLIDE * 8)
                     nx = nx - position * fy
                     ny = ny + position * fx
-                nx, ny, nz = _to_parent(c, e, cosine, sine, nx, ny, nz)
-                fx, fy, fz = _to_parent(c, e, cosine, sine, fx, fy, fz)
+                nx, ny, nz = to_parent(c, e, cosine, sine, nx, ny, nz)
+                fx, fy, fz = to_parent(c, e, cosine, sine, fx, fy, fz)
                 rx = c[e + R]
                 ry = c[e + R + 1]
                 rz = c[e + R + 2]
@@ -627,32 +682,10 @@ def mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, 
             if p < 0:
                 continue
             cosine, sine = load_run(ws, b + TURN * 8, 2)
-            if tree[i, PRISMATIC] != 0:
-                # Shift along the axis: first moments by m q z, second moments with them.
-                position = load(ws, b + SLIDE * 8)
-                along = position * (hz + hz + m * position)
-                ixx = ixx + along
-                iyy = iyy + along
-                ixz = ixz - hx * position
-                iyz = iyz - hy * position
-                hz = hz + m * position
-            ixx, iyy, izz, ixy, ixz, iyz = turn_symmetric(cosine, sine, ixx, iyy, izz, ixy, ixz, iyz)
-            hx, hy, hz = _to_parent(c, k, cosine, sine, hx, hy, hz)
-            ca = c[k + ALPHA]
-            sa = c[k + ALPHA + 1]
-            iyy, izz, ixx, iyz, ixy, ixz = turn_symmetric(ca, sa, iyy, izz, ixx, iyz, ixy, ixz)
-            rx = c[k + R]
-            ry = c[k + R + 1]
-            rz = c[k + R + 2]
-            ixx = ixx + ((ry * (hy + hy) + rz * (hz + hz)) + m * (ry * ry + rz * rz))
-            iyy = iyy + ((rz * (hz + hz) + rx * (hx + hx)) + m * (rz * rz + rx * rx))
-            izz = izz + ((rx * (hx + hx) + ry * (hy + hy)) + m * (rx * rx + ry * ry))
-            ixy = ixy - (hx * ry + hy * rx + m * (rx * ry))
-            ixz = ixz - (hx * rz + hz * rx + m * (rx * rz))
-            iyz = iyz - (hy * rz + hz * ry + m * (ry * rz))
-            hx = hx + m * rx
-            hy = hy + m * ry
-            hz = hz + m * rz
+            slide = load(ws, b + SLIDE * 8) if tree[i, PRISMATIC] != 0 else zero
+            hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz = composite_inward(
+                c, k, tree[i, PRISMATIC], cosine, sine, slide, m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz
+            )
             if tree[i, PREFIX] != 0:
                 cg = c[k + GAMMA]
                 sg = c[k + GAMMA + 1]

@@ -141,11 +141,13 @@ def _exponential() -> None:
 
 
 def _batches() -> None:
-    from harness.denoc import batch_kernels
+    from harness.denoc import batch_kernels, batch_mass
 
     _compile(batch_kernels.forward_dynamics, 1, 1, _TABLE, *[_VECTOR] * 8)
     _compile(batch_kernels.inverse_dynamics, 1, 1, _TABLE, *[_VECTOR] * 7)
     _compile(batch_kernels.mass_matrix, 1, 1, _TABLE, *[_VECTOR] * 5)
+    _compile(batch_kernels.all_finite, _VECTOR)
+    _compile(batch_mass.chain_mass_matrix, 1, 1, _TABLE, *[_VECTOR] * 5)
 
 
 # What others build on first, and then the longest first.

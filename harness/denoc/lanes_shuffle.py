@@ -94,6 +94,73 @@ def _spread_lane_code(typingctx: Any, values: Any, lane: Any) -> Any:
 
 spread_lane: Any = intrinsic(_spread_lane_code)
 
+# Pairs of lanes, of two vectors in turn; then which pairs of lanes, the even and the odd ones.
+_LEFT, _RIGHT = [0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]
+_EVEN, _ODD = [0, 1, 4, 5, 8, 9, 12, 13], [2, 3, 6, 7, 10, 11, 14, 15]
+
+
+def _transpose(builder: Any, rows: Sequence[Any]) -> list[Any]:
+    """The columns of eight vectors, by 24 moves of which each takes lanes of two vectors."""
+    pairs = [[_shuffled(builder, rows[k], rows[k + 1], side) for k in (0, 2, 4, 6)] for side in (_LEFT, _RIGHT)]
+    columns: list[Any] = [None] * LANES
+    for right, (first, second, third, fourth) in enumerate(pairs):
+        for odd, chosen in enumerate((_EVEN, _ODD)):
+            upper, lower = _shuffled(builder, first, second, chosen), _shuffled(builder, third, fourth, chosen)
+            for far, ends in enumerate((_EVEN, _ODD)):
+                columns[right + 2 * odd + 4 * far] = _shuffled(builder, upper, lower, ends)
+    return columns
+
+
+def _transposed_code(typingctx: Any, values: Any) -> Any:
+    """Eight vectors as a matrix, transposed: lane k of vector i becomes lane i of vector k."""
+    if values != types.UniTuple(lane_vector, LANES):
+        return None
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        rows = [builder.extract_value(args[0], k) for k in range(LANES)]
+        return context.make_tuple(builder, values, _transpose(builder, rows))
+
+    return values(values), codegen
+
+
+transposed: Any = intrinsic(_transposed_code)
+
+
+def _mirrored_code(typingctx: Any, rows: Any, columns: Any, diagonal: Any) -> Any:
+    """A symmetric matrix of eight vectors: below the diagonal from ``rows``, above it from their transpose ``columns``."""
+    if rows != types.UniTuple(lane_vector, LANES):
+        return None
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        def row(k: int, vector: Any) -> Any:
+            column = builder.extract_value(args[1], k)
+            both = _shuffled(builder, vector, column, [j if j < k else LANES + j for j in range(LANES)])
+            return _shuffled(builder, both, args[2], [LANES + j if j == k else j for j in range(LANES)])
+
+        return _of_each(context, builder, rows, args[0], row)
+
+    return rows(rows, rows, lane_vector), codegen
+
+
+mirrored: Any = intrinsic(_mirrored_code)
+
+
+def _store_rows_code(typingctx: Any, array: Any, index: Any, stride: Any, values: Any) -> Any:
+    """Write a tuple of vectors to a one-dimensional array, the first from an index on, each ``stride`` behind the one before."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.gep(context.make_array(sig.args[0])(context, builder, args[0]).data, [args[1]])
+        for k in range(values.count):
+            value = builder.extract_value(args[3], k)
+            builder.store(value, builder.bitcast(place, value.type.as_pointer()), align=8)
+            place = builder.gep(place, [args[2]])
+        return context.get_dummy_value()
+
+    return types.void(array, index, stride, values), codegen
+
+
+store_rows: Any = intrinsic(_store_rows_code)
+
 
 def _first_lane_code(typingctx: Any, value: Any) -> Any:
     """The number in lane 0."""

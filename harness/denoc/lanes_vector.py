@@ -137,6 +137,35 @@ def _store_code(typingctx: Any, array: Any, index: Any, value: Any) -> Any:
 store: Any = intrinsic(_store_code)
 
 
+def _stream_code(typingctx: Any, array: Any, index: Any, value: Any) -> Any:
+    """As ``store``, past the caches, to where a cache line begins: for what is not read again soon. ``settle`` comes last."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        place = builder.bitcast(builder.gep(data, [args[1]]), _VECTOR.as_pointer())
+        past = builder.module.add_metadata([ir.Constant(ir.IntType(32), 1)])
+        builder.store(args[2], place, align=8 * LANES).set_metadata("nontemporal", past)
+        return context.get_dummy_value()
+
+    return types.void(array, index, value), codegen
+
+
+stream: Any = intrinsic(_stream_code)
+
+
+def _settle_code(typingctx: Any) -> Any:
+    """What was streamed is there for other threads, too."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        builder.fence("seq_cst")
+        return context.get_dummy_value()
+
+    return types.void(), codegen
+
+
+settle: Any = intrinsic(_settle_code)
+
+
 def _spread_code(typingctx: Any, scalar: Any) -> Any:
     """The same value in every lane."""
 
@@ -147,6 +176,19 @@ def _spread_code(typingctx: Any, scalar: Any) -> Any:
 
 
 spread: Any = intrinsic(_spread_code)
+
+
+def _spread_from_code(typingctx: Any, array: Any, index: Any) -> Any:
+    """One number of a one-dimensional array in every lane; the bounds are not checked, nor is an index counted from the end."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        return _splat(builder, builder.load(builder.gep(data, [args[1]])))
+
+    return lane_vector(array, index), codegen
+
+
+spread_from: Any = intrinsic(_spread_from_code)
 
 
 def _unary(name: str) -> Any:

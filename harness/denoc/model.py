@@ -13,6 +13,7 @@ from harness.denoc import rigid, rigid_chain
 from harness.denoc.binding import CHAIN, FORWARD, INVERSE, NOT_FINITE, NOT_PLAIN, RECURSION, entry, make_header
 from harness.denoc.dynamics_call import addresses, call_rows, forward_entry, inverse_entry
 from harness.denoc.elastic import pack_beams
+from harness.denoc.results import apart, finite, place_for
 from harness.denoc.rows import EXTERNAL, FIRST, POSITION, TURN
 from harness.denoc.tree import Tree, compile_tree
 from harness.errors import InputError
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# From this number of coordinates on, mass matrices are faster one by one: eight at once no longer fit the nearest caches.
+# From this number of coordinates on, mass matrices of trees with branches are faster one by one: eight at once no longer fit
+# the nearest caches.
 _LARGE = 128
 
 
@@ -217,43 +219,53 @@ class Denoc:
         turn = row[TURN : TURN + 9].reshape(3, 3)
         return turn @ seat.rotation, row[POSITION : POSITION + 3] + turn @ seat.origin
 
-    def forward_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Tau: ArrayLike | None = None) -> Array:
-        """``forward_dynamics`` for many states at once: Q, Qd, Tau and the result have shape (B, n)."""
+    def forward_dynamics_batch(
+        self, Q: ArrayLike, Qd: ArrayLike, Tau: ArrayLike | None = None, *, out: Array | None = None
+    ) -> Array:
+        """``forward_dynamics`` for many states at once: Q, Qd, Tau and the result have shape (B, n).
+
+        out: where to write the result, here and below: a writeable, C-contiguous array of float64 of its shape, which is
+        returned. Raises InputError where it is not.
+        """
         Q, Qd = self._table("Q", Q), self._table("Qd", Qd)
         Tau = np.zeros_like(Q) if Tau is None else self._table("Tau", Tau)
         self._same_length(Q=Q, Qd=Qd, Tau=Tau)
+        result = place_for(Q.shape, out)
+        Q, Qd, Tau = apart(Q, out), apart(Qd, out), apart(Tau, out)
         many = self._eight_at_a_time(Q)
-        if many is not None:
-            out = many.forward_dynamics(Q, Qd, Tau)
-            if np.isfinite(out).all():
-                return out
+        if many is not None and finite(np.asarray(many.forward_dynamics(Q, Qd, Tau, out=result))):
+            return result
         # Row by row, which also says what makes a result that is not finite.
-        return self.accelerations(Q, Qd, Tau)
+        return self.accelerations(Q, Qd, Tau, result)
 
-    def inverse_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike) -> Array:
-        """``inverse_dynamics`` for many states at once: Q, Qd, Qdd and the result have shape (B, n)."""
+    def inverse_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike, *, out: Array | None = None) -> Array:
+        """``inverse_dynamics`` for many states at once: Q, Qd, Qdd and the result have shape (B, n); out as above."""
         Q, Qd, Qdd = self._table("Q", Q), self._table("Qd", Qd), self._table("Qdd", Qdd)
         self._same_length(Q=Q, Qd=Qd, Qdd=Qdd)
         many = self._eight_at_a_time(Q)
         if many is not None:
-            return many.inverse_dynamics(Q, Qd, Qdd)
-        out = np.empty_like(Q)
-        call_rows(int(self._header[INVERSE]), self._model, Q, Qd, Qdd, out)
-        return out
+            return many.inverse_dynamics(Q, Qd, Qdd, out=out)
+        result = place_for(Q.shape, out)
+        Q, Qd, Qdd = apart(Q, out), apart(Qd, out), apart(Qdd, out)
+        call_rows(int(self._header[INVERSE]), self._model, Q, Qd, Qdd, result)
+        return result
 
-    def mass_matrix_batch(self, Q: ArrayLike) -> Array:
-        """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n)."""
+    def mass_matrix_batch(self, Q: ArrayLike, *, out: Array | None = None) -> Array:
+        """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n); out as above.
+
+        A new result of many states costs more to make room for than to compute: give one that is there already.
+        """
         Q = self._table("Q", Q)
-        many = self._eight_at_a_time(Q) if self.n < _LARGE else None
-        if many is not None:
-            return many.mass_matrix(Q)
-        out = np.empty((len(Q), self.n, self.n))
-        self._mass_rows(Q, out)
-        return out
+        many = self._eight_at_a_time(Q)
+        if many is not None and (many.serial or self.n < _LARGE):
+            return many.mass_matrix(Q, out=out)
+        result = place_for((len(Q), self.n, self.n), out)
+        self._mass_rows(apart(Q, out), result)
+        return result
 
     def _eight_at_a_time(self, Q: Array) -> BatchModel | None:
         """The kernels over eight states at once, for rigid systems and enough rows to be worth it."""
-        if self.system.flexible or len(Q) < 8:
+        if self.beams or len(Q) < 8:
             return None
         if self._many is None:
             from harness.denoc.batch import BatchModel
@@ -261,9 +273,10 @@ class Denoc:
             self._many = BatchModel(self.system)
         return self._many
 
-    def accelerations(self, Q: Array, Qd: Array, Tau: Array) -> Array:
+    def accelerations(self, Q: Array, Qd: Array, Tau: Array, out: Array | None = None) -> Array:
         """``forward_dynamics`` row by row, for arrays known to be sound; Tau may have no rows, for no forces."""
-        out = np.empty_like(Q)
+        if out is None:
+            out = np.empty_like(Q)
         forces = Tau if len(Tau) else np.zeros_like(Q)
         status = call_rows(int(self._header[FORWARD]), self._model, Q, Qd, forces, out)
         if status > 0:
@@ -397,7 +410,7 @@ class Denoc:
             raise InputError(f"{name} is not an array of numbers", mend=f"give shape (B, {self.n})") from None
         if table.ndim != 2 or table.shape[1] != self.n:
             raise InputError(f"{name} has shape {table.shape}", mend=f"give shape (B, {self.n}), one state a row")
-        if not np.isfinite(table).all():
+        if not finite(table):
             row, column = np.argwhere(~np.isfinite(table))[0]
             raise InputError(f"{name}[{row}, {column}] is {table[row, column]}", mend="give finite numbers")
         return table

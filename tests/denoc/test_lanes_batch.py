@@ -7,9 +7,11 @@ import pytest
 
 from harness.denoc import Denoc
 from harness.denoc.batch import BatchModel
+from harness.denoc.batch_mass import FAR
 from harness.denoc.lanes_vector import exponential, load, sine_cosine, store
+from harness.denoc.matrices import denoc_matrices
 from harness.errors import InputError, UnsupportedError
-from harness.system import System, random_chain, random_tree
+from harness.system import Joint, JointType, Link, System, random_chain, random_tree
 
 
 def pinocchio_model(system: System):
@@ -66,6 +68,152 @@ def test_against_pinocchio(system, count):
         gravity = pin.rnea(model, data, q[k], rest, rest)
         reference = np.array([pin.rnea(model, data, q[k], rest, e) - gravity for e in np.eye(ours.n)])
         assert np.abs(mass[k] - reference).max() < 1e-12 * np.abs(reference).max()
+
+
+def relative_to_diagonal(found, wanted):
+    """Largest difference of two inertia matrices, each element relative to the roots of those on the diagonal."""
+    size = np.sqrt(np.diag(wanted))
+    return np.abs((found - wanted) / np.outer(size, size)).max()
+
+
+# Tiles of eight joints, with and without joints left over; 64 share an origin.
+@pytest.mark.parametrize("n", [15, 16, 17, 23, 24, 50, 64, 73, 200])
+@pytest.mark.parametrize("prismatic", [0.0, 0.3])
+def test_mass_matrices_of_chains_are_those_of_pinocchio_and_of_the_textbook(n, prismatic):
+    import pinocchio as pin
+
+    system = random_chain(n, seed=n, prismatic=prismatic, armature=True)
+    model, count = pinocchio_model(system), 11 if n < 100 else 9
+    data = model.createData()
+    q = np.random.default_rng(n).uniform(-4, 4, (count, n))
+    q[1] = np.where([joint.prismatic for joint in system.movable_joints], q[1], 2500 * q[1])
+    found = BatchModel(system).mass_matrix(q)
+    assert np.array_equal(found, found.transpose(0, 2, 1))
+    for state, mass in zip(q, found, strict=True):
+        assert relative_to_diagonal(mass, pin.crba(model, data, state)) < 1e-13
+    for k in (0, 1, count - 1):
+        assert relative_to_diagonal(found[k], denoc_matrices(system, q[k]).inertia) < 1e-13
+
+
+@pytest.mark.parametrize("n", [16, 50, 200])
+def test_a_stretched_chain_loses_no_digits_of_its_last_links(n):
+    # Rods in line, joints parallel: I_ij is the sum over links k ≥ i of inertia and m (k - i + ½)(k - j + ½) l².
+    joints, links = [], []
+    for k in range(n):
+        place = np.array([1.0 if k else 0.0, 0.0, 0.0])
+        above = links[-1].name if links else "base"
+        axis = np.array([0.0, 1.0, 0.0])
+        joints.append(Joint(f"joint{k}", JointType.REVOLUTE, above, f"rod{k}", axis=axis, xyz=place))
+        links.append(Link(f"rod{k}", 1.0, np.array([0.5, 0.0, 0.0]), np.diag([0.0, 1.0, 1.0]) / 12))
+    arms = np.clip(np.arange(n) - np.arange(n)[:, None], -0.5, None) + 0.5
+    carried = arms > 0
+    wanted = arms @ arms.T + (carried[:, None] & carried[None]).sum(axis=2) / 12
+    found = BatchModel(System("rods", tuple(joints), tuple(links))).mass_matrix(np.zeros((8, n)))
+    for mass in found:
+        assert relative_to_diagonal(mass, wanted) < 5e-15
+
+
+@pytest.mark.parametrize("n", [7, 16, 50])
+def test_mass_matrices_by_threads_and_in_any_order_are_the_same(n):
+    system = random_chain(n, seed=3, armature=True)
+    q = np.random.default_rng(n).normal(size=(93, n))
+    order = np.random.default_rng(1).permutation(93)
+    one = BatchModel(system).mass_matrix(q)
+    assert np.array_equal(BatchModel(system, threads=2).mass_matrix(q), one)
+    assert np.array_equal(BatchModel(system).mass_matrix(q[order]), one[order])
+    # Fewer states than a vector has lanes.
+    assert np.array_equal(BatchModel(system).mass_matrix(q[:3]), one[:3])
+
+
+@pytest.mark.parametrize("n", [19, 56])
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("shift", [0, 3])
+def test_results_that_no_cache_holds_are_the_same(n, threads, shift):
+    # Written past the caches, whether or not they begin where a cache line does.
+    system = random_chain(n, seed=3, armature=True)
+    count = FAR // (n * n) + 11
+    q = np.random.default_rng(n).normal(size=(count, n))
+    room = np.full(count * n * n + 16 + shift, 7.0)
+    out = room[8 + shift : -8].reshape(count, n, n)
+    BatchModel(system, threads=threads).mass_matrix(q, out=out)
+    few = BatchModel(system)
+    assert all(np.array_equal(out[k : k + 500], few.mass_matrix(q[k : k + 500])) for k in range(0, count, 500))
+    assert (room[: 8 + shift] == 7.0).all() and (room[-8:] == 7.0).all()
+
+
+def calls(model):
+    """The three methods over many states of BatchModel or Denoc, by the shape of one result."""
+    of = (
+        (lambda name: getattr(model, name)) if isinstance(model, BatchModel) else lambda n: getattr(model, f"{n}_batch")
+    )
+    return {
+        "forward": (3, of("forward_dynamics"), 1),
+        "inverse": (3, of("inverse_dynamics"), 1),
+        "mass": (1, of("mass_matrix"), 2),
+    }
+
+
+@pytest.mark.parametrize("make", [BatchModel, Denoc])
+@pytest.mark.parametrize(
+    "system",
+    [random_chain(6, seed=2), random_chain(19, seed=2), random_tree(9, seed=7), random_tree(130, seed=7)],
+    ids=["short", "long", "tree", "large"],
+)
+@pytest.mark.parametrize("count", [0, 3, 8, 21])
+def test_results_are_written_where_the_caller_says(make, system, count):
+    model = make(system)
+    n = model.n
+    q, v, a = (np.random.default_rng(k).normal(size=(count, n)) for k in range(3))
+    for taken, call, power in calls(model).values():
+        arguments = (q, v, a)[:taken]
+        wanted = call(*arguments)
+        # What lies before and behind belongs to others.
+        size = count * n**power
+        room = np.full(size + 16, 7.0)
+        out = room[8 : 8 + size].reshape(count, *[n] * power)
+        assert call(*arguments, out=out) is out
+        assert np.array_equal(out, wanted)
+        assert (room[:8] == 7.0).all() and (room[8 + size :] == 7.0).all()
+
+
+@pytest.mark.parametrize("make", [BatchModel, Denoc])
+@pytest.mark.parametrize("count", [3, 21])
+def test_results_may_be_written_over_the_arguments(make, count):
+    model = make(random_chain(5, seed=2))
+    q, v, a = (np.random.default_rng(k).normal(size=(count, 5)) for k in range(3))
+    for taken, call, power in calls(model).values():
+        if power == 1:
+            wanted = call(q, v, a)
+            for k in range(taken):
+                arguments = [q.copy(), v.copy(), a.copy()]
+                assert np.array_equal(call(*arguments, out=arguments[k]), wanted)
+
+
+@pytest.mark.parametrize("make", [BatchModel, Denoc])
+def test_room_that_does_not_fit_the_results_is_refused(make, tmp_path):
+    model = make(random_chain(3, seed=1))
+    q = np.zeros((9, 3))
+    for taken, call, power in calls(model).values():
+        shape = (9, *[3] * power)
+        frozen = np.zeros(shape)
+        frozen.setflags(write=False)
+        for out, message in (
+            (np.zeros((8, *shape[1:])), r"out has shape \(8, 3"),
+            (np.zeros(np.prod(shape)), r"out has shape \("),
+            (np.zeros(shape, dtype=np.float32), "out holds float32"),
+            (np.zeros(shape, dtype=">f8"), "out holds >f8"),
+            (np.zeros(shape, order="F"), "out is not C-contiguous"),
+            (np.zeros((9, 2 * 3, *shape[2:]))[:, ::2], "out is not C-contiguous"),
+            (frozen, "out is read-only"),
+            (np.zeros(shape).tolist(), "out is no array but list"),
+            (np.frombuffer(bytearray(8 * 9 * 3**power + 1), np.uint8)[1:].view(float).reshape(shape), "not aligned"),
+        ):
+            with pytest.raises(InputError, match=message) as caught:
+                call(*[q] * taken, out=out)
+            assert "\n" not in str(caught.value)
+        mapped = np.memmap(tmp_path / f"results{power}{taken}", dtype=float, mode="w+", shape=shape)
+        assert call(*[q] * taken, out=mapped) is mapped
+        assert np.array_equal(mapped, call(*[q] * taken))
 
 
 def test_passive_forces_act_as_in_the_single_calls():

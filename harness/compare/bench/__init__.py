@@ -32,7 +32,13 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "many states on one thread",
-        ("forward_dynamics_batch", "inverse_dynamics_batch", "mass_matrix_batch"),
+        (
+            "forward_dynamics_batch",
+            "inverse_dynamics_batch",
+            "mass_matrix_batch",
+            "mass_matrix_batch_large",
+            "forward_dynamics_batch_two_threads",
+        ),
     ),
     "scaling": Benchmark(
         "growth of cost with size, and memory at n = 10 000",

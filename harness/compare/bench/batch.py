@@ -18,6 +18,12 @@ SIZES = (1, 7, 50, 200)
 WANTED = {1: 8.0, 7: 10.0, 50: 10.0, 200: 8.0}
 # So many link updates a call that the call itself costs nothing.
 WORK = 40_000
+# Bytes of matrices a call: those that whoever works on with them would take at once, since they stay in a nearby cache, and
+# those that no cache holds.
+CACHED, LARGE = 4_000_000, 64_000_000
+_LARGE = "_large"
+# Joints and states of what two threads share.
+SHARED_N, SHARED = 7, 200_000
 
 
 def run(options: Options) -> Iterator[Row]:
@@ -31,6 +37,35 @@ def run(options: Options) -> Iterator[Row]:
         yield from or_skipped(
             "forward_dynamics_batch", n, "pinocchio", partial(_rows, case, system, wanted, options), case=case
         )
+    yield from or_skipped(
+        "forward_dynamics_batch_two_threads", SHARED_N, "denoc on one thread", partial(_threads, options)
+    )
+
+
+def _threads(options: Options) -> Iterable[Row]:
+    """What a second thread gains, for many states of a chain of seven."""
+    from harness.denoc.batch import BatchModel
+
+    system = chain(SHARED_N)
+    at = states(SHARED_N, SHARED)
+    calls = {
+        name: partial(
+            BatchModel(system, threads=threads).forward_dynamics, at.q, at.qd, at.tau, out=np.empty_like(at.q)
+        )
+        for name, threads in (("one", 1), ("two", 2))
+    }
+    timings = {name: timing.per(SHARED) for name, timing in side_by_side(calls, rounds=options.rounds).items()}
+    yield Row(
+        "forward_dynamics_batch_two_threads",
+        SHARED_N,
+        "denoc on one thread",
+        timings["two"].median,
+        timings["one"].median,
+        ours_spread=timings["two"].spread,
+        theirs_spread=timings["one"].spread,
+        note=f"a state, {SHARED} states a call; the ratio is the gain of the second thread",
+        wanted=1.8,
+    )
 
 
 def pinocchio_batch(system: System, at: States) -> dict[str, Callable[[], object]]:
@@ -66,24 +101,32 @@ def pinocchio_batch(system: System, at: States) -> dict[str, Callable[[], object
 
 
 def native_batch(system: System, at: States) -> dict[str, Callable[[], object]]:
-    """The public methods over (B, n)."""
+    """The public methods over (B, n), which write over their first results, as the peer does."""
     model: Any = native(system)
-    return {
-        "forward_dynamics_batch": lambda: model.forward_dynamics_batch(at.q, at.qd, at.tau),
-        "inverse_dynamics_batch": lambda: model.inverse_dynamics_batch(at.q, at.qd, at.tau),
-        "mass_matrix_batch": lambda: model.mass_matrix_batch(at.q),
+    calls = {
+        "forward_dynamics_batch": partial(model.forward_dynamics_batch, at.q, at.qd, at.tau),
+        "inverse_dynamics_batch": partial(model.inverse_dynamics_batch, at.q, at.qd, at.tau),
+        "mass_matrix_batch": partial(model.mass_matrix_batch, at.q),
     }
+    return {what: partial(call, out=call()) for what, call in calls.items()}
 
 
 def _rows(case: str, system: System, wanted: float | None, options: Options) -> Iterable[Row]:
     n = len(system.joint_names)
-    count = max(16, WORK // n // 8 * 8)
-    at = states(n, count)
-    ours, theirs = native_batch(system, at), pinocchio_batch(system, at)
-    for what in ours:
-        if what == "mass_matrix_batch" and n * n * count > 2e7:
-            continue
-        timings = side_by_side({"ours": ours[what], "theirs": theirs[what]}, rounds=options.rounds)
+    most = max(16, WORK // n // 8 * 8)
+    few, many = (max(8, size // (8 * n * n) // 8 * 8) for size in (CACHED, LARGE))
+    rows: list[tuple[str, int, float | None]] = [
+        ("forward_dynamics_batch", most, wanted),
+        ("inverse_dynamics_batch", most, wanted),
+        ("mass_matrix_batch", min(most, few), wanted),
+    ]
+    if n >= 50:
+        rows.append(("mass_matrix_batch" + _LARGE, many, None))
+    for what, count, ratio in rows:
+        at, call = states(n, count), what.removesuffix(_LARGE)
+        timings = side_by_side(
+            {"ours": native_batch(system, at)[call], "theirs": pinocchio_batch(system, at)[call]}, rounds=options.rounds
+        )
         timings = {name: timing.per(count) for name, timing in timings.items()}
         yield Row(
             what,
@@ -94,6 +137,6 @@ def _rows(case: str, system: System, wanted: float | None, options: Options) -> 
             ours_spread=timings["ours"].spread,
             theirs_spread=timings["theirs"].spread,
             case=case,
-            note=f"a state, {count} states a call, one thread",
-            wanted=wanted if what != "mass_matrix_batch" else None,
+            note=f"a state, {count} states a call, one thread, results overwritten",
+            wanted=ratio,
         )
