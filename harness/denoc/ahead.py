@@ -37,10 +37,11 @@ _own: set[str] = set()
 _announced = False
 
 
-def start(tasks: Sequence[str], *, most: int = 1) -> None:
+def start(tasks: Sequence[str], *, most: int = 1, beside: bool = False) -> None:
     """Let helpers compile those of the tasks that are not on disk yet; says so, and returns at once.
 
     most: helpers started at most; with this process they never outnumber the cores.
+    beside: this process works through the same tasks, so that helpers take them in other orders (``_orders``).
     """
     global _claims
     left = announce(tasks)
@@ -49,11 +50,11 @@ def start(tasks: Sequence[str], *, most: int = 1) -> None:
         return
     _claims = Path(tempfile.mkdtemp(prefix="kernels"))
     atexit.register(_end)
-    code = (
-        f"import sys; sys.path[:] = {sys.path!r}; from harness.denoc.ahead import work; "
-        f"work({json.dumps(left)}, {str(_claims)!r})"
-    )
-    for _ in range(count):
+    for order in _orders(left)[1 : count + 1] if beside else [left] * count:
+        code = (
+            f"import sys; sys.path[:] = {sys.path!r}; from harness.denoc.ahead import work; "
+            f"work({json.dumps(order)}, {str(_claims)!r})"
+        )
         with contextlib.suppress(OSError):
             _helpers.append(
                 subprocess.Popen(
@@ -63,6 +64,16 @@ def start(tasks: Sequence[str], *, most: int = 1) -> None:
                     stderr=subprocess.DEVNULL,
                 )
             )
+
+
+def _orders(tasks: list[str]) -> list[list[str]]:
+    """The tasks as up to four processes take them that share them: from the first, from the last, from the middle either way.
+
+    Neighbours call the same functions, which a process compiles once.
+    """
+    middle = len(tasks) // 2
+    around = tasks[middle:] + tasks[:middle]
+    return [tasks, tasks[::-1], around, around[::-1]]
 
 
 def announce(tasks: Sequence[str]) -> list[str]:
@@ -90,7 +101,7 @@ def ready(task: str) -> None:
 
 def everything() -> None:
     """Compile all kernels that are not on disk, on up to four cores; for what goes on in many processes afterwards."""
-    start(EVERYTHING, most=_MOST_HELPERS)
+    start(EVERYTHING, most=_MOST_HELPERS, beside=True)
     if _claims is not None:
         work(EVERYTHING, str(_claims))
         for task in EVERYTHING:

@@ -150,22 +150,22 @@ def _batches() -> None:
     _compile(batch_mass.chain_mass_matrix, 1, 1, _TABLE, *[_VECTOR] * 5)
 
 
-# What others build on first, and then the longest first.
+# Those that call the same functions are neighbours; the largest at both ends, where one begins (``ahead``).
 TASKS = {
     "lane_parameters": Task(_lane_parameters, "lanes_rows", "prepare_lane"),
-    "flexible": Task(_flexible, "flexible_address", "inverse"),
     "lanes": Task(_lanes, "lanes_integrate", "run_groups"),
-    "dop853": Task(_dop853, "adaptive", "dormand_prince8"),
-    "flexible_others": Task(_flexible_others, "flexible", "locate"),
-    "spatial": Task(_spatial, "lanes_address", "spatial_at"),
-    "batches": Task(_batches, "batch_kernels", "mass_matrix"),
-    "gauss": Task(_gauss, "fixed_step", "gauss_legendre6"),
-    "rigid": Task(_rigid, "rigid_address", "inverse"),
-    "chain": Task(_chain, "rigid_address", "chain"),
-    "rigid_others": Task(_rigid_others, "rigid", "locate"),
-    "planar": Task(_planar, "lanes_address", "planar_at"),
     "exponential": Task(_exponential, "lanes_exponential", "march_groups"),
+    "spatial": Task(_spatial, "lanes_address", "spatial_at"),
+    "planar": Task(_planar, "lanes_address", "planar_at"),
+    "dop853": Task(_dop853, "adaptive", "dormand_prince8"),
+    "gauss": Task(_gauss, "fixed_step", "gauss_legendre6"),
     "rk4": Task(_rk4, "fixed_step", "runge_kutta4"),
+    "batches": Task(_batches, "batch_kernels", "mass_matrix"),
+    "chain": Task(_chain, "rigid_address", "chain"),
+    "rigid": Task(_rigid, "rigid_address", "inverse"),
+    "rigid_others": Task(_rigid_others, "rigid", "locate"),
+    "flexible_others": Task(_flexible_others, "flexible", "locate"),
+    "flexible": Task(_flexible, "flexible_address", "inverse"),
 }
 
 

@@ -149,7 +149,7 @@ def test_unknown_benchmark_is_refused_before_anything_runs() -> None:
         next(bench.run(["single_calls"]))
     assert bench.select(["batch"]) == {"batch": bench.BENCHMARKS["batch"].rows}
     assert bench.select(["forward_dynamics_b*", "startup_help"]) == {
-        "batch": ("forward_dynamics_batch",),
+        "batch": ("forward_dynamics_batch", "forward_dynamics_batch_two_threads"),
         "startup": ("startup_help",),
     }
     assert "suite" not in bench.select()

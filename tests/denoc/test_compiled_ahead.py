@@ -73,6 +73,13 @@ def test_every_command_names_tasks_that_there_are() -> None:
         assert set(tasks) <= set(kernels.TASKS)
 
 
+def test_processes_take_all_tasks_each_from_another_end() -> None:
+    for tasks in (["a"], list("abcde"), list(ahead.EVERYTHING)):
+        orders = ahead._orders(tasks)
+        assert all(sorted(order) == sorted(tasks) for order in orders)
+        assert len({order[0] for order in orders}) == min(len(tasks), 4)
+
+
 def test_a_task_is_claimed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compiled = []
     monkeypatch.setitem(
