@@ -55,14 +55,12 @@ def _threads(options: Options) -> Iterable[Row]:
         for name, threads in (("one", 1), ("two", 2))
     }
     timings = {name: timing.per(SHARED) for name, timing in side_by_side(calls, rounds=options.rounds).items()}
-    yield Row(
+    yield Row.timed(
         "forward_dynamics_batch_two_threads",
         SHARED_N,
         "denoc on one thread",
-        timings["two"].median,
-        timings["one"].median,
-        ours_spread=timings["two"].spread,
-        theirs_spread=timings["one"].spread,
+        timings["two"],
+        timings["one"],
         note=f"a state, {SHARED} states a call; the ratio is the gain of the second thread",
         wanted=1.8,
     )
@@ -128,14 +126,12 @@ def _rows(case: str, system: System, wanted: float | None, options: Options) -> 
             {"ours": native_batch(system, at)[call], "theirs": pinocchio_batch(system, at)[call]}, rounds=options.rounds
         )
         timings = {name: timing.per(count) for name, timing in timings.items()}
-        yield Row(
+        yield Row.timed(
             what,
             n,
             "pinocchio",
-            timings["ours"].median,
-            timings["theirs"].median,
-            ours_spread=timings["ours"].spread,
-            theirs_spread=timings["theirs"].spread,
+            timings["ours"],
+            timings["theirs"],
             case=case,
             note=f"a state, {count} states a call, one thread, results overwritten",
             wanted=ratio,

@@ -104,14 +104,12 @@ def _row(options: Options) -> Iterable[Row]:
 
 
 def _told(what: str, ours: _Setting, theirs: _Setting, duration: float) -> Row:
-    return Row(
+    return Row.timed(
         what,
         1 + ours.parts,
         "exudyn_ancf",
-        ours.timing.median,
-        theirs.timing.median,
-        ours_spread=ours.timing.spread,
-        theirs_spread=theirs.timing.spread,
+        ours.timing,
+        theirs.timing,
         case="flexible pendulum from horizontal",
         note=f"{duration:g} s sampled at 1 kHz; {ours.parts} modes, {ours.how}, {100 * ours.error:.2f} % of peak RMS, against "
         f"{theirs.parts} elements, {theirs.how}, {100 * theirs.error:.2f} %; truth: {TRUTH[0]} elements at {TRUTH[1]:g} s; "

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from harness.compare.bench.measure import Timing
+
 SCHEMA = "denoc.bench/1"
 
 
@@ -30,6 +32,17 @@ class Row:
     case: str = ""
     note: str = ""
     wanted: float | None = None
+
+    @classmethod
+    def timed(
+        cls, what: str, n: int | None, peer: str, ours: Timing, theirs: Timing, *, case: str = "", note: str = "",
+        wanted: float | None = None,
+    ) -> Row:  # fmt: skip
+        """The row of two timings: their medians [s], and quartiles as spreads."""
+        return cls(
+            what, n, peer, ours.median, theirs.median, ours_spread=ours.spread, theirs_spread=theirs.spread,
+            case=case, note=note, wanted=wanted,
+        )  # fmt: skip
 
     @property
     def skipped(self) -> bool:

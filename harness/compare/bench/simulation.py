@@ -138,14 +138,12 @@ def _rows(
         timings = side_by_side({"ours": partial(ours, chosen), "theirs": theirs}, rounds=max(3, options.rounds // 3))
         per = {side: timing.per(copies) for side, timing in timings.items()}
         method = "RK4 at 1 kHz" if chosen is same else "adaptive, " + ", ".join(f"{k} {v:g}" for k, v in chosen.items())
-        yield Row(
+        yield Row.timed(
             name,
             len(system.joint_names),
             "mujoco",
-            per["ours"].median,
-            per["theirs"].median,
-            ours_spread=per["ours"].spread,
-            theirs_spread=per["theirs"].spread,
+            per["ours"],
+            per["theirs"],
             case="damped chain with general axes",
             note=f"{how}; {method}, error {error(chosen):.0e} rad, against RK4 at 1 ms, {their_error:.0e} rad",
             wanted=WANTED,
@@ -168,14 +166,12 @@ def _threads(options: Options) -> Iterable[Row]:
         },
         rounds=max(3, options.rounds // 3),
     )
-    yield Row(
+    yield Row.timed(
         "simulation_two_threads",
         7,
         "denoc on one thread",
-        timings["two"].median,
-        timings["one"].median,
-        ours_spread=timings["two"].spread,
-        theirs_spread=timings["one"].spread,
+        timings["two"],
+        timings["one"],
         note=f"{copies} runs of 2 s; the ratio is the gain of the second thread",
         wanted=1.8,
     )

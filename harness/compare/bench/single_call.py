@@ -89,14 +89,12 @@ def _rows(n: int, peer: str, options: Options) -> Iterable[Row]:
             continue
         timings = side_by_side({"ours": ours[what], "theirs": theirs[what]}, rounds=options.rounds)
         wanted = WANTED.get(n, WANTED_ABOVE) if peer == "pinocchio" and what == "forward_dynamics" else None
-        yield Row(
+        yield Row.timed(
             what,
             n,
             peer,
-            timings["ours"].median,
-            timings["theirs"].median,
-            ours_spread=timings["ours"].spread,
-            theirs_spread=timings["theirs"].spread,
+            timings["ours"],
+            timings["theirs"],
             case="chain with general axes",
             note="one call from Python",
             wanted=wanted,

@@ -81,14 +81,12 @@ def _first(options: Options) -> Iterable[Row]:
             into.append(child.seconds)
             memory[name] = child.memory
     mine, other = _spread(ours), _spread(theirs)
-    yield Row(
+    yield Row.timed(
         "first_acceleration_cached",
         7,
         "pinocchio",
-        mine.median,
-        other.median,
-        ours_spread=mine.spread,
-        theirs_spread=other.spread,
+        mine,
+        other,
         note="a fresh process to its first acceleration, imports included, compiled code on disk",
     )
     yield Row(
