@@ -275,7 +275,7 @@ def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
             if names and len(other.hypothesis.members) == len(conclusion.best.hypothesis.members):
                 pairs.append((conclusion.best, other, tuple(sorted(names))))
                 break
-    proposal = propose(outcome, pairs[:3])
+    proposal = propose(study, pairs[:3])
     if proposal is None:
         return {"what": "", "separates": []}
     return {"what": proposal.what, "separates": list(proposal.separates), "expected_sigma": proposal.separation}

@@ -68,7 +68,7 @@ def linearise(
     moves = [k for k in range(size) if fixed is None or not fixed[k]]
     vectors = np.tile(x, (1 + len(moves), 1))
     steps = np.zeros(len(moves))
-    felt = np.full(size, DIFFERENCE) if nearby is None else _felt(nearby)
+    felt = np.full(size, DIFFERENCE) if nearby is None else telling_steps(nearby)
     for row, k in enumerate(moves):
         step = max(float(felt[k]), 1e-9 * abs(x[k]))
         if upper is not None and x[k] + step > upper[k]:
@@ -118,7 +118,7 @@ def _norms(view: Linearisation) -> Array:
     return np.asarray(np.sqrt(sum(np.sum(columns**2, axis=0) for columns in view.shared)))
 
 
-def _felt(nearby: Linearisation) -> Array:
+def telling_steps(nearby: Linearisation) -> Array:
     """Steps (P,) of the shared parameters that change the prediction enough to be told from the unevenness of its runs."""
     return np.asarray(np.clip(FELT / np.maximum(_norms(nearby), FELT), DIFFERENCE, LONGEST))
 

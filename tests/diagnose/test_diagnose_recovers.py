@@ -78,7 +78,11 @@ def test_tilt_is_not_turned_into_friction_and_its_class_is_told() -> None:
     document = harness.diagnose(runs, model=nominal()).to_json()
     assert len(document["findings"]) == 1
     assert {"sensor_offset", "base_tilt"} <= classes(document)[0]
-    assert document["next_experiment"]["what"]
+    # No motion parts these two, and none is proposed for them; whether the centre of mass lies aside, a further sensor tells.
+    assert document["next_experiment"]["separates"] == ["sensor_offset", "com_side_offset"]
+    assert document["next_experiment"]["what"].startswith(
+        "mount an accelerometer at the tip of rod, release from 0.8 rad"
+    )
 
 
 def test_driven_gain_error_is_on_the_input_side() -> None:

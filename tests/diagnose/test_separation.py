@@ -1,0 +1,89 @@
+"""How far an experiment would part two hypotheses: what initial states and open parameters make up for does not count."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from simulated_recordings import Rig, nominal, releases
+
+from harness.diagnose.candidates import candidates
+from harness.diagnose.coordinates import to_internal
+from harness.diagnose.experiment import propose
+from harness.diagnose.fit import Fit
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.investigate import crude_colours
+from harness.diagnose.likelihood import Likelihood
+from harness.diagnose.predict import Predictor
+from harness.diagnose.problem import pose
+from harness.diagnose.separation import separation
+from harness.diagnose.study import Study
+from harness.diagnose.trials import Trial, trials
+from harness.diagnose.windows import whole
+
+NOISE = 1e-3
+SIZES = {"base_tilt": 0.02, "sensor_offset": 0.02, "coulomb_friction": 2e-3, "quadratic_drag": 1e-3}
+PERIOD = 2.0 * np.pi * np.sqrt(Rig().about_joint / Rig().moment)
+
+
+def bench(rig: Rig, *names: str) -> tuple[Study, list[Fit]]:
+    """A study of two releases, and fits of single effects."""
+    system, runs = nominal(), releases(rig, (1.2, 0.8), NOISE, seed=21)
+    posed = pose(system, runs)
+    known = tuple(candidates(system, runs, only=list(names)))
+    study = Study(
+        posed,
+        Predictor(posed),
+        Likelihood(posed, crude_colours(posed)),
+        known,
+        whole(posed.runs, range(2)),
+        swing=PERIOD,
+    )
+    by_name = {c.effect.name: c for c in known}
+    fits = []
+    for name in names:
+        hypothesis = Hypothesis((by_name[name],))
+        own = to_internal(by_name[name], np.array([SIZES[name]]))
+        start = np.concatenate([np.zeros(len(study.predictor.nominal)), own])
+        fits.append(study.fit(hypothesis, [start], None, most_steps=30))
+    return study, fits
+
+
+def releases_of(study: Study) -> list[Trial]:
+    return [t for t in trials(study.problem.system, "pivot", 12.0, PERIOD, 1.0, 5.0) if t.effort is None and not t.link]
+
+
+def test_no_release_parts_a_tilted_base_from_a_sensor_s_offset() -> None:
+    # On a base that is turned by −α a joint swings about +α (θ̈ = −ω² sin(θ − α)), as a sensor would say that reads α too much.
+    study, (tilt, offset) = bench(Rig(), "base_tilt", "sensor_offset")
+    # Fitted to a mechanism that has neither, both have to be given a size, one against the other.
+    k = len(study.predictor.nominal)
+    scale = tilt.hypothesis.members[0].scales[0], offset.hypothesis.members[0].scales[0]
+    tilt = replace(tilt, x=np.append(tilt.x[:k], -0.02 / scale[0]))
+    offset = replace(offset, x=np.append(offset.x[:k], 0.02 / scale[1]))
+    assert max(separation(study, tilt, offset, trial) for trial in releases_of(study)) < 1.0
+    told = propose(study, [(tilt, offset, ("base_tilt", "sensor_offset"))])
+    assert told is not None
+    assert "the base's inclination" in told.what and "the sensor against a reference" in told.what
+
+
+def test_a_long_release_parts_two_kinds_of_dissipation() -> None:
+    # Energy a swing loses goes with its amplitude for dry friction and with its cube for quadratic drag.
+    study, (dry, drag) = bench(Rig(dry=2e-3), "coulomb_friction", "quadratic_drag")
+    told = propose(study, [(dry, drag, ("coulomb_friction", "quadratic_drag"))])
+    assert told is not None and told.separation > 50.0
+    assert told.what.startswith("release from")
+
+
+def test_least_only_spares_work() -> None:
+    study, (dry, drag) = bench(Rig(dry=2e-3), "coulomb_friction", "quadratic_drag")
+    trial = releases_of(study)[4]
+    exact = separation(study, dry, drag, trial)
+    assert separation(study, dry, drag, trial, least=0.5 * exact) == pytest.approx(exact, rel=1e-6)
+    assert separation(study, dry, drag, trial, least=1e6) <= 1e6
+
+
+def test_a_hypothesis_is_not_parted_from_itself() -> None:
+    study, (dry,) = bench(Rig(dry=2e-3), "coulomb_friction")
+    assert max(separation(study, dry, dry, trial) for trial in releases_of(study)) < 0.1
