@@ -28,6 +28,8 @@ ACCELEROMETER = 0.05  # m/s², noise of a common micromechanical one
 STEP = 1e-5  # rad, rad/s
 FIRST = 1.5  # swings over which a rival is brought near to begin with; then twice as many, and so on
 PATIENCE = 12  # steps over each such time
+SHORTCUT = 3  # steps over all of it at once, which will do for what is alike and not far off
+NOTHING = 1.0  # standard deviations that part nothing
 ENOUGH = 0.02  # of the cost, below which a step's gain is not worth the next one
 SOFT, HARDER, HARDEST = 1e-6, 10.0, 1e4  # damping, over the squared lengths of the directions
 AWAY = 0.01  # rad, rad/s, at least, from which a hypothesis has to find back to itself
@@ -61,9 +63,13 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
         begun = _start(imagined.predictor, second, trial)
         told = imagined.curves(first, first.x[None], [_start(imagined.predictor, first, trial)], imagined.count)[0]
         lengths = _lengths(study, imagined)
-        distance, state = _brought_near(study, imagined, second, told, begun, lengths, least)
-        if not least < distance < np.inf:
-            return 0.0 if np.isinf(distance) else distance
+        distance, state = _brought_near(study, imagined, second, told, begun, lengths[-1:], least, SHORTCUT)
+        if distance > max(least, NOTHING):
+            distance, state = _brought_near(study, imagined, second, told, begun, lengths, least)
+        if distance <= max(least, NOTHING):
+            return distance
+        if np.isinf(distance):
+            return 0.0
         own = imagined.curves(second, second.x[None], [begun], imagined.count)[0]
         moved = begun + np.where(np.abs(state - begun) > AWAY, state - begun, AWAY)
         return (
@@ -87,7 +93,9 @@ def _imagined(study: Study, trial: Trial) -> _Imagined:
         effort = np.column_stack([np.interp(time, old, column) for column in trial.effort.T])
     run = Run("proposed", time, np.full((len(channels), len(time)), np.nan), effort, interval)
     noise = np.array([c.std / np.sqrt(c.effective_fraction) for c in colours])[:, None]
-    return _Imagined(Predictor(Problem(study.problem.system, channels, (run,), (run,))), noise, len(time))
+    predictor = Predictor(Problem(study.problem.system, channels, (run,), (run,)))
+    predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in colours]))
+    return _Imagined(predictor, noise, len(time))
 
 
 def _lengths(study: Study, imagined: _Imagined) -> list[int]:
@@ -110,7 +118,14 @@ def _start(predictor: Predictor, fitted: Fit, trial: Trial) -> Array:
 
 
 def _brought_near(
-    study: Study, imagined: _Imagined, fitted: Fit, told: Array, begun: Array, lengths: Sequence[int], least: float
+    study: Study,
+    imagined: _Imagined,
+    fitted: Fit,
+    told: Array,
+    begun: Array,
+    lengths: Sequence[int],
+    least: float,
+    patience: int = PATIENCE,
 ) -> tuple[float, Array]:
     """The least distance of a hypothesis from a prediction (C·T,) and the initial state where it is reached.
 
@@ -128,7 +143,7 @@ def _brought_near(
     for count in lengths:
         best, linear, damping, here = np.inf, None, SOFT, at
         target = told[:, :count].ravel()
-        for _ in range(PATIENCE):
+        for _ in range(patience):
             points = np.vstack([here, here + np.diag(steps)])
             xs = np.tile(fitted.x, (len(points), 1))
             xs[:, free] = points[:, len(begun) :]

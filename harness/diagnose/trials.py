@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ FINEST = 1 / 250.0  # s between the samples of a proposed recording
 ANGLES = (0.15, 0.3, 0.8, 1.5, 2.6)  # rad
 MIDDLE = 0.8  # rad
 SHARES = (0.25, 0.5, 1.0, 2.0)  # of the extent of a slide, or the speed of a joint, in the recordings at hand
+LONGER = 3.0  # times as long as the recordings at hand
 FREQUENCIES = (0.4, 0.8, 1.6)  # of the slowest swing's
 DRIVE = 0.15  # of the torque that gravity makes at most
 STILL = 1e-6  # of that torque over the inertia, below which a joint that is let go stays where it is
@@ -72,12 +73,12 @@ def _let_go(system: System, joint: Joint, duration: float, extent: float, speed:
     for position in _within(joint, [s * extent for s in SHARES] if joint.prismatic else ANGLES):
         if _falls(system, joint, position):
             what = f"release{_of(system, joint)} from {position:.2g} {joint.position_unit}"
-            found += _for_times(what, _state(system, joint, position, 0.0), duration)
+            found.append((what, _state(system, joint, position, 0.0)))
     if not found:
         for velocity in np.multiply(SHARES, speed):
             what = f"push{_of(system, joint)} by hand to about {velocity:.2g} {joint.position_unit}/s, let go"
-            found += _for_times(what, _state(system, joint, 0.0, velocity), duration)
-    return found
+            found.append((what, _state(system, joint, 0.0, velocity)))
+    return _recorded(found, duration)
 
 
 def _falls(system: System, joint: Joint, position: float) -> bool:
@@ -89,11 +90,14 @@ def _falls(system: System, joint: Joint, position: float) -> bool:
     return bool(abs(acceleration) > STILL * sizes.torque / sizes.inertia)
 
 
-def _for_times(what: str, state: Array, duration: float) -> list[Trial]:
-    return [
-        Trial(f"{what} and record for {duration:.0f} s", state, None, duration),
-        Trial(f"{what} and record for {3.0 * duration:.0f} s, or until rest", state, None, 3.0 * duration),
-    ]
+def _recorded(begun: Sequence[tuple[str, Array]], duration: float) -> list[Trial]:
+    """Each for as long as the recordings at hand, and every other one for longer."""
+    found = [Trial(f"{what} and record for {duration:.0f} s", state, None, duration) for what, state in begun]
+    for what, state in begun[1::2]:
+        found.append(
+            Trial(f"{what} and record for {LONGER * duration:.0f} s, or until rest", state, None, LONGER * duration)
+        )
+    return found
 
 
 def _driven(system: System, joint: Joint, duration: float, period: float) -> list[Trial]:
