@@ -15,6 +15,7 @@ from harness.system.description import Array
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _NODES, _WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
 STRETCH = 3.0  # time constants of a filter, in which a signal tells how fast it swings
+AGES = 50.0  # time constants after which a start from rest is forgotten
 EDGE, FEW = 2, 8  # samples at whose slopes little is known, and on which a swing shows at least
 SHORT_STEP = 1.0  # step over time constant below which quadrature replaces the recursion, which cancels there
 
@@ -187,7 +188,8 @@ def _followed(signal: Array, time: Array, params: Array) -> Array:
         return signal[:, 0]
     tau = _time_constant(params)[:, None]
     speed, bend, moving, turns = _beginning(signal, time, tau)
-    lag = (tau * speed - moving * tau**2 * bend) / (1.0 + moving * turns)
+    slowing = speed * bend < 0.0
+    lag = (np.where(slowing, moving, 1.0) * tau * speed - moving * tau**2 * bend) / (1.0 + moving * turns)
     extent = np.ptp(signal, axis=1, keepdims=True)
     return np.asarray(signal[:, 0] - np.clip(lag, -extent, extent)[:, 0])
 
@@ -195,7 +197,8 @@ def _followed(signal: Array, time: Array, params: Array) -> Array:
 def _beginning(signal: Array, time: Array, tau: Array) -> tuple[Array, Array, Array, Array]:
     """How signals (B, T) begin: speed, curvature, how far they are in motion (0 to 1), and (τ ω)² of their swing, each (B, 1).
 
-    Within a recording all are in motion; at its beginning a signal that starts from rest was held before.
+    Within a recording all are in motion; at its beginning a signal that starts from rest was held before. The samples of one
+    average begin up to an interval after the recording does.
     """
     # A wave about c has ẍ = −ω² (x − c): a regression over a few time constants, or over the first few samples if those are longer.
     last = np.minimum(np.maximum(np.searchsorted(time, time[0] + STRETCH * tau), EDGE + FEW), len(time)) - 1
@@ -208,8 +211,12 @@ def _beginning(signal: Array, time: Array, tau: Array) -> tuple[Array, Array, Ar
     count, x, b, xb, xx = (np.take_along_axis(np.cumsum(inside * p, axis=1), last, axis=1) for p in products)
     turns = tau**2 * np.maximum(x * b - count * xb, 0.0) / np.maximum(count * xx - x**2, 1e-300)
     speed, bend = _at_first(signal, time)
-    moving = np.ones_like(speed) if time[0] > 0.0 else speed**2 / (speed**2 + (bend * tau) ** 2 + 1e-300)
-    return speed, bend, moving, turns
+    if time[0] >= time[1] - time[0]:
+        return speed, bend, np.ones_like(speed), turns
+    # What has just left rest follows x = b t²/2, and of that the filter keeps 1 − e^(−t/τ) of what it keeps of a wave, t = ẋ/ẍ.
+    # What slows down has moved before, unless it only seems to.
+    since = np.clip(speed * bend / (tau * bend**2 + 1e-300), -AGES, AGES)
+    return speed, bend, -np.expm1(np.where(since > 0.0, -since, -(since**2))), turns
 
 
 def resample(signal: Array, time: Array, query: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from simulated_recordings import Rig, nominal, recording, swing
 
 from harness.diagnose.candidates import candidates
@@ -36,3 +37,26 @@ def test_an_encoder_error_faster_than_a_block_is_predicted_as_it_is_averaged() -
     (predicted,) = predictor.predict(hypothesis, x[None], [(0, Window(0, 0, len(run.time)), state)])
     # The change of a block's average that its samples' own change makes, as if the error were slow, would be off by its size.
     assert predicted[0] == pytest.approx(run.values[0], abs=1e-3 * AMPLITUDE)
+
+
+def test_a_slow_sensor_on_a_release_from_rest_is_predicted_as_it_is_averaged() -> None:
+    # Settled on the held angle; that a block's samples begin within the motion must not count as a motion that was there before,
+    # which would be off by several milliradians.
+    cutoff, every = 5.0, 10
+    fine = np.arange(0.0, 2.0, 1.0 / (every * RATE))
+    turn = 2.0 * np.pi * cutoff / (every * RATE)
+    decay, mean = np.exp(-turn), -np.expm1(-turn) / turn
+    truth = swing(Rig(), ANGLE, fine)
+    passed = lfilter([1.0 - mean, mean - decay], [1.0, -decay], truth, zi=[mean * truth[0]])[0]
+    system, runs = nominal(), [recording("fast", fine[::every], {"pivot.position": passed[::every]})]
+    posed = pose(system, runs, heldout=runs[0])
+    (run,) = posed.train
+    assert run.averaged == BLOCK
+    (slow,) = (c for c in candidates(system, runs) if c.key == "sensor_lowpass@pivot.position")
+    predictor, hypothesis = Predictor(posed), Hypothesis((slow,))
+    start, step = run.time[0], 1e-4
+    at = swing(Rig(), ANGLE, np.array([0.0, start - step, start, start + step]))
+    state = np.array([at[2], (at[3] - at[1]) / (2.0 * step)])
+    x = np.concatenate([np.zeros(len(predictor.nominal)), to_internal(slow, np.array([cutoff]))])
+    (predicted,) = predictor.predict(hypothesis, x[None], [(0, Window(0, 0, len(run.time)), state)])
+    assert predicted[0] == pytest.approx(run.values[0], abs=2e-5)

@@ -104,6 +104,19 @@ def test_a_lowpass_of_what_was_held_has_settled_on_it():
     assert measurement.lowpass_memory(released, time, np.array([[cutoff]]))[1][0] < 1e-6
 
 
+@pytest.mark.parametrize("since", [0.002, 0.01, 0.05])
+def test_a_lowpass_of_what_has_just_been_let_go_is_nearly_settled(since):
+    # Released ``since`` before the first sample; the same closed form, begun there. Third order in ω·since is what is left out.
+    time = GRIDS["even"]
+    cutoff = 2.0
+    tau = 1.0 / (2.0 * np.pi * cutoff)
+    turn, late = RATE * tau, time + since
+    steady = (np.cos(RATE * late) + turn * np.sin(RATE * late)) / (1.0 + turn**2)
+    expected = steady + (1.0 - 1.0 / (1.0 + turn**2)) * np.exp(-late / tau)
+    passed = measurement.lowpass(np.cos(RATE * late)[None], time, np.array([[cutoff]]))[0]
+    assert np.abs(passed - expected).max() < 3e-5 + 3.0 * (RATE * since) ** 3
+
+
 @pytest.mark.parametrize("cutoff", [0.2, 2.0, 30.0, 400.0])
 def test_highpass_of_a_wave(time, cutoff):
     steady, dying = settling(time, cutoff)
