@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 
 DECADE = 10.0
 REACH = 5.0
+WEAKER = 1e3
 LARGEST = 1e6  # typical sizes that a parameter may have: beyond, what follows from it would be lost in rounding
 CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
 
@@ -87,9 +88,12 @@ def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:
     if parameter.unit == "1/rev":
         return -np.inf, np.inf  # scanned, so where its effect lists starting values says nothing about how far it goes
     positive = [s for s in parameter.starts if s > 0.0] or [1.0]
-    # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff.
-    highest = max(positive) / 3.0 if nested and parameter.name == "stiffness" else max(positive) * REACH
-    return float(np.log(min(positive) / REACH)), float(np.log(highest))
+    lowest, highest = min(positive) / REACH, max(positive) * REACH
+    if nested and parameter.name == "stiffness":
+        # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff. Contacts give over a
+        # way of their own, so that a weak friction has as weak a stiffness.
+        lowest, highest = lowest / WEAKER, max(positive) / 3.0
+    return float(np.log(lowest)), float(np.log(highest))
 
 
 def start_vector(candidate: Candidate) -> Array:

@@ -54,7 +54,9 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
             known = study.known(hypothesis) if study.was_exchanged(base, wider) else None
             if known is None:
                 others = study.without(base, k)
-                starts = [np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]))]
+                starts = [
+                    np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]), by_way=True)
+                ]
                 # Neither better than the special case nor near the best set, it would be of no use.
                 within = min(base.score, min(f.score for f in study.fits.values()) + NEAR)
                 known = study.fit(hypothesis, starts, base, target=within)

@@ -157,10 +157,22 @@ def alongside(candidate: Candidate, modified: Candidate, values: Array) -> list[
     return found
 
 
-def like(wider: Candidate, amplitude: float) -> list[Array]:
-    """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``."""
+def like(wider: Candidate, amplitude: float, *, by_way: bool = False) -> list[Array]:
+    """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``.
+
+    by_way: with contacts that give over the ways that are usual for a friction of typical size, so that as weak as the friction is
+    its stiffness; else with the usual stiffnesses.
+    """
     first, *others = wider.effect.parameters
-    choices = [(LARGER * amplitude,) if p.unit == first.unit else p.start_values(wider.references) for p in others]
+    share = amplitude / first.scale(wider.references) if by_way else 1.0
+    choices: list[tuple[float, ...]] = []
+    for parameter in others:
+        usual = parameter.start_values(wider.references)
+        if parameter.unit == first.unit:
+            usual = (LARGER * amplitude,)
+        elif (first.name, parameter.name) == ("torque", "stiffness"):
+            usual = tuple(share * value for value in usual)
+        choices.append(usual)
     points = [np.array([amplitude, *rest]) for rest in product(*choices)]
     return [np.clip(p, wider.effect.lower, wider.effect.upper) for p in points]
 
