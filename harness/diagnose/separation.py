@@ -94,9 +94,7 @@ def _imagined(study: Study, trial: Trial) -> _Imagined:
     run = Run("proposed", time, np.full((len(channels), len(time)), np.nan), effort, interval)
     noise = np.array([c.std / np.sqrt(c.effective_fraction) for c in colours])[:, None]
     predictor = Predictor(Problem(study.problem.system, channels, (run,), (run,)))
-    if not trial.link:
-        # An accelerometer sees the vibration itself, and longer steps would not resolve that.
-        predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in colours]))
+    predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in colours]))
     return _Imagined(predictor, noise, len(time))
 
 

@@ -100,9 +100,11 @@ class StiffRuns:
     def _changed(self, model: LaneModel, rows: Array, coarse: Motion, fine: Motion) -> Array:
         """Sum of squares (B,) of what half the steps change in the channels, in variances of the noise; nan where a run failed."""
         total = np.zeros(len(rows))
-        for channel, noise in zip(self.channels, self.noise, strict=True):
-            seen = [observe(model, rows, channel.site, channel.quantity, motion) for motion in (coarse, fine)]
-            total += (((seen[0] - seen[1]) / noise) ** 2).sum(axis=1)
+        # Steps that are too long may lead out of the numbers.
+        with np.errstate(over="ignore", invalid="ignore"):
+            for channel, noise in zip(self.channels, self.noise, strict=True):
+                seen = [observe(model, rows, channel.site, channel.quantity, motion) for motion in (coarse, fine)]
+                total += (((seen[0] - seen[1]) / noise) ** 2).sum(axis=1)
         return total
 
 
