@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 from harness.diagnose.colour import Colour
 from harness.diagnose.fit import Fit
@@ -27,11 +28,10 @@ Array = NDArray[np.float64]
 ACCELEROMETER = 0.05  # m/s², noise of a common micromechanical one
 STEP = 1e-5  # rad, rad/s
 FIRST = 1.5  # swings over which a rival is brought near to begin with; then twice as many, and so on
-PATIENCE = 12  # steps over each such time
+PATIENCE = 25  # steps over each such time
 SHORTCUT = 3  # steps over all of it at once, which will do for what is alike and not far off
 NOTHING = 1.0  # standard deviations that part nothing
-ENOUGH = 0.02  # of the cost, below which a step's gain is not worth the next one
-SOFT, HARDER, HARDEST = 1e-6, 10.0, 1e4  # damping, over the squared lengths of the directions
+ENOUGH = 1e-3  # of the cost, below which a step's gain is not worth the next one
 AWAY = 0.01  # rad, rad/s, at least, from which a hypothesis has to find back to itself
 BACK = 0.1  # of a separation, that a hypothesis may stay away from itself
 
@@ -61,20 +61,18 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
     imagined = _imagined(study, trial)
     try:
         begun = _start(imagined.predictor, second, trial)
+        rival = _open(study, second, len(begun))
         told = imagined.curves(first, first.x[None], [_start(imagined.predictor, first, trial)], imagined.count)[0]
         lengths = _lengths(study, imagined)
-        distance, state = _brought_near(study, imagined, second, told, begun, lengths[-1:], least, SHORTCUT)
+        distance, state = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT)
         if distance > max(least, NOTHING):
-            distance, state = _brought_near(study, imagined, second, told, begun, lengths, least)
+            distance, state = _brought_near(imagined, rival, told, begun, lengths)
         if distance <= max(least, NOTHING):
             return distance
-        if np.isinf(distance):
-            return 0.0
         own = imagined.curves(second, second.x[None], [begun], imagined.count)[0]
         moved = begun + np.where(np.abs(state - begun) > AWAY, state - begun, AWAY)
-        return (
-            distance if _brought_near(study, imagined, second, own, moved, lengths, 0.0)[0] < BACK * distance else 0.0
-        )
+        back, _ = _brought_near(imagined, rival, own, moved, lengths)
+        return distance if back < BACK * distance < np.inf else 0.0
     except InputError:
         return 0.0
 
@@ -100,8 +98,7 @@ def _imagined(study: Study, trial: Trial) -> _Imagined:
 
 def _lengths(study: Study, imagined: _Imagined) -> list[int]:
     """Numbers of samples over which a rival is brought near, one time after another; the last one is all of them."""
-    interval = float(np.diff(imagined.predictor.runs[0].time[:2])[0])
-    lengths = [max(2, round(FIRST * study.swing / interval))]
+    lengths = [max(2, round(FIRST * study.swing / imagined.predictor.runs[0].interval))]
     while lengths[-1] < imagined.count:
         lengths.append(2 * lengths[-1])
     return [*lengths[:-1], imagined.count]
@@ -117,66 +114,72 @@ def _start(predictor: Predictor, fitted: Fit, trial: Trial) -> Array:
     return state
 
 
-def _brought_near(
-    study: Study,
-    imagined: _Imagined,
-    fitted: Fit,
-    told: Array,
-    begun: Array,
-    lengths: Sequence[int],
-    least: float,
-    patience: int = PATIENCE,
-) -> tuple[float, Array]:
-    """The least distance of a hypothesis from a prediction (C·T,) and the initial state where it is reached.
+@dataclass(frozen=True, eq=False)
+class _Open:
+    """What may still move of a hypothesis: initial state and, in what the recordings at hand leave open, its parameters.
 
-    Levenberg's damped least squares over ever longer times, so that a swing that runs ahead is not held against the one before.
+    free: which parameters (P,) move; known: rows whose squares are the price of moving them. lower, upper, steps: of state and free
+    parameters one after the other (S,).
     """
+
+    fitted: Fit
+    free: NDArray[np.intp]
+    known: Array
+    lower: Array
+    upper: Array
+    steps: Array
+
+    def parameters(self, points: Array) -> Array:
+        """Parameter vectors (K, P) of points (K, S)."""
+        xs = np.tile(self.fitted.x, (len(points), 1))
+        xs[:, self.free] = points[:, -len(self.free) :] if len(self.free) else 0.0
+        return xs
+
+
+def _open(study: Study, fitted: Fit, states: int) -> _Open:
     free = np.flatnonzero(fitted.free)
-    known = _known(study, fitted, free)
-    lower, upper = (bound[free] for bound in study.objective(fitted.hypothesis).bounds())
-    steps = np.concatenate([np.full(len(begun), STEP), telling_steps(fitted.linear)[free]])
-    steps[len(begun) :] = np.where(fitted.x[free] + steps[len(begun) :] > upper, -1.0, 1.0) * steps[len(begun) :]
-    channels = len(imagined.noise)
-    told = told.reshape(channels, -1)
-    at = np.concatenate([begun, fitted.x[free]])
-    best, linear, damping = np.inf, None, SOFT
-    for count in lengths:
-        best, linear, damping, here = np.inf, None, SOFT, at
-        target = told[:, :count].ravel()
-        for _ in range(patience):
-            points = np.vstack([here, here + np.diag(steps)])
-            xs = np.tile(fitted.x, (len(points), 1))
-            xs[:, free] = points[:, len(begun) :]
-            found = imagined.curves(fitted, xs, list(points[:, : len(begun)]), count)
-            away = known @ (here[len(begun) :] - fitted.x[free])
-            with np.errstate(over="ignore", invalid="ignore"):
-                cost = float(np.sum((found[0] - target) ** 2) + np.sum(away**2))
-            if cost < best:
-                gain, best, at = best - cost, cost, here
-                slopes = np.vstack(
-                    [((found[1:] - found[0]) / steps[:, None]).T, np.pad(known, ((0, 0), (len(begun), 0)))]
-                )
-                linear = (np.nan_to_num(slopes), np.concatenate([found[0] - target, away]))
-                if gain < ENOUGH * best or (count == lengths[-1] and best < least**2):
-                    break
-                damping = max(damping / HARDER, SOFT)
-            else:
-                damping *= HARDER**2
-                if damping > HARDEST:
-                    break
-            if linear is None:
-                return np.inf, begun
-            matrix, rest = linear
-            size = np.linalg.norm(matrix, axis=0)
-            size[size == 0.0] = 1.0
-            damped = np.vstack([matrix / size, np.sqrt(damping) * np.eye(len(size))])
-            change = np.linalg.lstsq(damped, np.concatenate([-rest, np.zeros(len(size))]), rcond=1e-10)[0] / size
-            here = at + change
-            here[len(begun) :] = np.clip(here[len(begun) :], lower, upper)
-    return float(np.sqrt(best)), at[: len(begun)]
-
-
-def _known(study: Study, fitted: Fit, free: NDArray[np.intp]) -> Array:
-    """What recordings and stated tolerances know of a fit's free parameters, as rows whose squares are its price."""
     stated = np.eye(len(fitted.x))[: len(study.predictor.nominal)]
-    return np.asarray(np.vstack([fitted.linear.matrix, stated])[:, free])
+    known = np.vstack([fitted.linear.matrix, stated])[:, free]
+    lower, upper = (bound[free] for bound in study.objective(fitted.hypothesis).bounds())
+    steps = telling_steps(fitted.linear)[free]
+    steps = np.where(fitted.x[free] + steps > upper, -steps, steps)
+    wide = np.full(states, np.inf)
+    return _Open(
+        fitted, free, known, np.append(-wide, lower), np.append(wide, upper), np.append(np.full(states, STEP), steps)
+    )
+
+
+def _brought_near(
+    imagined: _Imagined, rival: _Open, told: Array, begun: Array, lengths: Sequence[int], patience: int = PATIENCE
+) -> tuple[float, Array]:
+    """The least distance of a hypothesis from a prediction (C·T,) and the initial state (n,) where it is reached.
+
+    Over ever longer times, so that a swing that runs ahead is not held against the one before.
+    """
+    told = told.reshape(len(imagined.noise), -1)
+    n = len(begun)
+    at, distance = np.append(begun, rival.fitted.x[rival.free]), np.inf
+    price = np.pad(rival.known, ((0, 0), (n, 0)))
+    for count in lengths:
+        target = told[:, :count].ravel()
+        seen: dict[bytes, tuple[Array, Array]] = {}
+
+        def view(here: Array, count: int = count, target: Array = target, seen: dict = seen) -> tuple[Array, Array]:
+            """Residuals at a point and their slopes there; both are asked for, one after the other."""
+            if here.tobytes() not in seen:
+                points = np.vstack([here, here + np.diag(rival.steps)])
+                found = imagined.curves(rival.fitted, rival.parameters(points), list(points[:, :n]), count)
+                slopes = np.nan_to_num((found[1:] - found[0]) / rival.steps[:, None])
+                away = rival.known @ (here[n:] - rival.fitted.x[rival.free])
+                seen.clear()
+                seen[here.tobytes()] = np.append(found[0] - target, away), np.vstack([slopes.T, price])
+            return seen[here.tobytes()]
+
+        if not np.isfinite(view(at)[0]).all():
+            return np.inf, begun
+        found = least_squares(
+            lambda here, view=view: view(here)[0], at, jac=lambda here, view=view: view(here)[1],
+            bounds=(rival.lower, rival.upper), x_scale="jac", ftol=ENOUGH, max_nfev=patience,
+        )  # fmt: skip
+        at, distance = found.x, float(np.sqrt(2.0 * found.cost))
+    return distance, at[:n]
