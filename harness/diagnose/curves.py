@@ -135,15 +135,9 @@ def _spectra(outcome: Outcome, residuals: Sequence[Residuals]) -> list[Spectrum]
 
 def _positions(outcome: Outcome) -> list[int] | None:
     """Channel of every joint's position, or None if one of them is not measured."""
-    found = []
-    for joint in outcome.problem.system.joint_names:
-        match = [
-            c for c, info in enumerate(outcome.problem.channels) if info.site == joint and info.quantity == "position"
-        ]
-        if not match:
-            return None
-        found.append(match[0])
-    return found
+    every = [outcome.problem.position_of(joint) for joint in outcome.problem.system.joint_names]
+    found = [c for c in every if c is not None]
+    return found if len(found) == len(every) else None
 
 
 def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:

@@ -9,13 +9,12 @@ import numpy as np
 from harness.diagnose.fit import Fit
 from harness.diagnose.separation import separation
 from harness.diagnose.study import Study
-from harness.diagnose.trials import Trial, directly, trials
+from harness.diagnose.trials import MIDDLE, Trial, directly, trials
 from harness.system import System
 
 PARTED = 5.0  # standard deviations of noise by which predictions must differ for an experiment to decide
 PLAINLY = 50.0  # the same for one that is good enough, so that no other one has to be found
 STEPS_A_SWING = 20  # over which a speed is read off
-TYPICAL = 0.8  # rad or m
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ def _disputed(system: System, first: Fit, second: Fit) -> list[str]:
 
 def _extents(study: Study, joint: str) -> tuple[float, float]:
     """How far and how fast a joint moves in the recordings; by typical ones where its position is not measured."""
-    row = next((k for k, c in enumerate(study.problem.channels) if c.name == f"{joint}.position"), None)
+    row = study.problem.position_of(joint)
     far, fast = [], []
     for run in study.problem.train if row is not None else ():
         apart = max(1, round(study.swing / STEPS_A_SWING / run.interval))
@@ -89,5 +88,5 @@ def _extents(study: Study, joint: str) -> tuple[float, float]:
             continue
         far.append(np.nanmax(np.abs(values), initial=0.0))
         fast.append(np.nanmax(np.abs(values[apart:] - values[:-apart]), initial=0.0) / (apart * run.interval))
-    extent = float(max(far, default=0.0)) or TYPICAL
+    extent = float(max(far, default=0.0)) or MIDDLE
     return extent, float(max(fast, default=0.0)) or 2.0 * np.pi * extent / study.swing

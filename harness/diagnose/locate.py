@@ -118,23 +118,19 @@ def _band(residual: Array, interval: float, noise: float) -> tuple[float, float]
     return (round(float(frequency[low]), 4), round(float(frequency[min(high, len(frequency) - 1)]), 4))
 
 
-def _motion(outcome: Outcome, channel: int) -> tuple[str, int]:
-    """The joint whose motion a channel is looked at over, and the channel that measures it (−1 if none does)."""
+def _motion(outcome: Outcome, channel: int) -> int | None:
+    """The channel that measures the motion which a channel is looked at over, or None if none does."""
     site = outcome.problem.channels[channel].site
     names = outcome.problem.system.joint_names
-    joint = site if site in names else outcome.problem.system.carrier(site).name
-    for c, info in enumerate(outcome.problem.channels):
-        if info.site == joint and info.quantity == "position":
-            return joint, c
-    return joint, -1
+    return outcome.problem.position_of(site if site in names else outcome.problem.system.carrier(site).name)
 
 
 def _region(
     outcome: Outcome, fitted: Fit, channel: int, pieces: list[tuple[Array, Array]]
 ) -> dict[str, tuple[float, float]]:
     """Ranges of position and velocity that hold nine tenths of the squared misfit."""
-    _, c = _motion(outcome, channel)
-    if c < 0:
+    c = _motion(outcome, channel)
+    if c is None:
         return {}
     positions, speeds, weights = [], [], []
     for window, (time, residual) in zip(fitted.windows, pieces, strict=True):

@@ -85,6 +85,11 @@ class Problem:
     def runs(self) -> tuple[Run, ...]:
         return self.train + self.heldout
 
+    def position_of(self, joint: str) -> int | None:
+        """Which channel measures a joint's position, or None if none does."""
+        found = (c for c, info in enumerate(self.channels) if info.site == joint and info.quantity == "position")
+        return next(found, None)
+
     @property
     def driven(self) -> bool:
         """Whether a known effort acts in any recording."""

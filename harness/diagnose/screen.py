@@ -21,7 +21,7 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor, Request
 from harness.diagnose.problem import Problem
 from harness.diagnose.response import Response, respond, responsive, to_channels
-from harness.diagnose.starts import MOST_PERIODS, Ray, rays
+from harness.diagnose.starts import MOST_PERIODS, Ray, of_a_contact, rays
 from harness.diagnose.waves import without_waves
 from harness.diagnose.windows import Window
 
@@ -396,7 +396,7 @@ def brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
         return out
     if first.neutral == 0.0:
         for k, parameter in enumerate(parameters):
-            if k == 0 or parameter.unit == first.unit or (first.name, parameter.name) == ("torque", "stiffness"):
+            if k == 0 or parameter.unit == first.unit or of_a_contact(first, parameter):
                 out[k] *= factor
     elif np.isfinite(first.neutral):
         out[0] = first.neutral + (point[0] - first.neutral) * factor

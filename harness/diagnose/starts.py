@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.problem import Problem
+from harness.effects.effect import Parameter
 from harness.effects.scale import references
 from harness.system import System
 
@@ -157,6 +158,11 @@ def alongside(candidate: Candidate, modified: Candidate, values: Array) -> list[
     return found
 
 
+def of_a_contact(first: Parameter, parameter: Parameter) -> bool:
+    """Whether a parameter is the stiffness of a contact that slides under the torque which is its effect's ``first``."""
+    return (first.name, parameter.name) == ("torque", "stiffness")
+
+
 def like(wider: Candidate, amplitude: float, *, by_way: bool = False) -> list[Array]:
     """Starting values of a more general law that acts about as strongly as its special case of ``amplitude``.
 
@@ -170,7 +176,7 @@ def like(wider: Candidate, amplitude: float, *, by_way: bool = False) -> list[Ar
         usual = parameter.start_values(wider.references)
         if parameter.unit == first.unit:
             usual = (LARGER * amplitude,)
-        elif (first.name, parameter.name) == ("torque", "stiffness"):
+        elif of_a_contact(first, parameter):
             usual = tuple(share * value for value in usual)
         choices.append(usual)
     points = [np.array([amplitude, *rest]) for rest in product(*choices)]

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 FINEST = 1 / 250.0  # s between the samples of a proposed recording
 ANGLES = (0.15, 0.3, 0.8, 1.5, 2.6)  # rad
-MIDDLE = 0.8  # rad
+MIDDLE = 0.8  # rad, or m where nothing is known of a slide
 SHARES = (0.25, 0.5, 1.0, 2.0)  # of the extent of a slide, or the speed of a joint, in the recordings at hand
 LONGER = 3.0  # times as long as the recordings at hand
 FREQUENCIES = (0.4, 0.8, 1.6)  # of the slowest swing's
@@ -69,9 +69,9 @@ def directly(families: Iterable[Family]) -> str:
 
 
 def _let_go(system: System, joint: Joint, duration: float, extent: float, speed: float) -> list[Trial]:
-    found = []
+    model, found = Denoc(system), []
     for position in _within(joint, [s * extent for s in SHARES] if joint.prismatic else ANGLES):
-        if _falls(system, joint, position):
+        if _falls(model, joint, position):
             what = f"release{_of(system, joint)} from {position:.2g} {joint.position_unit}"
             found.append((what, _state(system, joint, position, 0.0)))
     if not found:
@@ -81,12 +81,12 @@ def _let_go(system: System, joint: Joint, duration: float, extent: float, speed:
     return _recorded(found, duration)
 
 
-def _falls(system: System, joint: Joint, position: float) -> bool:
+def _falls(model: Denoc, joint: Joint, position: float) -> bool:
     """Whether a joint that is let go at rest begins to move."""
-    at, sizes = system.coordinate_names.index(joint.name), references(system, joint.name)
-    q = np.zeros(len(system.coordinate_names))
+    names, sizes = model.system.coordinate_names, references(model.system, joint.name)
+    at, q = names.index(joint.name), np.zeros(len(names))
     q[at] = position
-    acceleration = Denoc(system).forward_dynamics(q, np.zeros(len(q)))[at]
+    acceleration = model.forward_dynamics(q, np.zeros(len(q)))[at]
     return bool(abs(acceleration) > STILL * sizes.torque / sizes.inertia)
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
 from harness.recording import Channel, Recording
 from harness.system import Joint, JointType, Link, System
@@ -83,6 +84,13 @@ def swing(rig: Rig, angle: float, time: np.ndarray, effort: Callable[[float], fl
         filled = upto
         t, q, v = float(found.t[-1]), float(found.y[0, -1]), 0.0
     return out
+
+
+def passed_slowly(signal: np.ndarray, step: float, cutoff: float) -> np.ndarray:
+    """First-order low-pass [Hz] of straight lines between samples ``step`` [s] apart, settled on the first one; exact for them."""
+    turn = 2.0 * np.pi * cutoff * step
+    decay, mean = np.exp(-turn), -np.expm1(-turn) / turn
+    return np.asarray(lfilter([1.0 - mean, mean - decay], [1.0, -decay], signal, zi=[mean * signal[0]])[0])
 
 
 def recording(name: str, time: np.ndarray, columns: dict[str, np.ndarray]) -> Recording:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
-from simulated_recordings import Rig, nominal, recording, swing
+from simulated_recordings import Rig, nominal, passed_slowly, recording, swing
 
 import harness
 
@@ -17,11 +16,7 @@ def slow_reading(angle: float, time: np.ndarray) -> np.ndarray:
     """What the sensor reads of a swing released ``LEAD`` before the recording, dozens of its time constants."""
     fine = np.arange(0.0, LEAD + time[-1] + 2 * FINE, FINE)
     truth = swing(Rig(), angle, fine)
-    turn = 2.0 * np.pi * CUTOFF * FINE
-    decay, mean = np.exp(-turn), -np.expm1(-turn) / turn
-    settled = [mean * truth[0]]  # on the held angle, which then is the first reading
-    passed = lfilter([1.0 - mean, mean - decay], [1.0, -decay], truth, zi=settled)[0]
-    return np.interp(LEAD + time, fine, passed)
+    return np.interp(LEAD + time, fine, passed_slowly(truth, FINE, CUTOFF))
 
 
 def test_a_slow_sensor_is_named_though_the_swing_is_under_way() -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
-from simulated_recordings import Rig, nominal, recording, swing
+from simulated_recordings import Rig, nominal, passed_slowly, recording, swing
 
 from harness.diagnose.candidates import candidates
 from harness.diagnose.coordinates import to_internal
@@ -44,10 +43,7 @@ def test_a_slow_sensor_on_a_release_from_rest_is_predicted_as_it_is_averaged() -
     # which would be off by several milliradians.
     cutoff, every = 5.0, 10
     fine = np.arange(0.0, 2.0, 1.0 / (every * RATE))
-    turn = 2.0 * np.pi * cutoff / (every * RATE)
-    decay, mean = np.exp(-turn), -np.expm1(-turn) / turn
-    truth = swing(Rig(), ANGLE, fine)
-    passed = lfilter([1.0 - mean, mean - decay], [1.0, -decay], truth, zi=[mean * truth[0]])[0]
+    passed = passed_slowly(swing(Rig(), ANGLE, fine), 1.0 / (every * RATE), cutoff)
     system, runs = nominal(), [recording("fast", fine[::every], {"pivot.position": passed[::every]})]
     posed = pose(system, runs, heldout=runs[0])
     (run,) = posed.train
