@@ -21,8 +21,9 @@ $(VENV)/.dev: $(VENV)/.run
 validate: $(VENV)/.run   ## the main job: the built-in suite over all engines, report in results/
 	$(BIN)/denoc validate --out results
 
+# One thread of linear algebra for each of the jobs: several of them with several threads each wait for one another.
 test: $(VENV)/.dev check ## formatter, linter, types, direction of dependency, then the tests
-	$(BIN)/python -m pytest -n $(JOBS)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 
 check: $(VENV)/.dev      ## formatter, linter, types, direction of dependency
 	$(BIN)/ruff format --check .

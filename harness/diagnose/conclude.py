@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from harness.diagnose.creep import creeps, motion_where_held
+from harness.diagnose.event import event_as_well
 from harness.diagnose.exchange import specialized
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
@@ -434,6 +435,8 @@ def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     smaller = study.below(best, k)
     if _nowhere(outcome, best, k) or creeps(outcome, best, k):
         return True
+    if _shakes(best.hypothesis.members[k]) and event_as_well(outcome, best, smaller):
+        return True
     if not remains.significant:
         return _imitated(outcome, best, smaller, BETTER)
     everywhere = float(np.sqrt(best.linear.cost / max(study.samples, 1.0)))
@@ -470,6 +473,11 @@ def _a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
     without, with_ = left(smaller), left(best)
     least = NEEDED * (smaller.score - best.score)
     return any(without[key] < max(FAKED * with_[key], least) for key in without.keys() & with_.keys())
+
+
+def _shakes(member: Candidate) -> bool:
+    """Whether an effect is a force that comes and goes steadily with time, whatever the motion."""
+    return member.effect.side == "dynamics" and {"frequency", "phase"} <= set(member.effect.parameter_names)
 
 
 def _placed(member: Candidate) -> bool:
