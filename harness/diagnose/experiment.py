@@ -19,7 +19,7 @@ STEPS_A_SWING = 20  # over which a speed is read off
 
 @dataclass(frozen=True)
 class Proposal:
-    """An experiment in words, the effects it parts, and by how many standard deviations of noise."""
+    """An experiment in words, the effects it parts, and by how many standard deviations of noise (beyond ``PLAINLY``, at least)."""
 
     what: str
     separates: tuple[str, ...]
@@ -37,7 +37,7 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
     best: Proposal | None = None
     for first, second, names in pairs:
         for trial in _considered(study, first, second):
-            size = separation(study, first, second, trial, 0.0 if best is None else best.separation)
+            size = separation(study, first, second, trial, 0.0 if best is None else best.separation, PLAINLY)
             if best is None or size > best.separation:
                 best = Proposal(trial.what, names, size)
             if size > PLAINLY:

@@ -52,10 +52,11 @@ class _Imagined:
         return found.reshape(len(found), -1)
 
 
-def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float = 0.0) -> float:
+def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float = 0.0, most: float = np.inf) -> float:
     """Distance between two hypotheses' predictions in standard deviations of the noise, what is open of the second one left free.
 
-    least: distance below which the exact one does not matter. Zero where nothing can be said: a run that leaves the numbers, or a
+    least, most: distances below and beyond which the exact one does not matter; beyond, it is what the beginning of the experiment
+    parts them by. Zero where nothing can be said: a run that leaves the numbers, or a
     motion so sensitive that not even the second hypothesis finds back to itself.
     """
     imagined = _imagined(study, trial)
@@ -64,14 +65,15 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
         rival = _open(study, second, len(begun))
         told = imagined.curves(first, first.x[None], [_start(imagined.predictor, first, trial)], imagined.count)[0]
         lengths = _lengths(study, imagined)
-        distance, state = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT)
+        distance, state, _ = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT)
+        needed = len(lengths)
         if distance > max(least, NOTHING):
-            distance, state = _brought_near(imagined, rival, told, begun, lengths)
+            distance, state, needed = _brought_near(imagined, rival, told, begun, lengths, most=most)
         if distance <= max(least, NOTHING):
             return distance
         own = imagined.curves(second, second.x[None], [begun], imagined.count)[0]
         moved = begun + np.where(np.abs(state - begun) > AWAY, state - begun, AWAY)
-        back, _ = _brought_near(imagined, rival, own, moved, lengths)
+        back, _, _ = _brought_near(imagined, rival, own, moved, lengths[:needed])
         return distance if back < BACK * distance < np.inf else 0.0
     except InputError:
         return 0.0
@@ -150,17 +152,20 @@ def _open(study: Study, fitted: Fit, states: int) -> _Open:
 
 
 def _brought_near(
-    imagined: _Imagined, rival: _Open, told: Array, begun: Array, lengths: Sequence[int], patience: int = PATIENCE
-) -> tuple[float, Array]:
-    """The least distance of a hypothesis from a prediction (C·T,) and the initial state (n,) where it is reached.
+    imagined: _Imagined, rival: _Open, told: Array, begun: Array, lengths: Sequence[int], patience: int = PATIENCE,
+    most: float = np.inf,
+) -> tuple[float, Array, int]:  # fmt: skip
+    """The least distance of a hypothesis from a prediction (C·T,), the initial state (n,) where it is reached, and how many of the
+    ``lengths`` it took.
 
-    Over ever longer times, so that a swing that runs ahead is not held against the one before.
+    Over ever longer times, so that a swing that runs ahead is not held against the one before; as long as the distance, which can
+    only grow, is not beyond ``most``.
     """
     told = told.reshape(len(imagined.noise), -1)
     n = len(begun)
     at, distance = np.append(begun, rival.fitted.x[rival.free]), np.inf
     price = np.pad(rival.known, ((0, 0), (n, 0)))
-    for count in lengths:
+    for taken, count in enumerate(lengths, 1):
         target = told[:, :count].ravel()
         seen: dict[bytes, tuple[Array, Array]] = {}
 
@@ -176,10 +181,12 @@ def _brought_near(
             return seen[here.tobytes()]
 
         if not np.isfinite(view(at)[0]).all():
-            return np.inf, begun
+            return np.inf, begun, taken
         found = least_squares(
             lambda here, view=view: view(here)[0], at, jac=lambda here, view=view: view(here)[1],
             bounds=(rival.lower, rival.upper), x_scale="jac", ftol=ENOUGH, max_nfev=patience,
         )  # fmt: skip
         at, distance = found.x, float(np.sqrt(2.0 * found.cost))
-    return distance, at[:n]
+        if distance > most:
+            break
+    return distance, at[:n], taken

@@ -163,6 +163,16 @@ def test_held_delay_of_an_effort_keeps_the_first_value():
     assert np.allclose(delayed, 3.0 + 2.0 * np.maximum(time - 0.035, 0.0), rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("delay", [0.001, 0.005, 0.0272])
+def test_held_delay_of_a_smooth_effort_is_exact_between_samples(delay):
+    time = np.arange(0.0, 1.0, 0.01)
+    rate = 2.0 * np.pi * 4.0
+    delayed = measurement.held_delay(np.sin(rate * time)[None], time, np.array([[delay]]))[0]
+    # A cubic through samples h apart is off by at most 3/128 (ω h)⁴ inside; straight lines would be by (ω h)²/8.
+    inside = (time > delay + 0.02) & (time < 0.97)
+    assert np.abs(delayed - np.sin(rate * (time - delay)))[inside].max() < 3.0 / 128.0 * (rate * 0.01) ** 4
+
+
 def test_periodic_error_repeats_with_the_turn():
     time = np.arange(4.0)
     angle = np.array([[0.2, 0.2 + np.pi, 0.2 + 2 * np.pi, 0.2 - 2 * np.pi]])
