@@ -15,6 +15,7 @@ from harness.diagnose.differing_levels import Differing
 from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, number, plainest, summary
 from harness.diagnose.fit import Fit
+from harness.diagnose.held_only import held_names
 from harness.diagnose.hypothesis import scaled
 from harness.diagnose.investigate import Outcome, judge, trained
 from harness.diagnose.locate import Mismatch, locate, rmse
@@ -97,7 +98,7 @@ def _findings(
 ) -> list[dict[str, Any]]:
     """What is claimed; effects that modify another one at their site are told with it."""
     own = [
-        (claim.candidate, _finding(outcome, claim, values[claim.candidate.key], zeros[claim.candidate.key]))
+        (claim.candidate, _finding(outcome, conclusion, claim, values[claim.candidate.key], zeros[claim.candidate.key]))
         for claim in conclusion.claims
     ]
     whole = []
@@ -111,7 +112,10 @@ def _findings(
     return whole
 
 
-def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate], zeros: list[Zero]) -> dict[str, Any]:
+def _finding(
+    outcome: Outcome, conclusion: Conclusion, claim: Claim, values: dict[str, Estimate], zeros: list[Zero]
+) -> dict[str, Any]:
+    only = claim.candidate.key in conclusion.only_held
     units = _units(outcome, claim)
     return {
         "effect": claim.candidate.effect.name,
@@ -123,6 +127,7 @@ def _finding(outcome: Outcome, claim: Claim, values: dict[str, Estimate], zeros:
         "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
         "indistinguishable_from": [_short(key, claim.candidate.site) for key in claim.rivals],
         **({"zeros": zeros} if zeros else {}),
+        **({"shows_only_in": held_names(outcome)} if only else {}),
     }
 
 
@@ -135,7 +140,9 @@ def _short(key: str, site: str) -> str:
 def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
     """Estimates of what is claimed, by the effect's key: as far as other valleys and other sets that are as likely let them be."""
     study, predictor, best = outcome.study, outcome.predictor, conclusion.best
-    own = outcome.training.sharpened(conclusion.own)
+    # What shows in the data held out alone can only be told by them.
+    source = outcome.study if conclusion.only_held else outcome.training
+    own = source.sharpened(best if conclusion.only_held else conclusion.own)
     same = conclusion.own.hypothesis.keys == best.hypothesis.keys
     sharp: dict[frozenset[str], Fit] = {}
     values = {}
@@ -144,7 +151,7 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
         likely = with_the_same(outcome, best, key)
         sharp |= {f.hypothesis.identity: study.sharpened(f) for f in likely if f.hypothesis.identity not in sharp}
         others = (sharp[f.hypothesis.identity] for f in likely)
-        alone = profiled(outcome.training, own, k, estimates(predictor, own, k))
+        alone = profiled(source, own, k, estimates(predictor, own, k))
         values[key] = across(
             claim.candidate,
             spanning(claim.candidate, alone, as_likely(study, best, k) if same else []),
@@ -207,6 +214,7 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     """The likeliest hypotheses, the one claimed first, and why the others lost."""
     study, best = outcome.study, conclusion.best
     own = rmse(outcome, conclusion.held, 0)
+    imitated = [key for key in conclusion.doubted if key not in conclusion.unproven]
     rows = []
     for fitted in likeliest(outcome, best, SHOWN):
         error = rmse(outcome, judge(outcome, fitted), 0)
@@ -215,7 +223,7 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
                 "effects": list(fitted.hypothesis.keys),
                 "bic": fitted.score + study.paid(fitted),
                 "heldout_rmse": error,
-                "lost": why_lost(study, best, fitted, error, own, conclusion.doubted),
+                "lost": why_lost(study, best, fitted, error, own, imitated),
             }
         )
     return rows

@@ -13,6 +13,7 @@ from harness.diagnose.creep import creeps, motion_where_held
 from harness.diagnose.event import event_as_well
 from harness.diagnose.exchange import specialized
 from harness.diagnose.fit import Fit, fit
+from harness.diagnose.held_only import held_out_repeats, with_all
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained, training_gain
 from harness.diagnose.locate import rmse
@@ -87,7 +88,8 @@ class Conclusion:
     """Verdict and what supports it.
 
     best: the fit claimed, on all recordings; own: on the training ones; held: judged on the data held out. level: what is left of
-    those over the noise [1].
+    those over the noise [1]. unproven: keys of what is doubted because nothing that it was not fitted to bears it out. only_held:
+    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings.
     """
 
     verdict: str
@@ -98,6 +100,8 @@ class Conclusion:
     remains: Remains
     doubted: tuple[str, ...]
     level: float
+    unproven: tuple[str, ...] = ()
+    only_held: tuple[str, ...] = ()
 
 
 def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
@@ -124,11 +128,19 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
             needed = -WORSE
         elif enough and visible and gain > AMPLE * price:
             needed = min(needed, _contrary(outcome, smaller, fitted))
-        # What only the data held out ask for has been fitted to them, and nothing has confirmed it.
-        repeated = z > needed and training_gain(outcome, smaller, fitted) > min(price, UNREPEATED * gain)
+        # What only the data held out ask for has been fitted to them, and must be confirmed within them.
+        repeated = z > needed and (
+            _in_training(outcome, smaller, fitted, price)
+            or (gain > AMPLE * price and held_out_repeats(outcome, smaller, fitted, price))
+        )
         if not repeated and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
+
+
+def _in_training(outcome: Outcome, smaller: Fit, larger: Fit, price: float) -> bool:
+    """Whether the training data speak for the larger set by themselves."""
+    return training_gain(outcome, smaller, larger) > min(price, UNREPEATED * (smaller.score - larger.score))
 
 
 def _strongest_beside(outcome: Outcome, fitted: Fit, k: int) -> float:
@@ -342,6 +354,7 @@ def conclude(outcome: Outcome) -> Conclusion:
     if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
         # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
+    unproven = tuple(doubted)
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if _doubtful(outcome, best, k, remains)]
     together = _imitated_together(outcome, best, remains)
@@ -365,10 +378,16 @@ def conclude(outcome: Outcome) -> Conclusion:
     claims = _claims(outcome, best)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     verdict = with_ if claims else without
-    held = judge(outcome, best)
-    return Conclusion(
-        verdict, best, trained(outcome, best), held, claims, remains, tuple(doubted), _level(outcome, held)
-    )
+    only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
+    own, held = with_all(outcome, best) if only else (trained(outcome, best), judge(outcome, best))
+    return Conclusion(verdict, best, own, held, claims, remains, tuple(doubted), _level(outcome, held), unproven, only)
+
+
+def _told_by_training(outcome: Outcome, best: Fit, k: int) -> bool:
+    """Whether the training data speak for member ``k`` of the set by themselves."""
+    study = outcome.study
+    price = study.price(best.hypothesis.members[k], len(best.hypothesis.members) - 1)
+    return _in_training(outcome, study.below(best, k), best, price)
 
 
 def _left_out(outcome: Outcome, best: Fit, keys: list[str]) -> Fit:

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.linearisation import linearise
-from harness.diagnose.response import Response, respond
-from harness.diagnose.windows import Window
-from harness.effects.scale import references
+from harness.diagnose.response import Response, begun, motions
+from harness.diagnose.windows import Window, contains
 
 Array = NDArray[np.float64]
 
@@ -51,22 +50,20 @@ def event_as_well(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
     The numbers that the cuts add are not counted: blows are common, and what could be one is no wave. A wave that is there goes on
     before the cut and after it. Both fits have the same coordinates.
     """
-    system = outcome.problem.system
-    torque = references(system, system.joint_names[0]).torque
-    motions = [respond(outcome.predictor, best, window, torque) for window in best.windows]
+    along = motions(outcome.predictor, best, best.windows)
     objective = outcome.study.objective(smaller.hypothesis)
     x, lag = smaller.x, np.inf
     for _ in range(ROUNDS):
-        chosen = _best(_cuts(outcome, best, smaller, x, motions), x[: objective.nominal])
+        chosen = _best(_cuts(outcome, best, smaller, x, along), x[: objective.nominal])
         pieces = [piece for cut in chosen for piece in cut.pieces]
-        states = {piece: _state(outcome, motions, piece) for piece in pieces}
+        states = {piece: begun(along, outcome.problem.runs[piece.run], piece) for piece in pieces}
         without = fit(objective.on(pieces), x, states)
         x = without.x
         lag = min(lag, without.score - best.prior - sum(cut.kept for cut in chosen))
     return lag <= 0.0
 
 
-def _cuts(outcome: Outcome, best: Fit, smaller: Fit, x: Array, motions: Sequence[Response]) -> list[list[Cut]]:
+def _cuts(outcome: Outcome, best: Fit, smaller: Fit, x: Array, along: Sequence[Response]) -> list[list[Cut]]:
     """The ways to cut every recording, with initial states that suit the parameters ``x``; not at all is one."""
     objective = outcome.study.objective(smaller.hypothesis)
     ways = []
@@ -78,7 +75,7 @@ def _cuts(outcome: Outcome, best: Fit, smaller: Fit, x: Array, motions: Sequence
             + [tuple(p for w in own for p in (pair if w == window else (w,))) for window, pair in halves]
         )  # fmt: skip
     pieces = sorted({p for run in ways for way in run for p in way}, key=lambda p: (p.run, p.first, p.last))
-    states = {piece: _state(outcome, motions, piece) for piece in pieces}
+    states = {piece: begun(along, outcome.problem.runs[piece.run], piece) for piece in pieces}
     held = fit(objective.on(pieces), x, states, fixed=np.ones(len(x), dtype=bool))
     view = linearise(objective.on(pieces), x, held.states, upper=objective.bounds()[1])
     rows = np.split(np.arange(len(view.vector)), len(pieces))
@@ -123,24 +120,12 @@ def _followed(cuts: Sequence[Cut], nominal: Array) -> Array:
     return np.asarray(np.linalg.lstsq(matrix, -vector, rcond=1e-9)[0])
 
 
-def _within(piece: Window, window: Window) -> bool:
-    return piece.run == window.run and window.first <= piece.first and piece.last <= window.last
-
-
 def _left(best: Fit, piece: Window) -> float:
     """What a fit leaves of a part of one of its windows."""
-    number = next(k for k, window in enumerate(best.windows) if _within(piece, window))
+    number = next(k for k, window in enumerate(best.windows) if contains(window, piece))
     window = best.windows[number]
     residual = best.linear.residuals[number].reshape(-1, window.size)
     return float(np.sum(residual[:, piece.first - window.first : piece.last - window.first] ** 2))
-
-
-def _state(outcome: Outcome, motions: Sequence[Response], piece: Window) -> Array:
-    """Where a piece of a window begins, on a fit's motion through the window."""
-    motion = next(m for m in motions if _within(piece, m.window))
-    time = outcome.problem.runs[piece.run].time
-    since = time[piece.first] - time[motion.window.first]
-    return np.array([np.interp(since, motion.time, own) for own in np.hstack([motion.q, motion.qd]).T])
 
 
 def _halves(outcome: Outcome, window: Window) -> list[tuple[Window, Window]]:

@@ -51,6 +51,15 @@ def summary(
     text = VERDICTS[conclusion.verdict].format(severity=size, names=" and ".join(findings), hold=hold, rest=rest)
     if rivals:
         text += " " + " ".join(rivals)
+    if conclusion.only_held:
+        text += (
+            f" The data held out alone show {', '.join(conclusion.only_held)}: it is told because every second stretch of them "
+            "predicts the stretches between, and errors there are those of a fit to all recordings."
+        )
+    unproven = [key for key in doubts if key in conclusion.unproven]
+    doubts = [key for key in doubts if key not in unproven]
+    if unproven:
+        text += f" No data that it was not fitted to bear out {', '.join(unproven)}, so that is not claimed."
     if doubts:
         text += " The remainder could have imitated " + ", ".join(doubts) + ", so that is not claimed."
     if conclusion.remains.significant:

@@ -12,10 +12,11 @@ from harness.diagnose.study import Study
 WORSE = 1.02  # times the error on data held out, from which on it is worth saying
 
 
-def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, doubted: Collection[str] = ()) -> str:
+def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, imitated: Collection[str] = ()) -> str:
     """A few words; empty for the best itself.
 
-    error, least: errors on the data held out, of the other and of the best. doubted: keys of what is not claimed although it fits.
+    error, least: errors on the data held out, of the other and of the best. imitated: keys of what is not claimed although it fits,
+    because what nobody has named could have done its work.
     What fits better than the best, but is not claimed, is told why; what lies between is held against it.
     """
     if other.hypothesis.identity == best.hypothesis.identity:
@@ -23,9 +24,9 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, do
     if study.criterion(other) < study.criterion(best):
         leading = min(study.fits.values(), key=study.criterion)
         if other.hypothesis.identity == leading.hypothesis.identity:
-            shared = [key for key in other.hypothesis.keys if key in doubted]
-            imitated = f"what nobody has named could have imitated {' and '.join(shared)}"
-            return imitated if shared else "not borne out by the data held out"
+            shared = [key for key in other.hypothesis.keys if key in imitated]
+            words = f"what nobody has named could have imitated {' and '.join(shared)}"
+            return words if shared else "not borne out by data that it was not fitted to"
         best, least = leading, np.inf
     further = other.hypothesis.size - best.hypothesis.size
     price = further * float(np.log(study.samples))

@@ -6,6 +6,7 @@ that each take a single step; after that, hundreds of force histories cost a few
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,8 +19,9 @@ from harness.diagnose.fit import Fit
 from harness.diagnose.grid import cubic
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import ChannelInfo
-from harness.diagnose.windows import Window
+from harness.diagnose.problem import ChannelInfo, Run
+from harness.diagnose.windows import Window, contains
+from harness.effects.scale import references
 from harness.recording.sensors import observe
 from harness.system import System
 
@@ -129,6 +131,20 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
         window, time, q[0], qd[0], qdd[0],
         np.nan_to_num(transition), np.nan_to_num(force), np.nan_to_num(base),
     )  # fmt: skip
+
+
+def motions(predictor: Predictor, fitted: Fit, windows: Sequence[Window]) -> list[Response]:
+    """The motion of a fit, and its linear response, in some of its windows."""
+    system = predictor.system
+    torque = references(system, system.joint_names[0]).torque
+    return [respond(predictor, fitted, window, torque) for window in windows]
+
+
+def begun(along: Sequence[Response], run: Run, piece: Window) -> Array:
+    """Where a piece of a window begins, on the motion through that window; the state (2n,)."""
+    motion = next(m for m in along if contains(m.window, piece))
+    since = run.time[piece.first] - run.time[motion.window.first]
+    return np.array([np.interp(since, motion.time, own) for own in np.hstack([motion.q, motion.qd]).T])
 
 
 LINEAR = ("position", "velocity", "tip_deflection", "root_strain")

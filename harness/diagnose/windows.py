@@ -27,6 +27,11 @@ class Window:
         return self.last - self.first
 
 
+def contains(window: Window, piece: Window) -> bool:
+    """Whether a piece lies within a window."""
+    return piece.run == window.run and window.first <= piece.first and piece.last <= window.last
+
+
 def whole(runs: Sequence[Run], which: Sequence[int]) -> tuple[Window, ...]:
     """One window a run."""
     return tuple(Window(k, 0, len(runs[k].time)) for k in which)

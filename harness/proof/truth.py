@@ -33,7 +33,7 @@ LOAD_ITERATIONS = 4  # friction that depends on the reaction force, which depend
 
 
 class NoSolutionError(RuntimeError):
-    """Dry friction that depends on the reaction force has no consistent motion here."""
+    """There is no such rig, or no motion of it: dry friction that depends on the reaction force may have no consistent one."""
 
 
 @dataclass(frozen=True)
@@ -131,6 +131,7 @@ def _split(s: Segment, bends: Sequence[tuple[float, str]], rest: str) -> str:
     """The inside of a segment cut in pieces: a rod with a bob at its end, of the segment's mass, centre and inertia.
 
     What the three numbers leave over after a uniform rod and its bob is shared among the pieces so as to change them least.
+    Raises NoSolutionError where that takes pieces of negative mass, as a centre far beside the rod's does.
     """
     edges = np.array([0.0, *(fraction for fraction, _ in bends), 1.0]) * s.length
     widths = np.diff(edges)
@@ -143,6 +144,8 @@ def _split(s: Segment, bends: Sequence[tuple[float, str]], rest: str) -> str:
     masses = masses + np.linalg.pinv(held) @ (wanted - held @ masses)
     # The bob goes with the last piece; what hangs on the segment is placed from its joint.
     pieces, tips = masses[:-1], np.append(np.zeros(len(bends)), masses[-1])
+    if not np.all(pieces + tips > 0.0):
+        raise NoSolutionError(f"no rod that bends has the mass, centre and inertia of {s.link}")
     inside = (
         f'<body name="{s.link}_end" pos="0 0 {float(edges[-2])!r}"><inertial pos="0 0 0" mass="1e-9" '
         f'diaginertia="1e-12 1e-12 1e-12"/>{rest}</body>'

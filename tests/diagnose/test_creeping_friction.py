@@ -57,13 +57,13 @@ def test_creep_of_the_friction_that_a_model_states_is_a_finding_of_its_own(slow:
     assert creep["parameters"]["velocity"]["value"] == pytest.approx(slow, rel=0.1)
 
 
-def test_what_only_data_held_out_show_is_not_told() -> None:
+def test_creep_that_only_data_held_out_show_is_told_as_such() -> None:
     found = diagnose(recordings(0.02, HELD_OUT_RESTS), model=nominal())
-    assert found.verdict == "partly_explained"
+    assert found.verdict == "explained"
     (friction,) = found.findings
-    assert friction["effect"] in ("coulomb_friction", "stribeck_friction", "dahl_friction")
-    assert "modified_by" not in friction
-    first = next(iter(friction["parameters"].values()))
-    # As friction that holds it is a little more: it has to stop what truly creeps on.
-    assert first["value"] == pytest.approx(DRY, rel=0.1)
-    assert "where dry friction holds the model" in found.summary
+    assert friction["effect"] == "coulomb_friction"
+    assert "shows_only_in" not in friction
+    assert friction["parameters"]["torque"]["value"] == pytest.approx(DRY, rel=0.03)
+    (creep,) = friction["modified_by"]
+    assert (creep["effect"], creep["shows_only_in"]) == ("friction_creep", ["run1"])
+    assert creep["parameters"]["velocity"]["value"] == pytest.approx(0.02, rel=0.1)

@@ -10,7 +10,7 @@ from scipy.special import ellipk
 from harness.proof.concealments import CONCEALMENTS, HINGES, filtered
 from harness.proof.rigs import Rig, Segment
 from harness.proof.scene import Run, Scene, Sensor
-from harness.proof.truth import DryFriction, Hidden, Truth, mechanism_xml
+from harness.proof.truth import DryFriction, Hidden, NoSolutionError, Truth, mechanism_xml
 
 LENGTH, MASS = 0.5, 0.8
 
@@ -153,3 +153,11 @@ def test_springs_alone_move_as_with_error_control() -> None:
     still = Scene(rig, runs, Sensor(250.0, 1e-3)).record(0)["pivot.position"]
     assert np.abs(one - still).max() > 1e-3
     assert np.abs(one - other).max() < 1e-7
+
+
+def test_a_rod_that_bends_is_not_made_of_pieces_of_negative_mass() -> None:
+    # All mass at four fifths of a rod without a bob to balance it; MuJoCo would refuse the pieces as an error of its own.
+    splits = {0: [(at, f'<joint name="b{at}" type="hinge" axis="0 1 0" stiffness="1"/>') for at in HINGES]}
+    Truth(mechanism_xml(rod(), splits=splits), Hidden())
+    with pytest.raises(NoSolutionError, match="rod"):
+        mechanism_xml(rod(com=0.83 * LENGTH, inertia=0.3 * MASS * LENGTH**2 / 12), splits=splits)
