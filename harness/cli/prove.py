@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from harness.cli.interrupt import Interrupted
 from harness.cli.options import console, output_options, progress, wide_options, write_json
+
+if TYPE_CHECKING:
+    from harness.proof.run import Proof
 
 
 @click.command()
@@ -17,6 +21,7 @@ from harness.cli.options import console, output_options, progress, wide_options,
     "--seed", type=click.IntRange(min=0), metavar="N", help="Draw the cases from this seed; default: a fresh one."
 )
 @click.option("--resume", metavar="DIR", help="Go on with an interrupted proof in its folder.")
+@click.option("--score", metavar="DIR", help="Only score what has been diagnosed so far of the proof in its folder.")
 @click.option(
     "--peers/--no-peers",
     default=None,
@@ -29,6 +34,7 @@ def prove(
     cases: int | None,
     seed: int | None,
     resume: str | None,
+    score: str | None,
     peers: bool | None,
     out: Path | None,
     json_file: str | None,
@@ -44,13 +50,21 @@ def prove(
     Examples:
       denoc prove --quick
       denoc prove --seed 7 --out proof7 --dask tcp://head:8786
+      denoc prove --score proof7
     """
     from harness.errors import InputError
-    from harness.proof.run import FULL, QUICK, scaled
+    from harness.proof.run import FULL, QUICK, scaled, score_so_far
     from harness.proof.run import prove as run
 
     if quick and cases is not None:
         raise InputError("--quick and --cases do not go together", mend="give the one or the other")
+    if score is not None:
+        if quick or resume is not None or out is not None or not {cases, seed, peers} <= {None}:
+            raise InputError(
+                "--score goes with none of the options that say what to prove", mend="give --score DIR alone"
+            )
+        _tell(score_so_far(Path(score)), Path(score), json_file)
+        return 0
     folder = out or Path("denoc-proof")
     if resume is not None:
         folder = Path(resume)
@@ -80,14 +94,19 @@ def prove(
             )
         except KeyboardInterrupt:
             raise Interrupted(f"stopped; `denoc prove --resume {folder}` goes on from here") from None
-    document = proof.to_json()
+    _tell(proof, folder, json_file)
+    return 0
+
+
+def _tell(proof: Proof, folder: Path, json_file: str | None) -> None:
+    """Table on the terminal, page in the folder, document where it is asked for."""
     from harness.report.files import write_whole
     from harness.report.json_text import json_text
     from harness.report.proof import print_proof
     from harness.report.proof_page import proof_html
 
+    document = proof.to_json()
     screen = console(json_file)
     print_proof(document, screen)
     screen.print(f"wrote {write_whole(folder / 'report.html', proof_html(document))}", markup=False)
     write_json(json_text(document), json_file)
-    return 0

@@ -57,9 +57,10 @@ class Task:
 
 @dataclass(frozen=True)
 class Proof:
-    """A finished proof."""
+    """A proof. sealed: how many cases there are, of which an unfinished one has scored fewer."""
 
     seed: int
+    sealed: int
     scores: tuple[CaseScore, ...]
     summary: Summary
     peers: Mapping[str, Any]
@@ -80,6 +81,7 @@ class Proof:
             "schema": "denoc.proof/1",
             "seed": self.seed,
             "cases": len(self.scores),
+            "sealed": self.sealed,
             **{name: pair(name) for name in shares},
             "coverage95": s.coverage95.value if s.coverage95.of else None,
             "coverage95_count": pair("coverage95"),
@@ -225,20 +227,41 @@ def prove(
         ticks()
 
     parallel_map(diagnose_folder, [out / "cases" / name for name in missing], workers=workers, dask=dask, done=save)
-    scores = []
-    for name, published in digests.items():
-        answer = unseal(name, out / "sealed", published)
-        found = json.loads((found_folder / f"{name}.json").read_text(encoding="utf-8"))
-        scores.append(score_case(name, answer, found))
+    scores = _scored(out, digests)
     versus: dict[str, Any] = {}
     asked = not short if peers is None else peers
     if asked:
         from harness.proof.peers import compare_peers
 
         versus = compare_peers(out, scores, workers=workers, dask=dask, progress=progress)
-    proof = Proof(seed, tuple(scores), summarise(scores, DETECTION_LIMIT), versus)
+    proof = Proof(seed, len(digests), tuple(scores), summarise(scores, DETECTION_LIMIT), versus)
     _write(out / "proof.json", proof.to_json())
     return proof
+
+
+def score_so_far(out: Path) -> Proof:
+    """What the cases that have been diagnosed say of a proof that is not finished; nothing is concealed, diagnosed or asked.
+
+    Raises InputError where nothing has been diagnosed, or if answers were tampered with.
+    """
+    digests_file = out / "digests.json"
+    digests = json.loads(digests_file.read_text(encoding="utf-8")) if digests_file.exists() else {}
+    done = {name: published for name, published in digests.items() if (out / "found" / f"{name}.json").exists()}
+    if not done:
+        raise InputError("holds no diagnosed case", source=out, mend=f"let it go on first: denoc prove --resume {out}")
+    scores = _scored(out, done)
+    seed = int(json.loads((out / "plan.json").read_text(encoding="utf-8"))["seed"])
+    return Proof(seed, len(digests), tuple(scores), summarise(scores, DETECTION_LIMIT), {})
+
+
+def _scored(out: Path, digests: Mapping[str, str]) -> list[CaseScore]:
+    """What was found against the answers, unsealed now."""
+    scores = []
+    for name, published in digests.items():
+        answer = unseal(name, out / "sealed", published)
+        found = json.loads((out / "found" / f"{name}.json").read_text(encoding="utf-8"))
+        scores.append(score_case(name, answer, found))
+    return scores
 
 
 def _place_by_length(name: str) -> int:

@@ -41,7 +41,13 @@ def print_proof(document: Mapping[str, Any], console: Console) -> None:
     if coverage is not None:
         console.print(f"95 % intervals contain the truth in {100 * coverage:.0f} % of cases")
     _print_peers(document.get("peers") or {}, console)
-    console.print(f"seed {document['seed']}, {document['cases']} cases")
+    console.print(f"seed {document['seed']}, {extent(document)}")
+
+
+def extent(document: Mapping[str, Any]) -> str:
+    """How many cases were scored, and of how many if the proof is not finished."""
+    cases, sealed = document["cases"], document.get("sealed", document["cases"])
+    return f"{cases} cases" if cases == sealed else f"{cases} of {sealed} cases so far"
 
 
 def _print_peers(peers: Mapping[str, Any], console: Console) -> None:

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from harness.report.figures.canvas import FAINT, INK, canvas, colour
 from harness.report.html import page
-from harness.report.proof import SHARES
+from harness.report.proof import SHARES, extent
 from harness.report.sections.section import Section
 
 Document = Mapping[str, Any]
@@ -33,7 +33,7 @@ class Shares:
         return {
             "rows": rows,
             "seed": document["seed"],
-            "cases": document["cases"],
+            "extent": extent(document),
             "coverage": document.get("coverage95"),
         }
 
