@@ -213,7 +213,7 @@ def _fit_rows(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
 def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     """The likeliest hypotheses, the one claimed first, and why the others lost."""
     study, best = outcome.study, conclusion.best
-    own = rmse(outcome, conclusion.held, 0)
+    own = rmse(outcome, judge(outcome, best), 0)
     imitated = [key for key in conclusion.doubted if key not in conclusion.unproven]
     rows = []
     for fitted in likeliest(outcome, best, SHOWN):

@@ -30,11 +30,18 @@ def finding_words(
     parts = list(further)
     for name, e in values.items():
         unit = units[name] if units[name] != "1" else ""
-        spread = f" ± {e.std:.2g}" if e.std is not None else " (at its bound)"
-        parts.append(f"{name.replace('_', ' ')} {number(e.value)}{spread} {unit}".strip())
+        parts.append(f"{name.replace('_', ' ')} {number(e.value)}{_spread(e)} {unit}".strip())
     return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
 
 
+def _spread(e: Estimate) -> str:
+    if e.std is None:
+        return " (at its bound)"
+    # A whole number that no neighbour comes near is known to all digits.
+    return f" ± {e.std:.2g}" if e.std > EXACTLY * abs(e.value) else ""
+
+
+EXACTLY = 1e-9  # relative standard deviation of what is counted, not measured
 # Share of the greatest gain that a test must have to be told instead, because it says more.
 TELLING = 0.25
 

@@ -39,8 +39,12 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
     if parts[said] <= 0.0:
         return "as good"
     if error > WORSE * least > 0.0:
-        said += f", predicts the data held out {error / least:.2g} times worse"
+        said += f", predicts the data held out {_ratio(error / least)} worse"
     return said
+
+
+def _ratio(times: float) -> str:
+    return f"{100.0 * (times - 1.0):.0f} %" if times < 2.0 else f"{times:.2g} times"
 
 
 def _bent(study: Study, fitted: Fit) -> str:

@@ -27,6 +27,7 @@ DEARLY = 0.65  # the same for what is dear to fit, whose test is made at its lik
 HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
 MOST_WIDENED = 3
 MOST_PLACED = 4  # rivals whose forces over the angle are tried at other places
+MOST_GENERAL = 4  # rivals whose more general laws are tried at typical values
 FEWEST_TOLD = 2  # rivals, however far from the best set
 FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
 APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
@@ -81,9 +82,15 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Rivals of member ``k`` that the recordings do not part from the best set, likeliest first."""
     study, limit = outcome.study, _limit(outcome, best, APART)
     found = sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
+    # Of what cannot be told apart, more general laws are not told either.
+    in_place = [f for f in found if len(f.hypothesis.members) == len(best.hypothesis.members)]
     found += _instead_of_several(outcome, best, k)
-    known = {f.hypothesis.identity for f in found}
-    return found + [f for f in unseen(outcome, best, k) if f.hypothesis.identity not in known]
+    for base in (best, *in_place[:MOST_GENERAL]):
+        own = k if base is best else [key in best.hypothesis.keys for key in base.hypothesis.keys].index(False)
+        known = {f.hypothesis.identity for f in found} | {best.hypothesis.identity}
+        wider = (f for f in unseen(outcome, base, own) if f.score < best.score + APART)
+        found += [f for f in wider if f.hypothesis.identity not in known]
+    return found
 
 
 def _instead_of_several(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
