@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.linearisation import linearise
+from harness.diagnose.objective import States
 from harness.diagnose.response import Response, begun, motions
+from harness.diagnose.screen import carry_state
 from harness.diagnose.windows import Window, contains
 
 Array = NDArray[np.float64]
@@ -48,7 +50,7 @@ def event_as_well(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
     """Whether ``smaller``, each recording cut at one moment, explains the rest of it no worse than ``best`` explains the same.
 
     The numbers that the cuts add are not counted: blows are common, and what could be one is no wave. A wave that is there goes on
-    before the cut and after it. Both fits have the same coordinates.
+    before the cut and after it.
     """
     along = motions(outcome.predictor, best, best.windows)
     objective = outcome.study.objective(smaller.hypothesis)
@@ -56,7 +58,7 @@ def event_as_well(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
     for _ in range(ROUNDS):
         chosen = _best(_cuts(outcome, best, smaller, x, along), x[: objective.nominal])
         pieces = [piece for cut in chosen for piece in cut.pieces]
-        states = {piece: begun(along, outcome.problem.runs[piece.run], piece) for piece in pieces}
+        states = _states(outcome, best, smaller, along, pieces)
         without = fit(objective.on(pieces), x, states)
         x = without.x
         lag = min(lag, without.score - best.prior - sum(cut.kept for cut in chosen))
@@ -75,10 +77,12 @@ def _cuts(outcome: Outcome, best: Fit, smaller: Fit, x: Array, along: Sequence[R
             + [tuple(p for w in own for p in (pair if w == window else (w,))) for window, pair in halves]
         )  # fmt: skip
     pieces = sorted({p for run in ways for way in run for p in way}, key=lambda p: (p.run, p.first, p.last))
-    states = {piece: begun(along, outcome.problem.runs[piece.run], piece) for piece in pieces}
+    states = _states(outcome, best, smaller, along, pieces)
     held = fit(objective.on(pieces), x, states, fixed=np.ones(len(x), dtype=bool))
     view = linearise(objective.on(pieces), x, held.states, upper=objective.bounds()[1])
-    rows = np.split(np.arange(len(view.vector)), len(pieces))
+    # As many rows are left of a piece as there are parameters, and one; of a shorter piece all of them.
+    counts = [min(len(r), len(x) + 1) for r in view.residuals]
+    rows = np.split(np.arange(len(view.vector)), np.cumsum(counts)[:-1])
     place = {piece: rows[k] for k, piece in enumerate(pieces)}
 
     def cut(way: tuple[Window, ...]) -> Cut:
@@ -118,6 +122,13 @@ def _followed(cuts: Sequence[Cut], nominal: Array) -> Array:
     matrix = np.vstack([*(cut.matrix for cut in cuts), prior])
     vector = np.concatenate([*(cut.vector for cut in cuts), nominal])
     return np.asarray(np.linalg.lstsq(matrix, -vector, rcond=1e-9)[0])
+
+
+def _states(outcome: Outcome, best: Fit, smaller: Fit, along: Sequence[Response], pieces: Sequence[Window]) -> States:
+    """Where pieces of the recordings begin on the motion of ``best``, in the coordinates of ``smaller``."""
+    before, after = best.hypothesis, smaller.hypothesis
+    there = {piece: begun(along, outcome.problem.runs[piece.run], piece) for piece in pieces}
+    return {piece: carry_state(outcome.predictor, before, after, state) for piece, state in there.items()}
 
 
 def _left(best: Fit, piece: Window) -> float:

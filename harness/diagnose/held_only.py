@@ -28,7 +28,8 @@ def held_out_repeats(outcome: Outcome, smaller: Fit, larger: Fit, price: float) 
     runs = sorted({window.run for window in outcome.held_windows})
     pieces = cut(outcome.problem.runs, runs, SWINGS * outcome.period)
     halves = pieces[::2], pieces[1::2]
-    return all(
+    # A single stretch has nothing to predict.
+    return len(pieces) > 1 and all(
         _gains(outcome, smaller, larger, fitted, predicted) > price for fitted, predicted in (halves, halves[::-1])
     )
 

@@ -42,6 +42,17 @@ def test_its_model_reproduces_them(found):
     assert row["refitted"]["heldout_rmse"] > 10.0 * NOISE
 
 
+def test_a_single_stretch_confirms_nothing():
+    # So short that it is one stretch: the stop is met once.
+    *runs, held = releases(Rig(torque=stop), (0.5, 0.7, -1.5), NOISE, seed=3)
+    time = held.time[:150]
+    short = recording("short", time, {"pivot.position": held.channels[0].values[:150]})
+    found = diagnose([*runs, short], model=nominal())
+    assert found.verdict == "unexplained"
+    assert not found.findings
+    assert "No data that it was not fitted to bear out end_stop" in found.summary
+
+
 def test_a_blow_that_only_they_had_is_no_finding():
     rig = Rig()
     runs = releases(rig, (0.5, 0.7), NOISE, seed=4)
