@@ -41,12 +41,12 @@ from harness.denoc.lanes import LaneModel
 runs = [{folder!r} + "/" + name for name in {runs}]
 start = perf_counter()
 # Modules too, which the peer has loaded by the time it begins.
-from harness.diagnose.diagnose import diagnose
+import harness.diagnose.diagnose
 model = LaneModel(harness.load({folder!r} + "/model.toml"))
 model.simulate(model.row(), np.ones((1, model.n)), np.zeros((1, model.n)), np.linspace(0.0, 0.1, 11))
 loading = perf_counter() - start
 start = perf_counter()
-found = diagnose(runs, model={folder!r} + "/model.toml")
+found = harness.diagnose(runs, model={folder!r} + "/model.toml")
 seconds = perf_counter() - start
 names = [f"{{f['effect']}}@{{f['site']}}" for f in found.findings]
 answer = dict(loading=loading, seconds=seconds, verdict=str(found.verdict), found=names)
