@@ -59,7 +59,7 @@ def prove(
     if quick and cases is not None:
         raise InputError("--quick and --cases do not go together", mend="give the one or the other")
     if score is not None:
-        if quick or resume is not None or out is not None or not {cases, seed, peers} <= {None}:
+        if quick or any(option is not None for option in (cases, seed, peers, resume, out)):
             raise InputError(
                 "--score goes with none of the options that say what to prove", mend="give --score DIR alone"
             )

@@ -98,8 +98,8 @@ def _findings(
 ) -> list[dict[str, Any]]:
     """What is claimed; effects that modify another one at their site are told with it."""
     own = [
-        (claim.candidate, _finding(outcome, conclusion, claim, values[claim.candidate.key], zeros[claim.candidate.key]))
-        for claim in conclusion.claims
+        (c.candidate, _finding(outcome, c, values[c.candidate.key], zeros[c.candidate.key], conclusion.only_held))
+        for c in conclusion.claims
     ]
     whole = []
     for member, finding in own:
@@ -113,9 +113,8 @@ def _findings(
 
 
 def _finding(
-    outcome: Outcome, conclusion: Conclusion, claim: Claim, values: dict[str, Estimate], zeros: list[Zero]
+    outcome: Outcome, claim: Claim, values: dict[str, Estimate], zeros: list[Zero], only_held: Sequence[str]
 ) -> dict[str, Any]:
-    only = claim.candidate.key in conclusion.only_held
     units = _units(outcome, claim)
     return {
         "effect": claim.candidate.effect.name,
@@ -127,7 +126,7 @@ def _finding(
         "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
         "indistinguishable_from": [_short(key, claim.candidate.site) for key in claim.rivals],
         **({"zeros": zeros} if zeros else {}),
-        **({"shows_only_in": held_names(outcome)} if only else {}),
+        **({"shows_only_in": held_names(outcome)} if claim.candidate.key in only_held else {}),
     }
 
 
@@ -183,7 +182,7 @@ def _summary(
         for c in conclusion.claims
         if c.rivals
     ]
-    return summary(conclusion, severity, titles, rivals, conclusion.doubted)
+    return summary(conclusion, severity, titles, rivals)
 
 
 def _mismatch(place: Mismatch) -> dict[str, Any]:
@@ -214,7 +213,6 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     """The likeliest hypotheses, the one claimed first, and why the others lost."""
     study, best = outcome.study, conclusion.best
     own = rmse(outcome, judge(outcome, best), 0)
-    imitated = [key for key in conclusion.doubted if key not in conclusion.unproven]
     rows = []
     for fitted in likeliest(outcome, best, SHOWN):
         error = rmse(outcome, judge(outcome, fitted), 0)
@@ -223,7 +221,7 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
                 "effects": list(fitted.hypothesis.keys),
                 "bic": fitted.score + study.paid(fitted),
                 "heldout_rmse": error,
-                "lost": why_lost(study, best, fitted, error, own, imitated),
+                "lost": why_lost(study, best, fitted, error, own, conclusion.imitated),
             }
         )
     return rows

@@ -103,6 +103,11 @@ class Conclusion:
     unproven: tuple[str, ...] = ()
     only_held: tuple[str, ...] = ()
 
+    @property
+    def imitated(self) -> tuple[str, ...]:
+        """Keys of what is doubted because something that nobody has named could have done its work."""
+        return tuple(key for key in self.doubted if key not in self.unproven)
+
 
 def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
     """Whether every member earns its place; and the member that fails most clearly (−1 if none)."""
@@ -111,10 +116,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
     for k, member in enumerate(fitted.hypothesis.members):
         smaller = study.below(fitted, k)
         gain = smaller.score - fitted.score
-        begun = max(fitted.vibrating - smaller.vibrating, 0.0)
-        price = study.price(member, len(fitted.hypothesis.members) - 1) + BEGUN * begun
-        if fitted.hypothesis.things >= MANY:
-            price *= CROWDED
+        price = _price(study, smaller, fitted, k)
         straightens = _straightens(outcome, smaller, fitted, member)
         # No law that is inexact bends a nominal quantity so far.
         inexact = 0.0 if straightens else (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2
@@ -136,6 +138,13 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         if not repeated and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
+
+
+def _price(study: Study, smaller: Fit, fitted: Fit, k: int) -> float:
+    """What member ``k`` has to gain: its numbers, the vibrations it begins, and more where many are told together."""
+    begun = max(fitted.vibrating - smaller.vibrating, 0.0)
+    price = study.price(fitted.hypothesis.members[k], len(fitted.hypothesis.members) - 1) + BEGUN * begun
+    return price * CROWDED if fitted.hypothesis.things >= MANY else price
 
 
 def _in_training(outcome: Outcome, smaller: Fit, larger: Fit, price: float) -> bool:
@@ -176,18 +185,17 @@ def _straightens(outcome: Outcome, smaller: Fit, larger: Fit, member: Candidate)
 def settle(outcome: Outcome, best: Fit) -> Fit:
     """The best set all of whose members earn their place: the first such near the top, or the best one pruned."""
     study = outcome.study
-    if _passes(outcome, best)[0]:
+    good, worst = _passes(outcome, best)
+    if good:
         return best
     near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + APART][:6]
     for fitted in near:
-        if _passes(outcome, fitted)[0]:
+        if fitted is not best and _passes(outcome, fitted)[0]:
             return fitted
     fitted = best
-    while fitted.hypothesis.members:
-        good, worst = _passes(outcome, fitted)
-        if good:
-            break
+    while not good:
         fitted = study.reduce(fitted, worst)
+        good, worst = _passes(outcome, fitted)
     return fitted
 
 
@@ -385,9 +393,8 @@ def conclude(outcome: Outcome) -> Conclusion:
 
 def _told_by_training(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether the training data speak for member ``k`` of the set by themselves."""
-    study = outcome.study
-    price = study.price(best.hypothesis.members[k], len(best.hypothesis.members) - 1)
-    return _in_training(outcome, study.below(best, k), best, price)
+    smaller = outcome.study.below(best, k)
+    return _in_training(outcome, smaller, best, _price(outcome.study, smaller, best, k))
 
 
 def _left_out(outcome: Outcome, best: Fit, keys: list[str]) -> Fit:

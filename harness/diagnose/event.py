@@ -105,12 +105,12 @@ def _best(cuts: Sequence[Sequence[Cut]], nominal: Array) -> list[Cut]:
         by = _followed(own, nominal)
         for _ in range(EXCHANGES):
             found = [min(run, key=lambda c: c.lag(by)) for run in cuts]
-            if all(a is b for a, b in zip(found, own, strict=False)) and len(own) == len(found):
+            if found == own:
                 break
             own = found
             by = _followed(own, nominal)
         lag = sum(c.lag(by) for c in own) + float(np.sum((nominal + by[: len(nominal)]) ** 2))
-        if len(own) == len(cuts) and lag < lowest:
+        if lag < lowest:
             chosen, lowest = own, lag
     return chosen
 

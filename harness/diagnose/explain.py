@@ -19,6 +19,9 @@ VERDICTS = {
 }
 
 
+EXACTLY = 1e-9  # relative standard deviation of what is counted, not measured
+
+
 def number(value: float) -> str:
     return f"{value:.4g}"
 
@@ -41,18 +44,15 @@ def _spread(e: Estimate) -> str:
     return f" ± {e.std:.2g}" if e.std > EXACTLY * abs(e.value) else ""
 
 
-EXACTLY = 1e-9  # relative standard deviation of what is counted, not measured
 # Share of the greatest gain that a test must have to be told instead, because it says more.
 TELLING = 0.25
 
 
-def summary(
-    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], doubts: Sequence[str]
-) -> str:
+def summary(conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str]) -> str:
     """The paragraph."""
     size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
     rest = "a significant remainder stays"
-    if not conclusion.remains.significant and not doubts:
+    if not conclusion.remains.significant and not conclusion.doubted:
         rest = f"these are not yet predicted down to the noise ({conclusion.level:.2g} times it)"
     hold = "hold" if len(findings) > 1 else "holds"
     text = VERDICTS[conclusion.verdict].format(severity=size, names=" and ".join(findings), hold=hold, rest=rest)
@@ -63,12 +63,10 @@ def summary(
             f" The data held out alone show {', '.join(conclusion.only_held)}: it is told because every second stretch of them "
             "predicts the stretches between, and errors there are those of a fit to all recordings."
         )
-    unproven = [key for key in doubts if key in conclusion.unproven]
-    doubts = [key for key in doubts if key not in unproven]
-    if unproven:
-        text += f" No data that it was not fitted to bear out {', '.join(unproven)}, so that is not claimed."
-    if doubts:
-        text += " The remainder could have imitated " + ", ".join(doubts) + ", so that is not claimed."
+    if conclusion.unproven:
+        text += f" No data that it was not fitted to bear out {', '.join(conclusion.unproven)}, so that is not claimed."
+    if conclusion.imitated:
+        text += f" The remainder could have imitated {', '.join(conclusion.imitated)}, so that is not claimed."
     if conclusion.remains.significant:
         left = plainest(conclusion)
         where = ", ".join(w for w in left.where if w)

@@ -19,14 +19,17 @@ from harness.diagnose.windows import Window, cut
 
 def held_names(outcome: Outcome) -> list[str]:
     """The recordings held out."""
-    return [outcome.problem.runs[run].name for run in sorted({window.run for window in outcome.held_windows})]
+    return [outcome.problem.runs[run].name for run in _held_runs(outcome)]
+
+
+def _held_runs(outcome: Outcome) -> list[int]:
+    return sorted({window.run for window in outcome.held_windows})
 
 
 def held_out_repeats(outcome: Outcome, smaller: Fit, larger: Fit, price: float) -> bool:
     """Whether either half of the stretches held out gains more than ``price`` by the larger set, and so does the other half as the
     fit to the first one, and to the training data, predicts it from initial states of its own."""
-    runs = sorted({window.run for window in outcome.held_windows})
-    pieces = cut(outcome.problem.runs, runs, SWINGS * outcome.period)
+    pieces = cut(outcome.problem.runs, _held_runs(outcome), SWINGS * outcome.period)
     halves = pieces[::2], pieces[1::2]
     # A single stretch has nothing to predict.
     return len(pieces) > 1 and all(

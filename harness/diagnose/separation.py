@@ -56,8 +56,8 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
     """Distance between two hypotheses' predictions in standard deviations of the noise, what is open of the second one left free.
 
     least, most: distances below and beyond which the exact one does not matter; beyond, it is what the beginning of the experiment
-    parts them by. Zero where nothing can be said: a run that leaves the numbers, or a
-    motion so sensitive that not even the second hypothesis finds back to itself.
+    parts them by. Zero where nothing can be said: a run that leaves the numbers, or a motion so sensitive that not even the second
+    hypothesis finds back to itself.
     """
     imagined = _imagined(study, trial)
     try:
@@ -65,10 +65,10 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
         rival = _open(study, second, len(begun))
         told = imagined.curves(first, first.x[None], [_start(imagined.predictor, first, trial)], imagined.count)[0]
         lengths = _lengths(study, imagined)
-        distance, state, _ = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT)
-        needed = len(lengths)
-        if distance > max(least, NOTHING):
-            distance, state, needed = _brought_near(imagined, rival, told, begun, lengths, most=most)
+        distance, _, _ = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT)
+        if distance <= max(least, NOTHING):
+            return distance
+        distance, state, needed = _brought_near(imagined, rival, told, begun, lengths, most=most)
         if distance <= max(least, NOTHING):
             return distance
         own = imagined.curves(second, second.x[None], [begun], imagined.count)[0]
