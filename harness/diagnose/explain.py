@@ -12,8 +12,7 @@ from harness.diagnose.uncertainty import Estimate
 VERDICTS = {
     "consistent": "The model and the recordings agree: what is left is at the level of the noise, and no effect of the catalogue "
     "earns a place.",
-    "explained": "The nominal model leaves the recordings {severity}; with {names} the residual is at the noise floor, also on "
-    "data held out.",
+    "explained": "The nominal model leaves the recordings {severity}; with {names} the residual is at the noise floor, {held}.",
     "partly_explained": "The nominal model leaves the recordings {severity}; {names} {hold} up on data held out, but {rest}.",
     "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
 }
@@ -55,7 +54,9 @@ def summary(conclusion: Conclusion, severity: float, findings: Sequence[str], ri
     if not conclusion.remains.significant and not conclusion.doubted:
         rest = f"these are not yet predicted down to the noise ({conclusion.level:.2g} times it)"
     hold = "hold" if len(findings) > 1 else "holds"
-    text = VERDICTS[conclusion.verdict].format(severity=size, names=" and ".join(findings), hold=hold, rest=rest)
+    held = "with the data held out fitted too" if conclusion.only_held else "also on data held out"
+    names = " and ".join(findings)
+    text = VERDICTS[conclusion.verdict].format(severity=size, names=names, hold=hold, rest=rest, held=held)
     if rivals:
         text += " " + " ".join(rivals)
     if conclusion.only_held:

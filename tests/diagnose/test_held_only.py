@@ -9,6 +9,7 @@ import pytest
 from simulated_recordings import Rig, nominal, recording, releases, swing
 
 from harness import diagnose
+from harness.report.diagnosis.page import diagnosis_html
 
 NOISE = 1e-3
 ANGLE, STIFFNESS, DAMPING = 0.9, 4.0, 0.02
@@ -34,6 +35,9 @@ def test_a_stop_that_only_they_reach_is_told(found):
         margin = 0.25 * (high - low)
         assert low - margin < true < high + margin
     assert "every second stretch" in found.summary
+    # Nothing may pass for a prediction that is a fit.
+    assert "also on data held out" not in found.summary
+    assert "a fit to all recordings" in diagnosis_html(found.to_json())
 
 
 def test_its_model_reproduces_them(found):

@@ -48,7 +48,8 @@ class BeforeAndAfter:
         fit = document["fit"]
         if not fit:
             return None
-        return {"fit": fit, "picture": Markup(errors(fit)), "figure": figure}
+        shown_there = [f["effect"].replace("_", " ") for f in one_by_one(document["findings"]) if "shows_only_in" in f]
+        return {"fit": fit, "picture": Markup(errors(fit)), "figure": figure, "shown_there": shown_there}
 
 
 @dataclass(frozen=True)
