@@ -252,12 +252,12 @@ class LaneModel:
         row[self.slot("base", "excitation_x")] = 1.0
         at = len(BASE_SLOTS)
         for joint, link, nominal in zip(system.joints, system.links, self.system.joints, strict=True):
-            if not np.allclose(joint.axis, nominal.axis, rtol=0.0, atol=1e-12):
+            if joint.axis is not nominal.axis and not np.allclose(joint.axis, nominal.axis, rtol=0.0, atol=1e-12):
                 raise InputError(
                     f"joint {joint.name}: another axis than in the model", mend="turn the joint frame instead"
                 )
             row[at : at + 3] = joint.xyz
-            if not np.array_equal(joint.rotation, nominal.rotation):
+            if joint.rotation is not nominal.rotation and not np.array_equal(joint.rotation, nominal.rotation):
                 row[at + 3 : at + 6] = _rotation_vector(nominal.rotation.T @ joint.rotation)
             row[at + 6 : at + 16] = _rigid_part(link)
             at += PER_JOINT

@@ -35,8 +35,11 @@ class Plane:
     def holds(self, rows: Array) -> NDArray[np.bool_]:
         """Which of the rows (B, P) keep to the plane: joints turned about N alone; no friction that feels what is across."""
         at = len(BASE_SLOTS) + PER_JOINT * np.arange(len(self.normals))[:, None] + 3 + np.arange(3)
-        tilt = np.cross(rows[:, at], self.normals)
-        return np.asarray((np.abs(tilt) <= PARALLEL).all(axis=(1, 2)) & (rows[:, self.loads] == 0.0).all(axis=1))
+        flat = (rows[:, self.loads] == 0.0).all(axis=1)
+        turns = rows[:, at]
+        if turns.any():
+            flat &= (np.abs(np.cross(turns, self.normals)) <= PARALLEL).all(axis=(1, 2))
+        return np.asarray(flat)
 
     def tables(self, tables: tuple[Any, ...]) -> tuple[Any, ...]:
         """The kernels' tables for motion in the plane."""

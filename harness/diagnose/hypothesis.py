@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,7 +137,7 @@ def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[floa
     root beside a uniform rod's inertia.
     """
     joints: dict[str, Joint] = {joint.name: joint for joint in system.joints}
-    links: dict[str, Link] = {link.name: _with_end(link, system) for link in system.links}
+    links: dict[str, Link] = {link.name: link for link in _with_ends(system)}
     for quantity, factor in zip(quantities, factors, strict=True):
         kind, name = quantity.kind, quantity.name
         if factor == 1.0:
@@ -166,10 +166,15 @@ def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[floa
     )
 
 
-def _with_end(link: Link, system: System) -> Link:
-    """A rigid link that says where it ends, if it ends anywhere."""
-    end = tip_of(link, system)
-    return link if link.beam is not None or not end.any() else replace(link, end=constant(end))
+@lru_cache(maxsize=16)
+def _with_ends(system: System) -> tuple[Link, ...]:
+    """Links that say where they end, rigid ones that end anywhere."""
+
+    def with_end(link: Link) -> Link:
+        end = tip_of(link, system)
+        return link if link.beam is not None or not end.any() else replace(link, end=constant(end))
+
+    return tuple(with_end(link) for link in system.links)
 
 
 def _scaled_beam(link: Link, kind: str, factor: float) -> Link:

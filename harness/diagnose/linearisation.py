@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from harness.diagnose.objective import Objective, Residuals, States, price
 from harness.diagnose.windows import Window
@@ -185,11 +184,9 @@ def eliminated(
 def _triangle(tall: Array) -> Array:
     """R of a tall matrix's QR factorisation, by blocks of rows (Demmel et al., SIAM J. Sci. Comput. 34 (2012) A206)."""
     if len(tall) <= 2 * BLOCK:
-        return np.asarray(qr(tall, mode="r", check_finite=False)[0])
-    parts = [
-        qr(part, mode="r", check_finite=False)[0][: tall.shape[1]] for part in np.array_split(tall, len(tall) // BLOCK)
-    ]
-    return np.asarray(qr(np.vstack(parts), mode="r", check_finite=False)[0])
+        return np.asarray(np.linalg.qr(tall, mode="r"))
+    parts = [np.linalg.qr(part, mode="r") for part in np.array_split(tall, len(tall) // BLOCK)]
+    return np.asarray(np.linalg.qr(np.vstack(parts), mode="r"))
 
 
 def vibrating(here: Linearisation, stiff: Array) -> float:
@@ -204,7 +201,7 @@ def vibrating(here: Linearisation, stiff: Array) -> float:
     order = np.concatenate([np.flatnonzero(stiff == 0.0), own])
     total = 0.0
     for states, _, _ in here.triangles:
-        beside = np.asarray(qr(states[:, order], mode="r", check_finite=False)[0])[-len(own) :, -len(own) :]
+        beside = np.asarray(np.linalg.qr(states[:, order], mode="r"))[-len(own) :, -len(own) :]
         squares = np.linalg.svd(beside / stiff[own], compute_uv=False) ** 2
         total += float(np.sum(squares / (1.0 + squares)))
     return total

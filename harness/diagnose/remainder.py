@@ -236,7 +236,7 @@ def examine(
     noise = _loudness(fitted)
     tests: list[Test] = []
     excess, chosen, best_chance = 0.0, "", 1.0
-    smooth_maps: dict[str, tuple[list[str], Array, float, float, float]] = {}
+    smooth_maps: dict[str, tuple[Probe, Array, float, float, float]] = {}
     forms: dict[str, Form] = {}
     for joint, torque in zip(joints, torque_scales, strict=True):
         own = probe(predictor, likelihood, fitted, torque)
@@ -264,7 +264,7 @@ def examine(
                     best_chance, chosen = chance, joint
                 full = np.zeros(len(names))
                 full[index] = found * torque
-                smooth_maps[joint] = (names, full, low, high, fast)
+                smooth_maps[joint] = (own, full, low, high, fast)
         forms[joint] = sparsest(own, space, joint, torque)
         tests.append(_few_terms(forms[joint], noise))
         if _counts(tests[-1], level):
@@ -289,9 +289,7 @@ def examine(
     significant = any(_counts(t, level) for t in tests)
     form = force_map = None
     if chosen:
-        torque = dict(zip(joints, torque_scales, strict=True))[chosen]
-        form = forms[chosen]
-        force_map = _map(chosen, smooth_maps[chosen], fitted, predictor, likelihood, torque)
+        form, force_map = forms[chosen], _map(chosen, smooth_maps[chosen])
     return Remains(significant, tuple(tests), excess, form, force_map)
 
 
@@ -353,21 +351,16 @@ def _few_terms(form: Form, noise: float) -> Test:
 
 def _map(
     joint: str,
-    found: tuple[list[str], Array, float, float, float],
-    fitted: Fit,
-    predictor: Predictor,
-    likelihood: Likelihood,
-    torque: float,
+    found: tuple[Probe, Array, float, float, float],
 ) -> Map:
     """The fitted force on a grid over position and velocity, where the motion has been."""
-    _, coefficients, low, high, fast = found
+    own, coefficients, low, high, fast = found
     position, velocity = np.linspace(low, high, 21), np.linspace(-fast, fast, 21)
     q, v = np.meshgrid(position, velocity, indexing="ij")
     force = (coefficients @ _shape_values(q.ravel(), v.ravel(), low, high, fast)).reshape(q.shape)
-    k = predictor.mechanism(fitted.hypothesis).names.index(joint)
+    k = own.names.index(joint)
     seen = np.zeros_like(force, dtype=bool)
-    for window in fitted.windows:
-        m = respond(predictor, fitted, window, torque)
+    for m in own.motions.values():
         i = np.clip(np.round((m.q[:, k] - low) / (high - low) * 20).astype(int), 0, 20)
         j = np.clip(np.round((m.qd[:, k] + fast) / (2 * fast) * 20).astype(int), 0, 20)
         seen[i, j] = True
