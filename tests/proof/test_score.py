@@ -106,6 +106,16 @@ def test_summary_counts_what_it_says() -> None:
     assert summary.confusion["nothing"] == {"consistent": 1, "base_tilt": 1}
 
 
+def test_data_held_out_that_were_fitted_to_are_no_prediction_at_the_floor() -> None:
+    predicted = told("coulomb_friction")
+    fitted = told("end_stop")
+    fitted["findings"][0]["shows_only_in"] = ["run3"]
+    scores = [score_case("a", hidden("coulomb_friction"), predicted), score_case("b", hidden("end_stop"), fitted)]
+    assert [s.held_fitted for s in scores] == [False, True]
+    assert summarise(scores, limit=5.0).at_floor == Share(1, 1)
+    assert summarise(scores, limit=5.0).named_single == Share(2, 2)
+
+
 def test_wilson_interval_matches_the_formula() -> None:
     # Wilson (1927): centre (p + z²/2n)/(1 + z²/n), half-width z sqrt(p(1-p)/n + z²/4n²)/(1 + z²/n).
     n, hits, z = 40, 38, 1.959963984540054
