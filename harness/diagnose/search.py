@@ -221,7 +221,8 @@ class Growth:
             # Nothing more is needed, so before more is added, the members' relatives get their turn.
             self.swapped.add(best.hypothesis.identity)
             for k in range(len(best.hypothesis.members)):
-                for other in relatives(study, best, k, self.effort.most_fits):
+                # Without the member first: what is not needed needs no relative either.
+                for other in [study.reduce(best, k), *relatives(study, best, k, self.effort.most_fits)]:
                     self.note(other)
             best = self._plainest()
         if not _only_noise(study, best):

@@ -14,6 +14,7 @@ from harness.diagnose.investigate import crude_colours
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
+from harness.diagnose.search import Effort, grow
 from harness.diagnose.study import Study
 from harness.diagnose.windows import whole
 
@@ -77,3 +78,20 @@ def test_what_stands_in_a_members_place_is_tried_without_the_others() -> None:
     swap = bench.fits[frozenset({viscous.key, other})]
     found = {f.hypothesis.identity: f for f in reduced(bench, best)}
     assert bench.criterion(found[frozenset({other})]) < bench.criterion(swap)
+
+
+def test_nothing_is_exchanged_beside_a_member_that_is_not_needed() -> None:
+    system, runs = nominal(), releases(Rig(viscous=2e-4), (1.3, 0.9), 2e-3, seed=8)
+    posed = pose(system, runs)
+    names = ["viscous_damping", "coulomb_friction", "load_dependent_friction"]
+    known = tuple(candidates(system, runs, only=names))
+    bench = Study(posed, Predictor(posed), Likelihood(posed, crude_colours(posed)), known, whole(posed.runs, range(2)))
+    viscous, dry, loaded = (next(c for c in known if c.effect.name == name) for name in names)
+    start = [np.zeros(len(bench.predictor.nominal)), to_internal(viscous, np.array([2e-4]))]
+    both = bench.fit(
+        Hypothesis((viscous, dry)), [np.concatenate([*start, to_internal(dry, np.array([1e-5]))])], None, most_steps=40
+    )
+    best = grow(bench, [both], Effort(), lambda _: None)[0]
+    assert best.hypothesis.keys == (viscous.key,)
+    # That friction would be fitted without the damping only where it is a member of a set that is exchanged.
+    assert frozenset({loaded.key}) not in bench.fits
