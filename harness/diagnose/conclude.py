@@ -532,10 +532,9 @@ def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)
         gain = smaller.score - best.score
-        rivals = [
-            m for other in near(outcome, best, k) for m in other.hypothesis.members if m.key not in best.hypothesis.keys
-        ]
-        rivals += [r for r in _out_of_step(study, best, k) if r.key not in {own.key for own in rivals}]
+        others = [m for other in near(outcome, best, k) for m in other.hypothesis.members]
+        others = [m for m in others if m.key not in best.hypothesis.keys] + _out_of_step(study, best, k)
+        rivals = list({m.key: m for m in others}.values())
         claims.append(
             Claim(
                 member, k, gain, heldout_z(outcome, smaller, best), gain - study.numbers(member) * float(np.log(study.samples)),

@@ -7,6 +7,7 @@ from collections.abc import Collection
 import numpy as np
 
 from harness.diagnose.fit import Fit
+from harness.diagnose.rivals import as_stated
 from harness.diagnose.study import Study
 
 WORSE = 1.02  # times the error on data held out, from which on it is worth saying
@@ -22,6 +23,8 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
     if other.hypothesis.identity == best.hypothesis.identity:
         return ""
     if study.criterion(other) < study.criterion(best):
+        if as_stated(study, other).hypothesis.identity == best.hypothesis.identity:
+            return "takes away what the model states, and needs more effects for it"
         leading = min(study.fits.values(), key=study.criterion)
         if other.hypothesis.identity == leading.hypothesis.identity:
             shared = [key for key in other.hypothesis.keys if key in imitated]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.exchange import emptied, generalized, pruned, reduced, related, relatives
+from harness.diagnose.falling import fit_falling
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible, dear
 from harness.diagnose.investigate import Outcome
@@ -17,6 +18,7 @@ from harness.diagnose.search import NEAR, exhausted, finished
 from harness.diagnose.standing_in import standing_in
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, Study
+from harness.effects.room import STATED
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
@@ -84,7 +86,7 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     found = sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
     # Of what cannot be told apart, more general laws are not told either.
     in_place = [f for f in found if len(f.hypothesis.members) == len(best.hypothesis.members)]
-    found += _instead_of_several(outcome, best, k)
+    found += _instead_of_several(study, best, k) + _several_instead(study, best, k)
     for base in (best, *in_place[:MOST_GENERAL]):
         own = k if base is best else [key in best.hypothesis.keys for key in base.hypothesis.keys].index(False)
         known = {f.hypothesis.identity for f in found} | {best.hypothesis.identity}
@@ -93,10 +95,9 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     return found
 
 
-def _instead_of_several(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
+def _instead_of_several(study: Study, best: Fit, k: int) -> list[Fit]:
     """Known sets in which one effect stands in the place of member ``k`` and of others, that do as well for their number."""
-    study, own = outcome.study, best.hypothesis
-    limit = study.criterion(best) + APART
+    own, limit = best.hypothesis, study.criterion(best) + APART
     return [
         f
         for identity, f in study.fits.items()
@@ -106,6 +107,41 @@ def _instead_of_several(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         and f.score < LOST
         and study.criterion(f) < limit
     ]
+
+
+def _several_instead(study: Study, best: Fit, k: int) -> list[Fit]:
+    """Known sets in which several effects stand in the place of member ``k``, that do better although they are not told."""
+    kept, limit = best.hypothesis.without(k).identity, study.criterion(best)
+    return [
+        f
+        for identity, f in study.fits.items()
+        if kept < identity and best.hypothesis.members[k].key not in identity and len(identity) > len(kept) + 1
+        if takes_back(study, f) and f.score < LOST and study.criterion(f) < limit
+    ]
+
+
+def takes_back(study: Study, fitted: Fit) -> bool:
+    """Whether a set takes away some of the dissipation that the model states."""
+    return any(_taken_back(study, fitted, k) for k in range(len(fitted.hypothesis.members)))
+
+
+def _taken_back(study: Study, fitted: Fit, k: int) -> bool:
+    """Whether member ``k`` is dissipation that the model states too much of."""
+    stated = fitted.hypothesis.members[k].effect.name in STATED
+    return stated and bool(study.predictor.effect_values(fitted.hypothesis, k, fitted.x)[0] < 0.0)
+
+
+def as_stated(study: Study, best: Fit) -> Fit:
+    """The best set, or the likeliest known one that cannot be told from it, has fewer effects and takes nothing back of what the
+    model states.
+
+    Friction that falls with speed acts like friction and less damping than stated. One law that leaves the model as it is comes
+    first.
+    """
+    if not takes_back(study, best):
+        return best
+    simpler = [f for k in range(len(best.hypothesis.members)) for f in _instead_of_several(study, best, k)]
+    return min((f for f in simpler if not takes_back(study, f)), key=study.criterion, default=best)
 
 
 def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
@@ -158,7 +194,8 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break
         best = better
-    return best
+    fit_falling(study, best)
+    return as_stated(study, best)
 
 
 SHAKEN = 4.0  # times, either way, that the numbers which shape a law are started anew
