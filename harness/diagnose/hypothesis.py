@@ -235,7 +235,7 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
 
 def dear(candidate: Candidate) -> bool:
     """Whether runs with the candidate take many times as long: it adds coordinates, or a law that no fast method knows."""
-    return _own_law(candidate) or candidate.effect.adds_coordinates
+    return _own_law(candidate) or (candidate.effect.adds_coordinates and not candidate.effect.switch)
 
 
 def _own_law(candidate: Candidate) -> bool:

@@ -332,14 +332,30 @@ class Study:
 
     def _tested(self, base: Fit, candidates: Sequence[Candidate]) -> list[Score]:
         open_ones = [c for c in candidates if compatible(base.hypothesis, c)]
+        switched = [s for c in open_ones if c.effect.switch for s in self._switched_on(base, c)]
+        open_ones = [c for c in open_ones if not c.effect.switch]
         spaces = [nuisance(base, self.predictor)]
         if not self.stretched(base):
-            return score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
+            return switched + score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
         spaces.append(nuisance(base, self.predictor, softened=True))
         found = score(base, self.predictor, self.likelihood, open_ones, self.problem, spaces)
         keys = {c.key for c in open_ones}
         hints = self.hints.get(base.hypothesis.identity, {})
-        return _larger(found, [s for k, s in hints.items() if s is not None and k in keys])
+        return switched + _larger(found, [s for k, s in hints.items() if s is not None and k in keys])
+
+    def _switched_on(self, base: Fit, candidate: Candidate) -> list[Score]:
+        """What is either there or not, held against a fit: it has no slope where it is absent, and so it is fitted outright.
+
+        Without it the nominal quantities have been bent to do its work, and so it is begun with these as stated, too.
+        """
+        hypothesis = base.hypothesis.with_(candidate)
+        known = self.known(hypothesis)
+        if known is None:
+            straight = base.x.copy()
+            straight[: len(self.predictor.nominal)] = 0.0
+            known = self.fit(hypothesis, [straight, base.x], base)
+        gain = base.score - known.score
+        return [Score(candidate, gain, np.empty(0), float(np.sqrt(gain)))] if gain > 0.0 else []
 
     def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""

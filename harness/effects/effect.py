@@ -233,6 +233,11 @@ class Effect:
         return self.reshape is not None and self.reshape.topology
 
     @property
+    def switch(self) -> bool:
+        """Whether the mechanism has it or not, without a size."""
+        return self.reshape is not None and not self.parameters
+
+    @property
     def parameter_names(self) -> tuple[str, ...]:
         return tuple(parameter.name for parameter in self.parameters)
 
