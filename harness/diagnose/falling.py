@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit
@@ -16,6 +17,8 @@ from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible
 from harness.diagnose.response import motions
 from harness.diagnose.search import NEAR
 from harness.diagnose.study import NOTICEABLE, Study
+
+Array = NDArray[np.float64]
 
 FRICTIONS = ("coulomb_friction", "load_dependent_friction", "dahl_friction")
 # Speeds over which the friction falls, times the fastest of the motion, and how far it falls, times what the damping says.
@@ -33,14 +36,13 @@ def fit_falling(study: Study, best: Fit) -> list[Fit]:
     return found
 
 
-def _ways(study: Study, best: Fit) -> Iterator[tuple[Fit, Hypothesis, list[np.ndarray]]]:
+def _ways(study: Study, best: Fit) -> Iterator[tuple[Fit, Hypothesis, list[Array]]]:
     """Sets with damping taken back and Coulomb friction, those with one law instead, and where a fit of these may begin."""
     for k, member in enumerate(best.hypothesis.members):
         site = member.site
         law, dry = (_at(study, name, site) for name in ("stribeck_friction", "coulomb_friction"))
-        if member.effect.name != "viscous_damping" or law is None or dry is None:
-            continue
-        if study.predictor.effect_values(best.hypothesis, k, best.x)[0] >= 0.0:
+        less = member.effect.name == "viscous_damping" and study.predictor.takes_back(best.hypothesis, k, best.x)
+        if not less or law is None or dry is None:
             continue
         for friction in best.hypothesis.members:
             if friction.site != site or friction.effect.name not in FRICTIONS:
@@ -52,7 +54,7 @@ def _ways(study: Study, best: Fit) -> Iterator[tuple[Fit, Hypothesis, list[np.nd
             for key in (member.key, dry.key):
                 place = rest.keys.index(key)
                 values[key] = float(study.predictor.effect_values(rest, place, others)[0])
-                others = _without(study, rest, others, place)
+                others = study.predictor.without(rest, place, others)
                 rest = rest.without(place)
             if not compatible(rest, law):
                 continue
@@ -65,9 +67,3 @@ def _ways(study: Study, best: Fit) -> Iterator[tuple[Fit, Hypothesis, list[np.nd
 
 def _at(study: Study, name: str, site: str) -> Candidate | None:
     return next((c for c in study.candidates if c.effect.name == name and c.site == site), None)
-
-
-def _without(study: Study, hypothesis: Hypothesis, x: np.ndarray, place: int) -> np.ndarray:
-    """The parameter vector without those of one member."""
-    span, offset = hypothesis.span(place), len(study.predictor.nominal)
-    return np.delete(x, np.arange(offset + span.start, offset + span.stop))

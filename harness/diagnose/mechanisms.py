@@ -60,6 +60,15 @@ class Mechanisms:
         out[offset + span.start : offset + span.stop] = to_internal(hypothesis.members[k], values)
         return out
 
+    def without(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
+        """The parameter vector without those of member k."""
+        span, offset = hypothesis.span(k), len(self.nominal)
+        return np.delete(x, np.arange(offset + span.start, offset + span.stop))
+
+    def takes_back(self, hypothesis: Hypothesis, k: int, x: Array) -> bool:
+        """Whether member k takes away some of the dissipation that the model states."""
+        return hypothesis.members[k].effect.name in STATED and bool(self.effect_values(hypothesis, k, x)[0] < 0.0)
+
     def altered(self, hypothesis: Hypothesis, x: Array) -> System:
         """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""
         # A step that is tried may be absurd; its run is followed no more than its numbers can be held.

@@ -18,7 +18,6 @@ from harness.diagnose.search import NEAR, exhausted, finished
 from harness.diagnose.standing_in import standing_in
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, Study
-from harness.effects.room import STATED
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
@@ -116,19 +115,14 @@ def _several_instead(study: Study, best: Fit, k: int) -> list[Fit]:
         f
         for identity, f in study.fits.items()
         if kept < identity and best.hypothesis.members[k].key not in identity and len(identity) > len(kept) + 1
-        if takes_back(study, f) and f.score < LOST and study.criterion(f) < limit
+        if _takes_back(study, f) and f.score < LOST and study.criterion(f) < limit
     ]
 
 
-def takes_back(study: Study, fitted: Fit) -> bool:
+def _takes_back(study: Study, fitted: Fit) -> bool:
     """Whether a set takes away some of the dissipation that the model states."""
-    return any(_taken_back(study, fitted, k) for k in range(len(fitted.hypothesis.members)))
-
-
-def _taken_back(study: Study, fitted: Fit, k: int) -> bool:
-    """Whether member ``k`` is dissipation that the model states too much of."""
-    stated = fitted.hypothesis.members[k].effect.name in STATED
-    return stated and bool(study.predictor.effect_values(fitted.hypothesis, k, fitted.x)[0] < 0.0)
+    own = fitted.hypothesis
+    return any(study.predictor.takes_back(own, k, fitted.x) for k in range(len(own.members)))
 
 
 def as_stated(study: Study, best: Fit) -> Fit:
@@ -138,10 +132,10 @@ def as_stated(study: Study, best: Fit) -> Fit:
     Friction that falls with speed acts like friction and less damping than stated. One law that leaves the model as it is comes
     first.
     """
-    if not takes_back(study, best):
+    if not _takes_back(study, best):
         return best
     simpler = [f for k in range(len(best.hypothesis.members)) for f in _instead_of_several(study, best, k)]
-    return min((f for f in simpler if not takes_back(study, f)), key=study.criterion, default=best)
+    return min((f for f in simpler if not _takes_back(study, f)), key=study.criterion, default=best)
 
 
 def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:

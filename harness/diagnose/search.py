@@ -221,9 +221,10 @@ class Growth:
             # Nothing more is needed, so before more is added, the members' relatives get their turn.
             self.swapped.add(best.hypothesis.identity)
             for k in range(len(best.hypothesis.members)):
-                # Without the member first: what is not needed needs no relative either.
-                for other in [study.reduce(best, k), *relatives(study, best, k, self.effort.most_fits)]:
+                for other in relatives(study, best, k, self.effort.most_fits):
                     self.note(other)
+                # They begin with the set without the member, and one that is not needed needs no relative either.
+                self.note(study.fits[best.hypothesis.without(k).identity])
             best = self._plainest()
         if not _only_noise(study, best):
             for wider in generalized(study, best):

@@ -472,9 +472,7 @@ class Study:
 
     def without(self, base: Fit, k: int) -> Array:
         """The parameter vector without those of member ``k``."""
-        offset = len(self.predictor.nominal)
-        span = base.hypothesis.span(k)
-        return np.delete(base.x, np.arange(offset + span.start, offset + span.stop))
+        return self.predictor.without(base.hypothesis, k, base.x)
 
 
 def _larger(own: Sequence[Score], other: Sequence[Score]) -> list[Score]:

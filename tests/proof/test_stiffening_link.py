@@ -8,17 +8,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from harness.proof.run import EFFECTS_BY_KIND, Task, _shuffled, conceal, diagnose_folder
-from harness.proof.seal import unseal
+from one_concealed import told_of
 
 SEED = 70214
 
 
 def test_geometric_stiffening_is_named(tmp_path: Path) -> None:
-    kind, effect = "flexible single", "geometric_stiffening"
-    (task,) = (t for t in (Task(kind, 0, e) for e in EFFECTS_BY_KIND[kind]) if _shuffled(t, SEED) == effect)
-    name, digest = conceal(task, SEED, tmp_path, short=False)
-    found = diagnose_folder(tmp_path / "cases" / name)
-    assert [p["effect"] for p in unseal(name, tmp_path / "sealed", digest)["planted"]] == [effect]
+    found = told_of("geometric_stiffening", "flexible single", SEED, tmp_path)
     assert found["verdict"] == "explained"
-    assert [(f["effect"], f["site"]) for f in found["findings"]] == [(effect, "strip")]
+    assert [(f["effect"], f["site"]) for f in found["findings"]] == [("geometric_stiffening", "strip")]
