@@ -68,7 +68,10 @@ class Detection:
         found = {name: points for name, points in (document.get("detection") or {}).items() if points}
         if not found:
             return None
-        words = "Each mark is a case, up if the effect was named; the line is a running share, all effects together."
+        words = (
+            "Each mark is a case, up if the effect was named; the line is a running share, all effects together. Below, "
+            "every effect by itself: blue where it was named."
+        )
         return {"words": words, "pictures": [("Named over visibility", Markup(detection_svg(found)))]}
 
 
@@ -149,11 +152,12 @@ def _square(x: float, y: float, shade: str, alpha: float) -> Any:
 
 
 def detection_svg(found: Mapping[str, list[list[Any]]]) -> str:
-    """SVG of hits and misses over visibility on a logarithmic axis, with the running share."""
+    """SVG of hits and misses over visibility on a logarithmic axis: all with the running share, and effect by effect."""
     points = sorted((float(d), bool(hit)) for series in found.values() for d, hit in series if d and d > 0.0)
     visibility = np.array([d for d, _ in points])
     hits = np.array([hit for _, hit in points], dtype=float)
-    with canvas("detection", 9.2, 3.2) as (made, axes):
+    below = 0.4 + 0.2 * len(found)
+    with canvas("detection", 9.2, 3.2 + below, rows=2, sharex=True, height_ratios=(3.2, below)) as (made, axes):
         ax = axes[0, 0]
         rng = np.random.default_rng(0)
         ax.plot(visibility, hits + 0.04 * rng.uniform(-1.0, 1.0, len(hits)), "o", ms=4, alpha=0.5, color=FAINT)
@@ -164,8 +168,16 @@ def detection_svg(found: Mapping[str, list[list[Any]]]) -> str:
             ax.plot(middle, share, color=colour("denoc"), lw=2.2)
         ax.set_xscale("log")
         ax.set_ylim(-0.1, 1.1)
-        ax.set_xlabel("visibility: what the effect changes in the recording, over the noise")
         ax.set_ylabel("named")
+        each = axes[1, 0]
+        rows = sorted(found)
+        for y, name in enumerate(rows):
+            for d, hit in found[name]:
+                if d and d > 0.0:
+                    each.plot(d, y, "o", ms=5, alpha=0.8, color=colour("denoc" if hit else "analytic"))
+        each.set_ylim(len(rows) - 0.5, -0.5)
+        each.set_yticks(range(len(rows)), [name.replace("_", " ") for name in rows], fontsize=8)
+        each.set_xlabel("visibility: what the effect changes in the recording, over the noise")
     return str(made.svg)
 
 
