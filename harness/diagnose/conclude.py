@@ -3,29 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from harness.diagnose.creep import creeps, motion_where_held
-from harness.diagnose.event import event_as_well
+from harness.diagnose.creep import motion_where_held
+from harness.diagnose.doubt import (
+    AT_FLOOR,
+    CARRIES,
+    LEVEL,
+    a_force_as_well,
+    carries,
+    doubtful,
+    examined,
+    firm,
+    imitated_together,
+    special_case,
+    unparted,
+)
 from harness.diagnose.exchange import specialized
-from harness.diagnose.fit import Fit, fit
+from harness.diagnose.fit import Fit
 from harness.diagnose.held_only import held_out_repeats, with_all
 from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.investigate import Outcome, heldout_z, judge, judge_straight, trained, training_gain
-from harness.diagnose.locate import rmse
-from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump, wandering
+from harness.diagnose.investigate import Outcome, heldout_z, judge, trained, training_gain
+from harness.diagnose.remainder import Remains, Test
 from harness.diagnose.rivals import APART, near, preferred
-from harness.diagnose.screen import scanned
 from harness.diagnose.starts import FOLLOWS
 from harness.diagnose.stretches import by_channel, follows_itself
 from harness.diagnose.study import BEGUN, STRETCHED, Study
-from harness.diagnose.uncertainty import estimates
-from harness.effects.effect import Family
-from harness.effects.scale import references
 
 Array = NDArray[np.float64]
 
@@ -42,27 +48,9 @@ CONTRARY = 3.0  # standard deviations by which they then may fall short
 AMPLE = 5.0  # times its price that such an effect must gain
 MANY = 3  # members from which on a set may piece together what nobody has named,
 CROWDED = 3.0  # so that each must gain so many times its price
-FAKED = (
-    10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
-)
-NEEDED = (
-    0.05  # share of what an effect explains that an unnamed force must leave, to which its linear response is trusted
-)
-CARRIES = (
-    1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
-)
 RUNG = 0.9  # share of what a wave explains, from which on something that rings may be it
-AMPLY = 1.8  # times that it grows without an effect that is claimed whatever the data held out give by themselves
 UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
-BETTER = 12.0  # in the criterion, by which an unnamed force must do better than an effect that explains all
-STEADY, STEADY_FREQUENCY = 0.4, 0.03  # relative differences between separate recordings
-STEADY_PHASE = 0.6  # rad
-UNSURE = 3.0  # standard deviations that separate estimates may always be apart
 WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
-LEVEL = (
-    1e-5  # chance at which a test of the remainder counts; all recordings are tested at once, a dozen questions each
-)
-AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,87 +200,6 @@ def _probabilities(outcome: Outcome) -> dict[str, float]:
     return out
 
 
-def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *, exact: bool = False) -> bool:
-    """Whether a force, or jump or course of a reading, that nobody has named does better by ``margin`` than what a member does.
-
-    exact: ask only for what brings what it promises.
-    """
-    study = outcome.study
-    tests: list[Test] | tuple[Test, ...]
-    if exact:
-        tests = [jump(outcome.predictor, study.likelihood, smaller)]
-        tests += wandering(outcome.predictor, study.likelihood, smaller, outcome.period)
-    else:
-        tests = _examined(outcome, smaller).tests
-    # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
-    lasting = any(
-        m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
-    )
-    named = [t for t in tests if t.places >= 0 and not (lasting and t.name.startswith(SETS_IN))]
-
-    own = smaller.score - best.score
-    there = max(smaller.score - study.samples, own)
-
-    def worth(gain: float, exact: bool) -> float:
-        # A linear gain that promises more than there is says only that it might do as well.
-        return gain if exact or gain < there else own
-
-    prices = [worth(t.gain, t.exact) - t.price(study.samples) for t in named]
-    prices += [worth(t.together[0], t.exact) - t.price_together(study.samples) for t in named]
-    return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
-
-
-def _imitated_together(outcome: Outcome, best: Fit, remains: Remains) -> list[str]:
-    """Members that a single force or jump that nobody has named explains, better than they do together.
-
-    A force of a shape that the catalogue does not have may be pieced together from several that it has. Beside a remainder every
-    force that nobody has named explains something; only what brings what it promises is then asked for, of single members too.
-    """
-    found: list[str] = []
-    members = range(len(best.hypothesis.members))
-    for size in range(1 if remains.significant else 2, len(members) + 1):
-        for some in combinations(members, size):
-            keys = [best.hypothesis.keys[k] for k in some]
-            smaller = best
-            for key in keys:
-                smaller = (
-                    outcome.study.below(smaller, smaller.hypothesis.keys.index(key))
-                    if key in smaller.hypothesis.keys
-                    else smaller
-                )
-            if _imitated(outcome, best, smaller, BETTER, exact=remains.significant):
-                found += [key for key in keys if key not in found]
-    return found
-
-
-def _steady(outcome: Outcome, own: Fit, k: int) -> bool:
-    """Whether the data held out, fitted by themselves, give member ``k`` about the same size as the training did.
-
-    What only soaks up a remainder seldom does so twice with the same numbers.
-    """
-    study, held = outcome.study, outcome.held_windows
-    if own.hypothesis.identity not in outcome.alone:
-        states = judge(outcome, own).states
-        outcome.alone[own.hypothesis.identity] = fit(
-            study.objective(own.hypothesis).on(held), own.x, states, most_steps=20
-        )
-    other = outcome.alone[own.hypothesis.identity]
-    a, b = (outcome.predictor.effect_values(f.hypothesis, k, f.x) for f in (own, other))
-    spreads = [estimates(outcome.predictor, f, k) for f in (own, other)]
-    for j, parameter in enumerate(own.hypothesis.members[k].effect.parameters):
-        origin = parameter.neutral if np.isfinite(parameter.neutral) else 0.0
-        one, two = a[j] - origin, b[j] - origin
-        if parameter.name == "phase":
-            if abs(np.angle(np.exp(1j * (one - two)))) > STEADY_PHASE:
-                return False
-        elif parameter.name == "frequency" or j == 0:
-            reach = (STEADY_FREQUENCY if parameter.name == "frequency" else STEADY) * max(abs(one), abs(two))
-            unsure = float(np.linalg.norm([s[parameter.name].std or 0.0 for s in spreads]))
-            if abs(one - two) > max(reach, UNSURE * unsure):
-                return False
-    return True
-
-
 def _stretched(outcome: Outcome, best: Fit) -> Test | None:
     """A test that counts if the nominal quantities had to leave their stated tolerance to fit, which is a remainder too."""
     z = best.x[: len(outcome.predictor.nominal)]
@@ -309,22 +216,6 @@ def _pays(study: Study, best: Fit, k: int) -> bool:
     """Whether member ``k`` gains more than its price beside the others."""
     member = best.hypothesis.members[k]
     return study.below(best, k).score - best.score > study.price(member, len(best.hypothesis.members) - 1)
-
-
-def _carries(outcome: Outcome, best: Fit, smaller: Fit, times: float) -> bool:
-    """Whether predictions of data held out, the remainder's error included, become clearly worse without the effect.
-
-    Real recordings always keep a remainder far above the noise of their sensors. What removes most of the error of a free run
-    over data that it was not fitted to is no artefact of that remainder, whatever else is at work.
-    """
-    # A nominal model bent out of its tolerance may predict as well what the effect is there for; that is no way to do without it.
-    study = outcome.study
-    bent = study.stretched(smaller, study.loudness(smaller))
-    # Nor is it a way to do with it.
-    held = (judge_straight if bent and study.stretched(best, study.loudness(best)) else judge)(outcome, best)
-    without = judge_straight(outcome, smaller) if bent else judge(outcome, smaller)
-    channels = range(len(outcome.problem.channels))
-    return any(rmse(outcome, without, c) > times * rmse(outcome, held, c) for c in channels)
 
 
 def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
@@ -364,31 +255,35 @@ def conclude(outcome: Outcome) -> Conclusion:
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
     unproven = tuple(doubted)
     remains, incomplete = _remains(outcome, best)
-    shaky = [key for k, key in enumerate(best.hypothesis.keys) if _doubtful(outcome, best, k, remains)]
-    together = _imitated_together(outcome, best, remains)
-    if shaky or together:
-        best, fresh = _without_doubtful(outcome, best, shaky, together)
-        while fresh:
+    shaky = [key for k, key in enumerate(best.hypothesis.keys) if doubtful(outcome, best, k, remains)]
+    together = imitated_together(outcome, best, remains)
+    special = special_case(outcome, best, remains)
+    while shaky or together or special is not None:
+        if shaky or together:
+            best, fresh = _without_doubtful(outcome, best, shaky, together)
             doubted += fresh
-            # What has leant on the doubtful must stand without it.
-            fresh = [
-                key
-                for k, key in enumerate(best.hypothesis.keys)
-                if not _pays(study, best, k)
-                or not _carries(outcome, best, study.below(best, k), CARRIES)
-                or _a_force_as_well(outcome, best, k)
-            ]
-            best = _left_out(outcome, best, fresh)
-        # What made a law more general may have been left out with the doubtful.
-        best = min([best, *specialized(study, best)], key=study.criterion)
+            # What made a law more general may have been left out with the doubtful.
+            best = min([best, *specialized(study, best)], key=study.criterion)
+        elif special is not None:
+            best = special
+        # What has leant on the doubtful must stand without it, beside all that is left then.
         remains, incomplete = _remains(outcome, best)
+        shaky = [key for k, key in enumerate(best.hypothesis.keys) if not _stands(outcome, best, k, remains)]
+        together, special = [], special_case(outcome, best, remains)
     incomplete = incomplete or bool(doubted)
-    claims = _claims(outcome, best)
+    claims = _claims(outcome, best, remains)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     verdict = with_ if claims else without
     only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
     own, held = with_all(outcome, best) if only else (trained(outcome, best), judge(outcome, best))
     return Conclusion(verdict, best, own, held, claims, remains, tuple(doubted), _level(outcome, held), unproven, only)
+
+
+def _stands(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
+    """Whether member ``k`` may still be claimed once others have been left out: what they explained is a remainder now."""
+    if not _pays(outcome.study, best, k) or not carries(outcome, best, outcome.study.below(best, k), CARRIES):
+        return False
+    return not a_force_as_well(outcome, best, k) and not doubtful(outcome, best, k, remains)
 
 
 def _told_by_training(outcome: Outcome, best: Fit, k: int) -> bool:
@@ -418,22 +313,14 @@ def _without_doubtful(outcome: Outcome, best: Fit, shaky: list[str], together: l
         weakest = min(left, key=gains.__getitem__)
         dropped.append(weakest)
         best = _left_out(outcome, best, [weakest])
-        left = [key for key in left if key != weakest and not _firm(outcome, best, best.hypothesis.keys.index(key))]
+        left = [key for key in left if key != weakest and not firm(outcome, best, best.hypothesis.keys.index(key))]
     return best, dropped
-
-
-def _examined(outcome: Outcome, fitted: Fit) -> Remains:
-    """The tests of what a fit leaves, at every joint."""
-    system = outcome.problem.system
-    torques = [references(system, joint).torque for joint in system.joint_names]
-    likelihood = outcome.study.likelihood
-    return examine(outcome.predictor, likelihood, fitted, system.joint_names, torques, outcome.period, LEVEL)
 
 
 def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     """What a set of effects leaves, and whether that is more than noise anywhere."""
     held = judge(outcome, best)
-    remains = _examined(outcome, best)
+    remains = examined(outcome, best)
     bent = _stretched(outcome, best)
     if bent is not None:
         # What bends the model so far could as well make what is weaker than that.
@@ -455,77 +342,7 @@ def _level(outcome: Outcome, held: Fit) -> float:
     return float(np.sqrt(held.cost / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0)))
 
 
-def _doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
-    """Whether member ``k`` may only stand in for something that nobody has named."""
-    study = outcome.study
-    smaller = study.below(best, k)
-    if _nowhere(outcome, best, k) or creeps(outcome, best, k):
-        return True
-    if _shakes(best.hypothesis.members[k]) and event_as_well(outcome, best, smaller):
-        return True
-    if not remains.significant:
-        return _imitated(outcome, best, smaller, BETTER)
-    everywhere = float(np.sqrt(best.linear.cost / max(study.samples, 1.0)))
-    excess = max(remains.excess, (everywhere**2 - AT_FLOOR**2) * study.samples)
-    if smaller.score - best.score >= FAKED * excess and not _imitated(outcome, best, smaller):
-        return False
-    return not _firm(outcome, best, k)
-
-
-def _nowhere(outcome: Outcome, best: Fit, k: int) -> bool:
-    """Whether member ``k`` acts from a place on, and which side of the middle that is on is not known: it is then no stop."""
-    parameter = next(iter(best.hypothesis.members[k].effect.parameters), None)
-    if parameter is None or parameter.search != "range" or parameter.lower >= 0.0:
-        return False
-    place = estimates(outcome.predictor, best, k)[parameter.name]
-    return place.low <= 0.0 <= place.high
-
-
-def _a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
-    """Whether what member ``k``, of a sensor or of a drive, explains is also explained by a force that nobody has named.
-
-    The force may act on both sides of the comparison, so that what it explains of a remainder says nothing about the member.
-    """
-    if best.hypothesis.members[k].effect.side == "dynamics":
-        return False
-    study = outcome.study
-    smaller = study.below(best, k)
-
-    def left(fitted: Fit) -> dict[tuple[str, str], float]:
-        there = max(fitted.score - study.samples, 0.0)
-        forces = (t for t in _examined(outcome, fitted).tests if t.places == 0 and not t.exact)
-        return {(t.name, t.where[0]): max(there - t.gain, 0.0) for t in forces}
-
-    without, with_ = left(smaller), left(best)
-    least = NEEDED * (smaller.score - best.score)
-    return any(without[key] < max(FAKED * with_[key], least) for key in without.keys() & with_.keys())
-
-
-def _shakes(member: Candidate) -> bool:
-    """Whether an effect is a force that comes and goes steadily with time, whatever the motion."""
-    return member.effect.side == "dynamics" and {"frequency", "phase"} <= set(member.effect.parameter_names)
-
-
-def _placed(member: Candidate) -> bool:
-    """Whether an effect was chosen among many places: numbers of periods, frequencies, angles."""
-    return scanned(member) or "phase" in member.effect.parameter_names
-
-
-def _firm(outcome: Outcome, best: Fit, k: int) -> bool:
-    """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves.
-
-    Never of a force or error that could be put at many places: one of them always fits some of what something else makes, and
-    recordings of one rig repeat that. Nor of what a sensor or drive does if a force might do it: not even the side is then known.
-    """
-    if _nowhere(outcome, best, k) or _placed(best.hypothesis.members[k]) or _a_force_as_well(outcome, best, k):
-        return False
-    smaller = outcome.study.below(best, k)
-    if _carries(outcome, best, smaller, AMPLY):
-        return True
-    return _carries(outcome, best, smaller, CARRIES) and _steady(outcome, trained(outcome, best), k)
-
-
-def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:
+def _claims(outcome: Outcome, best: Fit, remains: Remains) -> tuple[Claim, ...]:
     study = outcome.study
     probabilities = _probabilities(outcome)
     claims = []
@@ -533,6 +350,7 @@ def _claims(outcome: Outcome, best: Fit) -> tuple[Claim, ...]:
         smaller = study.below(best, k)
         gain = smaller.score - best.score
         others = [m for other in near(outcome, best, k) for m in other.hypothesis.members]
+        others += unparted(outcome, best, k, remains)
         others = [m for m in others if m.key not in best.hypothesis.keys] + _out_of_step(study, best, k)
         rivals = list({m.key: m for m in others}.values())
         claims.append(

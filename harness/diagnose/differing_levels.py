@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from harness.diagnose.conclude import LEVEL, Conclusion
+from harness.diagnose.conclude import Conclusion
+from harness.diagnose.doubt import LEVEL
 from harness.diagnose.fit import Fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.levels import LevelFit, fit_levels, free_run_error, labels

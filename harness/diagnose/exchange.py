@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, islice, product
 
@@ -16,6 +16,7 @@ from harness.diagnose.in_tune import in_tune
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, HOPELESS, NOTICEABLE, Study
 from harness.diagnose.vibration_windows import FEWEST_SAMPLES
+from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
 
@@ -26,12 +27,11 @@ NEARLY = 0.6  # the same for candidates that are dear to fit
 # Sizes of a candidate looked at in a member's place, those it is begun at, and steps in which it finds its own.
 MOST_SIZES, MOST_SIZED, SIZING = 4, 2, 10
 BEGINNINGS = (0.0625, 0.25, 1.0)  # of every window
-SAME_WORK = (
-    10.0  # times what the best set leaves, that a relative of its own size leaves at most where everything else stands
-)
+SAME_WORK = 10.0  # times what the best set leaves on any beginnings, that a relative leaves there at most
 MOST_SECOND = 2  # nearly as good sets whose other members' relatives are tried
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
+BEYOND = 30.0  # times the cost of noise alone; what is left there is phases that have slipped, and tests say nothing
 MOST_TOGETHER, MOST_SLOW = 6, 1  # pairs of exchanges fitted, and those of them that are dear beside a set that is not
 NOTHING = 1e-3  # of an effect's typical size, below which it is absent
 
@@ -113,6 +113,8 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     own = without.score - best.score
     found = []
     kin = [c for c in study.candidates if c.key == member.key or related(member, c)]
+    if without.score > BEYOND * max(study.samples, best.score) and not dear(member):
+        kin = [c for c in kin if c.key == member.key or _rings(member, c)]
     for scored in study.among(without, kin):
         if scored.candidate.key == member.key:
             found.append(study.extend(without, scored))
@@ -217,20 +219,22 @@ def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
         points = product(*(p.start_values(candidate.references) for p in candidate.effect.parameters))
         starts = [np.concatenate([others, to_internal(candidate, np.array(p))]) for p in islice(points, MOST_SIZES)]
         nearest = _grown(study, best, hypothesis, starts)
-        if nearest.score < SAME_WORK * best.score:
+        if nearest is not None:
             found.append(study.fit(hypothesis, [nearest.x], nearest, target=best.score))
     return found
 
 
-def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Array]) -> Fit:
+def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Array]) -> Fit | None:
     """A fit of what differs from the best set by its last member, begun on the beginnings of the windows.
 
     There another period has not yet slipped by a cycle. On the shortest ones the last member finds its size by itself; then all
-    follow, and the beginnings grow to whole windows.
+    follow, and the beginnings grow to whole windows. None if the best set leaves far less on beginnings, or nothing but noise, and
+    the other one clearly more: the rest cannot make up for that.
     """
     objective, states = study.objective(hypothesis), study.states_for(hypothesis, best)
     size = hypothesis.members[-1].size
     alone = np.arange(len(starts[0])) < len(starts[0]) - size
+    only_noise = study.only_noise(best)
     found: Fit | None = None
     for share in BEGINNINGS:
         parts = {
@@ -244,9 +248,19 @@ def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Arr
             found = min(sized, key=lambda f: f.score)
         else:
             found = fit(on, found.x, begun, fixed=study.whole(hypothesis), enough=0.2, most_steps=SIZING)
+            own = _on_parts(study, best, parts)
+            if found.score > SAME_WORK * own or (only_noise and found.converged and found.score > own + NEAR):
+                return None
         states = {w: found.states[part] for w, part in parts.items()}
     assert found is not None
     return replace(found, states=states)
+
+
+def _on_parts(study: Study, fitted: Fit, parts: Mapping[Window, Window]) -> float:
+    """What a fit leaves on parts of its windows, prior included."""
+    states = {part: fitted.states[w] for w, part in parts.items()}
+    ((cost, _),) = study.objective(fitted.hypothesis).on(list(parts.values())).residuals([(fitted.x, states)])
+    return cost + fitted.prior
 
 
 def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) -> list[Fit]:

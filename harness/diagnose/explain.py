@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from harness.diagnose.conclude import LEVEL, Conclusion
+from harness.diagnose.conclude import Conclusion
 from harness.diagnose.creep import WHERE_HELD
+from harness.diagnose.doubt import LEVEL
 from harness.diagnose.remainder import Test
 from harness.diagnose.uncertainty import Estimate
 

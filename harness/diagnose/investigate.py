@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.colour import Colour, estimate_colour
+from harness.diagnose.far_off import begun, far_off
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
@@ -190,10 +191,15 @@ def investigate(
     empty = long_study.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
     progress("free runs of the nominal model")
     seeds = [empty]
+    beginnings = begun(study, effort, progress) if far_off(study, first) else []
+    if beginnings and groups == short:
+        seeds += beginnings
     if groups != short and (empty.score > NONLINEAR * long_study.samples or study.stretched(first)):
         # Far from the truth, free runs have many wrong valleys; short windows have few. They find where to begin. What was
         # bent beyond its tolerance is far from the truth too, however well it fits.
-        ordered = grow(study, [first, *ordinary(study, first)], effort, progress, to_begin_with=True)
+        if not any(map(study.only_noise, beginnings)):
+            beginnings += ordinary(study, first)
+        ordered = grow(study, [first, *beginnings], effort, progress, to_begin_with=True)
         seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
     if min(f.score for f in seeds) > NONLINEAR * long_study.samples:
         seeds += ordinary(long_study, empty)

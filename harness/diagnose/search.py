@@ -30,7 +30,6 @@ AS_WELL = 10.0  # in the criterion
 MOST_CARRIED = 4
 CARRIED_STEPS = 40
 ALIKE = 0.01  # of the noise's variance
-CLEARLY = 3.0  # standard deviations of the cost of noise alone
 STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least
 WORTHY = 0.05  # the same that an effect which is dear to fit must promise
 GENEROUS = 2.0  # times what the linear view promises
@@ -62,7 +61,7 @@ def grow(
     to_begin_with: only to find where another study may begin, so that the first set that leaves nothing but noise is enough.
     """
     growth = Growth(study, effort, progress, {f.hypothesis.identity: f for f in seeds}, to_begin_with)
-    if to_begin_with and any(_only_noise(study, f) for f in seeds):
+    if to_begin_with and any(study.only_noise(f) for f in seeds):
         return growth.ordered()
     frontier, excess = growth.ordered()[: effort.beam], np.inf
     frontier += [f for f in seeds if not f.hypothesis.members and f not in frontier]
@@ -71,7 +70,7 @@ def grow(
         for base in frontier:
             growth.extend(base)
         growth.shrink(growth.changed[found:], before)
-        if to_begin_with and _only_noise(study, growth.ordered()[0]):
+        if to_begin_with and study.only_noise(growth.ordered()[0]):
             break
         growth.exchange()
         growth.prospect()
@@ -80,7 +79,7 @@ def grow(
         last, excess = excess, growth.lowest - study.samples
         if (
             len(ordered[0].hypothesis.members) > 1
-            and not _only_noise(study, ordered[0])
+            and not study.only_noise(ordered[0])
             and excess > (1.0 - STALLED) * last
         ):
             # At this pace no set of few effects gets there; what is still found only soaks up what something else makes.
@@ -130,7 +129,7 @@ class Growth:
         """The best set, or a smaller one that leaves nothing but noise and is nearly as good."""
         best = self.ordered()[0]
         limit = self.study.criterion(best) + AS_WELL
-        alike = [f for f in self.ordered() if _only_noise(self.study, f) and self.study.criterion(f) < limit]
+        alike = [f for f in self.ordered() if self.study.only_noise(f) and self.study.criterion(f) < limit]
         return min([best, *alike], key=lambda f: len(f.hypothesis.members))
 
     def note(self, found: Fit, *, aloud: bool = False) -> None:
@@ -164,7 +163,7 @@ class Growth:
                 continue
             grown = study.extend(base, found)
             self.note(grown, aloud=True)
-            if self.to_begin_with and _only_noise(study, grown):
+            if self.to_begin_with and study.only_noise(grown):
                 break
 
     def _idle(self, base: Fit, best: float) -> bool:
@@ -177,7 +176,7 @@ class Growth:
         if self.lowest < HOPELESS * study.samples and base.score > FAR * self.lowest:
             return True
         # What a smaller set explains as well, needs no further effect beside the larger one.
-        smaller = (f for key, f in self.known.items() if key < base.hypothesis.identity and _only_noise(study, f))
+        smaller = (f for key, f in self.known.items() if key < base.hypothesis.identity and study.only_noise(f))
         if any(study.criterion(f) < study.criterion(base) + AS_WELL for f in smaller):
             return True
         full = base.hypothesis.things >= self.effort.largest and not self._modifiable(base)
@@ -196,7 +195,7 @@ class Growth:
         # What is dear to fit waits until what explains most is there, and its own share of the rest is worth it.
         worth = WORTHY * (base.score - study.samples)
         found = [s for s in found if s.gain > worth or not dear(s.candidate)]
-        if _only_noise(study, base):
+        if study.only_noise(base):
             # Little is left there, so that the linear view can be trusted: what it has no hope of is not fitted.
             own = study.criterion(base)
             found = [s for s in found if own + study.price(s.candidate, members) - GENEROUS * s.gain < best]
@@ -212,23 +211,27 @@ class Growth:
 
     def exchange(self) -> None:
         """Give relatives of the best set's members, and more general laws, their turn."""
-        study, best = self.study, self._plainest()
-        if (
-            _only_noise(study, best)
-            and len(best.hypothesis.members) > 1
-            and best.hypothesis.identity not in self.swapped
-        ):
+        study, best = self.study, self._without_needless()
+        if study.only_noise(best) and len(best.hypothesis.members) > 1 and best.hypothesis.identity not in self.swapped:
             # Nothing more is needed, so before more is added, the members' relatives get their turn.
             self.swapped.add(best.hypothesis.identity)
             for k in range(len(best.hypothesis.members)):
                 for other in relatives(study, best, k, self.effort.most_fits):
                     self.note(other)
-                # They begin with the set without the member, and one that is not needed needs no relative either.
-                self.note(study.fits[best.hypothesis.without(k).identity])
             best = self._plainest()
-        if not _only_noise(study, best):
+        if not study.only_noise(best):
             for wider in generalized(study, best):
                 self.note(wider, aloud=True)
+
+    def _without_needless(self) -> Fit:
+        """The plainest set, with nothing in it that the recordings do not ask for: what is not needed needs no relative either."""
+        study, best, seen = self.study, self._plainest(), set[frozenset[str]]()
+        while study.only_noise(best) and len(best.hypothesis.members) > 1 and best.hypothesis.identity not in seen:
+            seen.add(best.hypothesis.identity)
+            for k in range(len(best.hypothesis.members)):
+                self.note(study.reduce(best, k))
+            best = self._plainest()
+        return best
 
     def prospect(self) -> None:
         """Fit what single effects behind the best set promise together with one more.
@@ -237,9 +240,11 @@ class Growth:
         """
         study, best = self.study, self.best
         plainest = self._plainest()
-        if _only_noise(study, plainest) and len(plainest.hypothesis.members) < 2:
+        if study.only_noise(plainest) and len(plainest.hypothesis.members) < 2:
             return
         singles = [f for f in self.ordered() if len(f.hypothesis.members) == 1 and not dear(f.hypothesis.members[0])]
+        if study.only_noise(plainest):
+            singles = [f for f in singles if f.score < FAR * self.lowest]
         offers = [
             (study.criterion(base) - found.gain + study.price(found.candidate, 1), base, found)
             for base in singles[:PROSPECTS]
@@ -259,11 +264,6 @@ class Growth:
         self.straightened.add(identity)
         for found in straightened(self.study, best, STRAIGHTENERS):
             self.note(found, aloud=True)
-
-
-def _only_noise(study: Study, fitted: Fit) -> bool:
-    """Whether a fit leaves no more than noise alone would at times."""
-    return fitted.score <= study.samples + CLEARLY * float(np.sqrt(2.0 * study.samples))
 
 
 def exhausted(study: Study, fitted: Fit) -> bool:

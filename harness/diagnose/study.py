@@ -33,6 +33,7 @@ STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a 
 BEGUN = 2.0  # in the criterion, for how a vibration began (Akaike): it shows in few samples of its own window
 SUFFICIENT = 0.8  # of what is left above the noise
 ALIKE = 0.1  # relative difference of scores under two estimates of the noise, up to which score tests serve for both
+CLEARLY = 3.0  # standard deviations of the cost of noise alone
 PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
 NOTICEABLE = 6.0  # in the score
 UNDER_WAY = 200.0  # in the score
@@ -273,6 +274,10 @@ class Study:
     def loudness(self, fitted: Fit) -> float:
         """Variance of what a fit leaves, in units of the noise's; one at least."""
         return max(fitted.cost / self.samples, 1.0)
+
+    def only_noise(self, fitted: Fit) -> bool:
+        """Whether a fit leaves no more than noise alone would at times."""
+        return fitted.score <= self.samples + CLEARLY * float(np.sqrt(2.0 * self.samples))
 
     def known(self, hypothesis: Hypothesis) -> Fit | None:
         """The fit of a hypothesis if there is one; one under an earlier estimate of the noise is fitted again from its end."""
