@@ -48,13 +48,13 @@ def as_likely(study: Study, best: Fit, k: int) -> list[Array]:
     return [study.predictor.effect_values(best.hypothesis, k, x) for score, x in ends if score < limit]
 
 
-def reached(study: Study, fitted: Fit, index: int, width: float) -> float:
+def reached(study: Study, fitted: Fit, index: int, width: float, valleys: float = VALLEYS) -> float:
     """How far from where it stands a parameter may lie, everything else fitted again; ``width`` at least, in the fit's coordinates.
 
     Of what vibrates a fit knows one of many narrow valleys, and its curvature says nothing of the next. A place counts if a fit
     there is as likely as the truth would be beside the best of so many valleys.
     """
-    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted) + VALLEYS
+    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted) + valleys
     objective = study.objective(fitted.hypothesis).on(fitted.windows)
     lower, upper = objective.bounds()
     held = study.whole(fitted.hypothesis)
@@ -86,7 +86,8 @@ def _moved(fitted: Fit, index: int, value: float) -> Array:
 
 
 def profiled(study: Study, fitted: Fit, k: int, read: Mapping[str, Estimate]) -> dict[str, Estimate]:
-    """Estimates of member ``k``'s parameters, with other whole numbers tried, and other valleys of what vibrates.
+    """Estimates of member ``k``'s parameters, with other whole numbers tried, other valleys of what vibrates, and what lies at an
+    end of where it was searched followed inwards.
 
     read: the estimates that the curvature gives.
     """
@@ -106,6 +107,15 @@ def profiled(study: Study, fitted: Fit, k: int, read: Mapping[str, Estimate]) ->
             high = min(own.value * float(np.exp(up)), parameter.upper)
             std = max(own.std, own.value * (up - down) / (2.0 * WIDE))
             out[parameter.name] = replace(own, std=std, low=low, high=high)
+        elif log[j] and own.std is None and not member.effect.adds_coordinates and 0.0 < own.low < own.high:
+            # At an end of where it was searched, a parameter may do so little that its slope is that of the solver's steps.
+            widths = float(np.log(own.low / own.value)), float(np.log(own.high / own.value))
+            down, up = (reached(study, fitted, first + j, width, 0.0) if width else 0.0 for width in widths)
+            out[parameter.name] = replace(
+                own,
+                low=max(own.value * float(np.exp(down)), parameter.lower),
+                high=min(own.value * float(np.exp(up)), parameter.upper),
+            )
     return out
 
 
