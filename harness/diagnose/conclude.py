@@ -257,19 +257,21 @@ def conclude(outcome: Outcome) -> Conclusion:
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if doubtful(outcome, best, k, remains)]
     together = imitated_together(outcome, best, remains)
-    special = special_case(outcome, best, remains)
-    while shaky or together or special is not None:
+    while True:
         if shaky or together:
             best, fresh = _without_doubtful(outcome, best, shaky, together)
             doubted += fresh
             # What made a law more general may have been left out with the doubtful.
             best = min([best, *specialized(study, best)], key=study.criterion)
-        elif special is not None:
+        else:
+            special = special_case(outcome, best, remains)
+            if special is None:
+                break
             best = special
         # What has leant on the doubtful must stand without it, beside all that is left then.
         remains, incomplete = _remains(outcome, best)
         shaky = [key for k, key in enumerate(best.hypothesis.keys) if not _stands(outcome, best, k, remains)]
-        together, special = [], special_case(outcome, best, remains)
+        together = []
     incomplete = incomplete or bool(doubted)
     claims = _claims(outcome, best, remains)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.diagnose.creep import creeps
 from harness.diagnose.event import event_as_well
-from harness.diagnose.exchange import related, relatives, specialized
+from harness.diagnose.exchange import known_in_place_of, related, relatives, specialized
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, judge, judge_straight, trained
@@ -33,12 +33,12 @@ AMPLY = 1.8  # times that it grows without an effect that is claimed whatever th
 MOST_UNPARTED = 4  # relatives fitted for what beside a remainder might as well be the law
 BETTER = 12.0  # in the criterion, by which an unnamed force must do better than an effect that explains all
 STEADY, STEADY_FREQUENCY = 0.4, 0.03  # relative differences between separate recordings
+STEADY_PHASE = 0.6  # rad
 UNSURE = 3.0  # standard deviations that separate estimates may always be apart
 LEVEL = (
     1e-5  # chance at which a test of the remainder counts; all recordings are tested at once, a dozen questions each
 )
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
-STEADY_PHASE = 0.6  # rad
 
 
 def examined(outcome: Outcome, fitted: Fit) -> Remains:
@@ -243,10 +243,9 @@ def unparted(outcome: Outcome, best: Fit, k: int, remains: Remains) -> list[Cand
     study, member = outcome.study, best.hypothesis.members[k]
     relatives(study, best, k, len(study.fits) + MOST_UNPARTED)
     limit = best.score + FAKED * _excess(study, best, remains)
-    kept, found = best.hypothesis.identity - {member.key}, []
-    known = (f for key, f in study.fits.items() if kept < key and member.key not in key and len(key) == len(kept) + 1)
-    for other in sorted(known, key=lambda f: f.score)[: 2 * MOST_UNPARTED]:
-        (new,) = (m for m in other.hypothesis.members if m.key not in kept)
-        if related(member, new) and other.score < limit and not carries(outcome, best, other, AMPLY):
-            found.append(new)
-    return found
+    likeliest = sorted(known_in_place_of(study, best, k), key=lambda pair: pair[1].score)[: 2 * MOST_UNPARTED]
+    return [
+        new
+        for new, other in likeliest
+        if related(member, new) and other.score < limit and not carries(outcome, best, other, AMPLY)
+    ]

@@ -291,6 +291,16 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
     return sorted(found, key=study.criterion)
 
 
+def known_in_place_of(study: Study, best: Fit, k: int) -> list[tuple[Candidate, Fit]]:
+    """All known fits that differ from a set by another candidate in the place of member ``k``, with that candidate."""
+    member, kept = best.hypothesis.members[k], best.hypothesis.without(k).identity
+    return [
+        (next(m for m in other.hypothesis.members if m.key not in kept), other)
+        for key, other in study.fits.items()
+        if kept < key and member.key not in key and len(key) == len(kept) + 1
+    ]
+
+
 @dataclass(frozen=True, eq=False)
 class Swap:
     """A fit that differs from the best one by ``candidate`` in the place of member ``k``, and by how much it is worse."""
@@ -303,13 +313,12 @@ class Swap:
 
 def _swaps(study: Study, best: Fit) -> list[Swap]:
     """All known fits that differ from the best one by one member, likeliest first."""
-    base, found = best.hypothesis, []
-    for k, member in enumerate(base.members):
-        kept = base.identity - {member.key}
-        for key, other in study.fits.items():
-            if kept < key and member.key not in key and len(key) == len(base.members):
-                (new,) = (m for m in other.hypothesis.members if m.key not in kept)
-                found.append(Swap(study.criterion(other) - study.criterion(best), k, new, other))
+    own = study.criterion(best)
+    found = [
+        Swap(study.criterion(other) - own, k, new, other)
+        for k in range(len(best.hypothesis.members))
+        for new, other in known_in_place_of(study, best, k)
+    ]
     return sorted(found, key=lambda s: s.worse)
 
 

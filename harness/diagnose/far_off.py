@@ -7,8 +7,7 @@ linear.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from itertools import pairwise
+from collections.abc import Callable
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.search import Effort, grow, transfer
 from harness.diagnose.study import Study
 from harness.diagnose.vibration_windows import FEWEST_SAMPLES
-from harness.diagnose.windows import Window
+from harness.diagnose.windows import equal_parts
 
 EXPLAINS_NOTHING = 0.5  # share of how much a window's readings vary, that the nominal model leaves on average
 PARTS = 16  # of a short window, as far as samples allow
@@ -49,17 +48,14 @@ def far_off(study: Study, fitted: Fit) -> bool:
 
 def begun(study: Study, effort: Effort, progress: Callable[[str], None]) -> list[Fit]:
     """Fits on a study's windows of the sets that very short windows ask for, best first."""
-    cuts = tuple(piece for window in study.windows for piece in _pieces(window))
+    cuts = tuple(
+        piece
+        for window in study.windows
+        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_SAMPLES, 1, PARTS)))
+    )
     fine = Study(study.problem, study.predictor, study.likelihood, study.candidates, cuts, swing=study.swing)
     empty = fine.fit(Hypothesis(), [np.zeros(len(study.predictor.nominal))], None)
     progress("very short windows")
     ordered = grow(fine, [empty], effort, progress, to_begin_with=True)
     found = transfer(study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
     return sorted(found, key=study.criterion)
-
-
-def _pieces(window: Window) -> Sequence[Window]:
-    """Parts of a window, as short as may be."""
-    parts = int(np.clip(window.size // FEWEST_SAMPLES, 1, PARTS))
-    edges = window.first + (window.size * np.arange(parts + 1)) // parts
-    return [Window(window.run, int(a), int(b)) for a, b in pairwise(edges)]

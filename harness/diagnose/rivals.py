@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import emptied, generalized, pruned, reduced, related, relatives
+from harness.diagnose.exchange import emptied, generalized, known_in_place_of, pruned, reduced, related, relatives
 from harness.diagnose.falling import fit_falling
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import compatible, dear
@@ -37,11 +37,10 @@ LIKELY = 6.0  # the same for odds of twenty, beyond which a set has no say in an
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Fits with member ``k`` replaced: by candidates whose score test promises a similar gain, by its relatives, and all known."""
-    study, member = outcome.study, best.hypothesis.members[k]
+    study = outcome.study
     if len(best.hypothesis.members) <= FEW or not exhausted(study, best):
         _fit_in_place_of(study, best, k)
-    kept = best.hypothesis.identity - {member.key}
-    known = [f for key, f in study.fits.items() if kept <= key and member.key not in key and len(key) == len(kept) + 1]
+    known = [f for _, f in known_in_place_of(study, best, k)]
     # What is still under way along a narrow valley may come as near as any.
     return [f for f in finished(study, [best, *known]) if f.hypothesis.identity != best.hypothesis.identity]
 

@@ -206,6 +206,10 @@ class Growth:
         fitted = min(fresh, key=self.study.criterion, default=None)
         if fitted is None or len(fitted.hypothesis.members) < 2 or self.study.criterion(fitted) > best:
             return
+        self._note_smaller(fitted)
+
+    def _note_smaller(self, fitted: Fit) -> None:
+        """Note the fits of a set without each of its members."""
         for k in range(len(fitted.hypothesis.members)):
             self.note(self.study.reduce(fitted, k))
 
@@ -228,8 +232,7 @@ class Growth:
         study, best, seen = self.study, self._plainest(), set[frozenset[str]]()
         while study.only_noise(best) and len(best.hypothesis.members) > 1 and best.hypothesis.identity not in seen:
             seen.add(best.hypothesis.identity)
-            for k in range(len(best.hypothesis.members)):
-                self.note(study.reduce(best, k))
+            self._note_smaller(best)
             best = self._plainest()
         return best
 

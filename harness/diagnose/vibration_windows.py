@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from harness.denoc import Denoc
 from harness.diagnose.problem import Problem
-from harness.diagnose.windows import Window
+from harness.diagnose.windows import Window, equal_parts
 
 SLIP = 0.125  # of a cycle; a fit finds its way back from a quarter
 SAMPLES_A_CYCLE = 4.0  # of a vibration that recordings show
@@ -48,9 +47,8 @@ def _duration(problem: Problem, window: Window) -> float:
     return float(time[window.last - 1] - time[window.first])
 
 
-def _split(window: Window, parts: int) -> list[Window]:
+def _split(window: Window, parts: int) -> tuple[Window, ...]:
     """Equal parts of a window, fewer where they would hold too few samples."""
     while parts > 1 and window.size < parts * FEWEST_SAMPLES:
         parts //= GROWTH
-    edges = window.first + (window.size * np.arange(parts + 1)) // parts
-    return [Window(window.run, int(a), int(b)) for a, b in pairwise(edges)]
+    return equal_parts(window, parts)

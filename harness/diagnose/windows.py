@@ -48,6 +48,12 @@ def cut(runs: Sequence[Run], which: Sequence[int], length: float) -> tuple[Windo
     return tuple(windows)
 
 
+def equal_parts(window: Window, count: int) -> tuple[Window, ...]:
+    """A window cut into ``count`` parts of nearly the same size."""
+    edges = window.first + (window.size * np.arange(count + 1)) // count
+    return tuple(Window(window.run, int(a), int(b)) for a, b in pairwise(edges))
+
+
 def merge(windows: Sequence[Window], groups: Sequence[Sequence[int]]) -> tuple[Window, ...]:
     """Windows joined by groups of consecutive indices."""
     return tuple(Window(windows[g[0]].run, windows[g[0]].first, windows[g[-1]].last) for g in groups)
