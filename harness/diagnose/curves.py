@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter, welch
 
 from harness.denoc.model import Denoc
+from harness.diagnose.drive import Drive
 from harness.diagnose.fit import Fit
 from harness.diagnose.investigate import Outcome, judge
 from harness.diagnose.locate import raw_residuals
@@ -159,7 +160,8 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
         q, qd, qdd = (savgol_filter(values, width, 3, deriv=d, delta=step, axis=0) for d in (0, 1, 2))
         torque = np.array([model.inverse_dynamics(*row) for row in zip(q, qd, qdd, strict=True)])
         if run.effort is not None:
-            torque -= np.stack([np.interp(grid, run.time, e) for e in run.effort.T], axis=1)
+            drive = Drive(run, run.effort.T, held=problem.held)
+            torque -= np.stack([drive.at(grid - run.time[0], j) for j in range(run.effort.shape[1])], axis=1)
         inner = slice(width, len(grid) - width, max(1, len(grid) * len(problem.train) // MOST_POINTS))
         rows.append((q[inner], qd[inner], torque[inner]))
     if not rows:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.diagnose import effort_hold
 from harness.diagnose.answer import answer
 from harness.diagnose.candidates import candidates
 from harness.diagnose.conclude import conclude
@@ -85,7 +86,7 @@ def diagnose(
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = differing_levels(outcome, conclusion, train, judged)
     tell("telling")
-    return answer(outcome, conclusion, every, levels)
+    return answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
 
 
 def _read(

@@ -36,8 +36,15 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
         return None
     best: Proposal | None = None
     for first, second, names in pairs:
+        sensitive: dict[str, float] = {}
         for trial in _considered(study, first, second):
+            # What is let go from farther away moves more wildly still.
+            if trial.far and trial.far >= sensitive.get(trial.site, np.inf):
+                continue
             size = separation(study, first, second, trial, 0.0 if best is None else best.separation, PLAINLY)
+            if np.isnan(size):
+                sensitive[trial.site] = min(sensitive.get(trial.site, np.inf), trial.far or np.inf)
+                size = 0.0
             if best is None or size > best.separation:
                 best = Proposal(trial.what, names, size)
             if size > PLAINLY:

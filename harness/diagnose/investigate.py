@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.colour import Colour, estimate_colour
+from harness.diagnose.effort_hold import better_the_other_way, either_way
 from harness.diagnose.far_off import begun, far_off
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
@@ -121,8 +122,9 @@ def _transition(predictor: Predictor, fitted: Fit, window: Window, model: LaneMo
         tau = np.repeat(tau, n + 1, axis=0)
     row = predictor.row(fitted.hypothesis, fitted.x)
     q, qd, _ = model.simulate(
-        np.tile(row, (n + 1, 1)), states[:, :half], states[:, half:], grid.own, tau=tau, tolerance=predictor.tolerance
-    )
+        np.tile(row, (n + 1, 1)), states[:, :half], states[:, half:], grid.own,
+        tau=tau, hold=predictor.hold, tolerance=predictor.tolerance,
+    )  # fmt: skip
     end = np.concatenate([q[:, -1], qd[:, -1]], axis=1)
     change = ((end[1:] - end[0]) / step).T
     rate = np.concatenate([np.ones(half), np.full(half, 2.0 * np.pi / max(float(grid.own[-1]) / SWINGS, 1e-9))])
@@ -179,7 +181,8 @@ def investigate(
         likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
         study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states, swing=period)
         study.fit(Hypothesis(), [first.x], first)
-        first = study.empty()
+        study, first = either_way(study, study.empty())
+        problem, predictor, likelihood = study.problem, study.predictor, study.likelihood
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
     groups = horizon_groups(study, first)
@@ -204,7 +207,20 @@ def investigate(
     if min(f.score for f in seeds) > NONLINEAR * long_study.samples:
         seeds += ordinary(long_study, empty)
         progress("friction and drag together")
+    held_study, likeliest = either_way(long_study, min(seeds, key=long_study.criterion))
+    if held_study is not long_study:
+        near = [f for f in seeds if f.score < FAR * likeliest.score]
+        long_study, seeds = held_study, [held_study.fit(f.hypothesis, [f.x], f) for f in near]
+        progress("efforts held between samples")
     ordered = grow(long_study, seeds, effort, progress)
+    turned = better_the_other_way(long_study, ordered, 2 * effort.beam)
+    if turned is not None:
+        long_study, ordered = turned
+        ordered = grow(long_study, ordered, effort, progress)
+        progress("efforts taken otherwise")
+    if long_study.problem is not problem:
+        problem, predictor, likelihood = long_study.problem, long_study.predictor, long_study.likelihood
+        empty = long_study.fit(Hypothesis(), [empty.x], empty)
     # The noise once more, now behind the best model; a last round under it if it has changed.
     refined = replace(likelihood, colours=colours_from(problem, likelihood, ordered[0], predictor, motion_hz))
     final = long_study

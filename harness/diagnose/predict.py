@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.coordinates import CLOCK_MARGIN
+from harness.diagnose.drive import Drive, kept
 from harness.diagnose.grid import Grid, hermite, make_grid, window_stamps
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.mechanisms import Mechanism, Mechanisms
@@ -73,9 +75,20 @@ class Predictor(Mechanisms):
         self.lanes_run = 0
         self._stiff: StiffRuns | None = None
 
+    @property
+    def hold(self) -> str:
+        """How forces on the grid act between its points; see ``LaneModel.simulate``."""
+        return "zero" if self.problem.held else "linear"
+
     def shorten(self, noise: Array) -> None:
         """From now on run elastic mechanisms in longer steps where the difference cannot be seen behind noise (C,) [std]."""
         self._stiff = StiffRuns(self.problem.channels, noise)
+
+    def taking(self, problem: Problem) -> Predictor:
+        """The same for a problem that takes the efforts of the same runs otherwise; what is kept is shared."""
+        other = copy(self)
+        other.problem, other.runs = problem, problem.runs
+        return other
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
         """Whether runs of the hypothesis may be in such steps: those of what has coordinates besides its joints."""
@@ -172,7 +185,8 @@ class Predictor(Mechanisms):
             states.append(np.array([state for _, _, state in lanes]))
             tau = None if free else self.efforts(request.hypothesis, request.x, mechanism, lanes, grid_time)
             if request.extra is not None:
-                tau = request.extra[own] if tau is None else tau + request.extra[own]
+                extra = kept(request.extra[own]) if self.problem.held else request.extra[own]
+                tau = extra if tau is None else tau + extra
             if tau is not None:
                 efforts.append(tau)
         every_row, every_state = np.concatenate(rows), np.concatenate(states)
@@ -230,9 +244,9 @@ class Predictor(Mechanisms):
         model, n = mechanism.model, len(mechanism.names)
         tolerance = max(self.tolerance, tolerance)
         if self._stiff is not None and n > len(self.system.movable_joints):
-            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.threads)
+            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.hold, self.threads)
         q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
-        return model.simulate(rows, q, qd, time, tau=tau, tolerance=tolerance, threads=self.threads)
+        return model.simulate(rows, q, qd, time, tau=tau, hold=self.hold, tolerance=tolerance, threads=self.threads)
 
     def _sampling(self, hypothesis: Hypothesis, window: Window, margin: float) -> object:
         """What lanes must have in common to be read by the sensors together: the window itself where sensors know the time."""
@@ -271,7 +285,7 @@ class Predictor(Mechanisms):
                 pace *= self.effect_values(hypothesis, k, x[[lane for lane, _, _ in lanes]])[:, 0]
         for j, joint in enumerate(joints):
             column = mechanism.names.index(joint)
-            acting = [(k, m) for k, m in inputs if m.site == joint or m.site.split(".")[0] == joint]
+            modified = [(k, m) for k, m in inputs if m.site == joint or m.site.split(".")[0] == joint]
             by_run: dict[int, list[int]] = {}
             for lane, (_, window, _) in enumerate(lanes):
                 by_run.setdefault(window.run, []).append(lane)
@@ -286,17 +300,17 @@ class Predictor(Mechanisms):
                     assert effect.input is not None
                     fixed = effect.values(attachment.parameters)[None, :]
                     signal = effect.input.apply(np.ascontiguousarray(signal), stamps, fixed)
-                if acting:
+                if modified:
                     signal = np.broadcast_to(signal, (len(places), len(stamps)))
-                for k, member in acting:
+                for k, member in modified:
                     params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
                     assert member.effect.input is not None
                     signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
-                signal = _between_samples(stamps, signal)
+                drive = Drive(run, signal, held=self.problem.held)
                 for row, i in enumerate(places):
                     start = stamps[lanes[i][1].first]
                     when = start + pace[i] * grid_time
-                    tau[i, :, column] = np.interp(when, stamps, signal[row if acting else 0])
+                    tau[i, :, column] = drive.at(when, row if modified else 0)
         return tau
 
     def _observe(
@@ -451,17 +465,3 @@ def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int],
             first.append(k)
         again.append(seen[key])
     return first, again
-
-
-def _between_samples(time: Array, signal: Array) -> Array:
-    """Samples (B, T) whose straight connection acts on a mechanism as the smooth signal through the given ones does.
-
-    Straight lines between samples h apart lose the share (ω h)²/12 of a wave; a mechanism does not follow what they add far above.
-    """
-    if len(time) < 3:
-        return signal
-    before, after = np.diff(time)[:-1], np.diff(time)[1:]
-    slopes = np.diff(signal, axis=-1) / np.diff(time)
-    out = signal.astype(np.float64, copy=True)
-    out[..., 1:-1] -= np.diff(slopes, axis=-1) * 2.0 / (before + after) * before * after / 12.0
-    return out

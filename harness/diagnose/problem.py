@@ -72,7 +72,10 @@ class Run:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """System, channels, and runs; parameters are fitted on ``train`` and judged on ``heldout``."""
+    """System, channels, and runs; parameters are fitted on ``train`` and judged on ``heldout``.
+
+    held: recorded efforts act from their sample to the next one, as a controller's commands do; else smoothly through all samples.
+    """
 
     system: System
     channels: tuple[ChannelInfo, ...]
@@ -80,6 +83,7 @@ class Problem:
     heldout: tuple[Run, ...]
     same_recording: bool = False
     steps: tuple[float, ...] = ()
+    held: bool = False
 
     @property
     def runs(self) -> tuple[Run, ...]:

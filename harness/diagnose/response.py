@@ -114,13 +114,13 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     acting = np.zeros((points * copies, 2, n))
     if tau is not None:
         acting[:, 0] = np.repeat(tau[0, :-1], copies, axis=0)
-        acting[:, 1] = np.repeat(tau[0, 1:], copies, axis=0)
+        acting[:, 1] = np.repeat(tau[0, :-1] if predictor.problem.held else tau[0, 1:], copies, axis=0)
     push = FORCE_STEP * torque
     for j in range(n):
         acting[1 + 2 * n + j :: copies, :, j] += push
     eq, eqd, _ = model.simulate(
         rows, np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:]), np.array([0.0, grid.step]), tau=acting,
-        tolerance=predictor.tolerance, threads=predictor.threads,
+        hold=predictor.hold, tolerance=predictor.tolerance, threads=predictor.threads,
     )  # fmt: skip
     end = np.concatenate([eq[:, 1], eqd[:, 1]], axis=1).reshape(points, copies, 2 * n)
     change = end[:, 1:] - end[:, :1]

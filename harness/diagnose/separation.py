@@ -29,6 +29,7 @@ ACCELEROMETER = 0.05  # m/s², noise of a common micromechanical one
 STEP = 1e-5  # rad, rad/s
 FIRST = 1.5  # swings over which a rival is brought near to begin with; then twice as many, and so on
 PATIENCE = 25  # steps over each such time
+SOONER = 8  # the same where something vibrates, whose runs are dear: what slips by a cycle is not led back by more
 SHORTCUT = 3  # steps over all of it at once, which will do for what is alike and not far off
 NOTHING = 1.0  # standard deviations that part nothing
 ENOUGH = 1e-3  # of the cost, below which a step's gain is not worth the next one
@@ -56,7 +57,7 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
     """Distance between two hypotheses' predictions in standard deviations of the noise, what is open of the second one left free.
 
     least, most: distances below and beyond which the exact one does not matter; beyond, it is what the beginning of the experiment
-    parts them by. Zero where nothing can be said: a run that leaves the numbers, or a motion so sensitive that not even the second
+    parts them by. nan where nothing can be said: a run that leaves the numbers, or a motion so sensitive that not even the second
     hypothesis finds back to itself.
     """
     imagined = _imagined(study, trial)
@@ -68,15 +69,17 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
         distance, _, _ = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT)
         if distance <= max(least, NOTHING):
             return distance
-        distance, state, needed = _brought_near(imagined, rival, told, begun, lengths, most=most)
+        elastic = len(begun) > 2 * len(imagined.predictor.system.joint_names)
+        patience = SOONER if elastic else PATIENCE
+        distance, state, needed = _brought_near(imagined, rival, told, begun, lengths, patience, most)
         if distance <= max(least, NOTHING):
             return distance
         own = imagined.curves(second, second.x[None], [begun], imagined.count)[0]
         moved = begun + np.where(np.abs(state - begun) > AWAY, state - begun, AWAY)
-        back, _, _ = _brought_near(imagined, rival, own, moved, lengths[:needed])
-        return distance if back < BACK * distance < np.inf else 0.0
+        back, _, _ = _brought_near(imagined, rival, own, moved, lengths[:needed], patience)
+        return distance if back < BACK * distance < np.inf else np.nan
     except InputError:
-        return 0.0
+        return np.nan
 
 
 def _imagined(study: Study, trial: Trial) -> _Imagined:
@@ -152,7 +155,7 @@ def _open(study: Study, fitted: Fit, states: int) -> _Open:
 
 
 def _brought_near(
-    imagined: _Imagined, rival: _Open, told: Array, begun: Array, lengths: Sequence[int], patience: int = PATIENCE,
+    imagined: _Imagined, rival: _Open, told: Array, begun: Array, lengths: Sequence[int], patience: int,
     most: float = np.inf,
 ) -> tuple[float, Array, int]:  # fmt: skip
     """The least distance of a hypothesis from a prediction (C·T,), the initial state (n,) where it is reached, and how many of the

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.lanes import LaneModel
 from harness.denoc.lanes_exponential import linearization, march, smooth
+from harness.diagnose.drive import joined
 from harness.diagnose.problem import ChannelInfo
 from harness.recording.sensors import observe
 
@@ -44,7 +45,7 @@ class StiffRuns:
 
     def run(
         self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
-        tolerance: float, threads: int,
+        tolerance: float, hold: str, threads: int,
     ) -> Motion:  # fmt: skip
         """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
 
@@ -59,7 +60,7 @@ class StiffRuns:
 
         def run(steps: int, some: NDArray[np.intp]) -> Motion:
             which = left[some]
-            forces = None if tau is None else tau[which]
+            forces = None if tau is None else joined(tau[which]) if hold == "zero" else tau[which]
             return march(model, rows[which], states[which], time, steps, linear[some], tau=forces, threads=threads)[:3]
 
         coarse: Motion | None = None
@@ -82,7 +83,9 @@ class StiffRuns:
         if slow.any():
             q, qd = np.split(states[slow], 2, axis=1)
             forces = None if tau is None else tau[slow]
-            resolved = model.simulate(rows[slow], q, qd, time, tau=forces, tolerance=tolerance, threads=threads)
+            resolved = model.simulate(
+                rows[slow], q, qd, time, tau=forces, hold=hold, tolerance=tolerance, threads=threads
+            )
             for array, part in zip(out, resolved, strict=True):
                 array[slow] = part
         return out[0], out[1], out[2]

@@ -39,13 +39,18 @@ DIRECTLY = {
 @dataclass(frozen=True, eq=False)
 class Trial:
     """An experiment in words, and as the joints' initial positions and velocities (2n,), known forces (T, n) every ``FINEST``
-    seconds or none, duration [s], and the link whose tip gets an accelerometer, if any."""
+    seconds or none, duration [s], and the link whose tip gets an accelerometer, if any.
+
+    site: the joint that is moved. far: from where it is let go [rad or m], or how fast it is pushed [rad/s or m/s]; 0 if driven.
+    """
 
     what: str
     state: Array
     effort: Array | None
     duration: float
     link: str = ""
+    site: str = ""
+    far: float = 0.0
 
 
 def trials(system: System, site: str, duration: float, period: float, extent: float, speed: float) -> list[Trial]:
@@ -73,12 +78,12 @@ def _let_go(system: System, joint: Joint, duration: float, extent: float, speed:
     for position in _within(joint, [s * extent for s in SHARES] if joint.prismatic else ANGLES):
         if _falls(model, joint, position):
             what = f"release{_of(system, joint)} from {position:.2g} {joint.position_unit}"
-            found.append((what, _state(system, joint, position, 0.0)))
+            found.append((what, position, _state(system, joint, position, 0.0)))
     if not found:
         for velocity in np.multiply(SHARES, speed):
             what = f"push{_of(system, joint)} by hand to about {velocity:.2g} {joint.position_unit}/s, let go"
-            found.append((what, _state(system, joint, 0.0, velocity)))
-    return _recorded(found, duration)
+            found.append((what, velocity, _state(system, joint, 0.0, velocity)))
+    return _recorded(found, joint.name, duration)
 
 
 def _falls(model: Denoc, joint: Joint, position: float) -> bool:
@@ -90,12 +95,16 @@ def _falls(model: Denoc, joint: Joint, position: float) -> bool:
     return bool(abs(acceleration) > STILL * sizes.torque / sizes.inertia)
 
 
-def _recorded(begun: Sequence[tuple[str, Array]], duration: float) -> list[Trial]:
+def _recorded(begun: Sequence[tuple[str, float, Array]], site: str, duration: float) -> list[Trial]:
     """Each for as long as the recordings at hand, and every other one for longer."""
-    found = [Trial(f"{what} and record for {duration:.0f} s", state, None, duration) for what, state in begun]
-    for what, state in begun[1::2]:
+    longer = LONGER * duration
+    found = [
+        Trial(f"{what} and record for {duration:.0f} s", state, None, duration, site=site, far=far)
+        for what, far, state in begun
+    ]
+    for what, far, state in begun[1::2]:
         found.append(
-            Trial(f"{what} and record for {LONGER * duration:.0f} s, or until rest", state, None, LONGER * duration)
+            Trial(f"{what} and record for {longer:.0f} s, or until rest", state, None, longer, site=site, far=far)
         )
     return found
 
@@ -109,7 +118,7 @@ def _driven(system: System, joint: Joint, duration: float, period: float) -> lis
         effort = np.zeros((len(time), len(system.joint_names)))
         effort[:, system.joint_names.index(joint.name)] = force * np.sin(2.0 * np.pi * frequency * time)
         what = f"drive {joint.name} with a known {kind} of {force:.2g} {unit} at {frequency:.2g} Hz"
-        found.append(Trial(what, _state(system, joint, 0.0, 0.0), effort, duration))
+        found.append(Trial(what, _state(system, joint, 0.0, 0.0), effort, duration, site=joint.name))
     return found
 
 
@@ -120,7 +129,7 @@ def _with_accelerometer(system: System, joint: Joint, duration: float, extent: f
         f"mount an accelerometer at the tip of {last}, release{_of(system, joint)} from {position:.2g} {joint.position_unit}, "
         f"record {duration:.0f} s"
     )
-    return Trial(what, _state(system, joint, position, 0.0), None, duration, last)
+    return Trial(what, _state(system, joint, position, 0.0), None, duration, last, joint.name, position)
 
 
 def _of(system: System, joint: Joint) -> str:

@@ -48,7 +48,7 @@ class QualityNote:
     kind: ``uneven_sampling``, ``gap``, ``unordered_time``, ``repeated_time``, ``rounded_time``, ``missing``, ``outlier``,
         ``wrapped_angle``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``cut_off``,
         ``timing_jitter``, ``stale``, ``carried_start``, ``held_start``, ``carried_end``, ``outside_push``,
-        ``rezeroed``, ``other_zero``.
+        ``rezeroed``, ``other_zero``, ``held_effort``.
     channel: its name, or ``time``. where: windows [s] from the first sample; empty if everywhere.
     count: samples concerned. done: what was done about it. size: a number that goes with it (step, limit, …), SI or nan.
     """
