@@ -49,10 +49,10 @@ class Drive:
         return np.asarray(np.diff(np.interp(edges, self._times, self._values[row])) / step)
 
 
-def joined(kept: Array) -> Array:
-    """Efforts (B, G, n) to be joined by straight lines that act as ones that are kept from each point to the next."""
-    out = kept.copy()
-    out[:, 1:] = 0.5 * (kept[:, 1:] + kept[:, :-1])
+def joined(steps: Array) -> Array:
+    """Forces (B, G, n) to be joined by straight lines that act as ones that are kept from each point to the next."""
+    out = steps.copy()
+    out[:, 1:] = 0.5 * (steps[:, 1:] + steps[:, :-1])
     return out
 
 

@@ -43,8 +43,9 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
                 continue
             size = separation(study, first, second, trial, 0.0 if best is None else best.separation, PLAINLY)
             if np.isnan(size):
-                sensitive[trial.site] = min(sensitive.get(trial.site, np.inf), trial.far or np.inf)
                 size = 0.0
+                if trial.far:
+                    sensitive[trial.site] = trial.far
             if best is None or size > best.separation:
                 best = Proposal(trial.what, names, size)
             if size > PLAINLY:

@@ -57,10 +57,11 @@ class StiffRuns:
         key = (id(model), float(time[1] - time[0]) if len(time) > 1 else 0.0)
         inner = self._usual.get(key, 2)
         linear = linearization(model, rows[left], states[left])
+        straight = joined(tau) if tau is not None and hold == "zero" else tau
 
         def run(steps: int, some: NDArray[np.intp]) -> Motion:
             which = left[some]
-            forces = None if tau is None else joined(tau[which]) if hold == "zero" else tau[which]
+            forces = None if straight is None else straight[which]
             return march(model, rows[which], states[which], time, steps, linear[some], tau=forces, threads=threads)[:3]
 
         coarse: Motion | None = None

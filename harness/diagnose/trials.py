@@ -129,7 +129,7 @@ def _with_accelerometer(system: System, joint: Joint, duration: float, extent: f
         f"mount an accelerometer at the tip of {last}, release{_of(system, joint)} from {position:.2g} {joint.position_unit}, "
         f"record {duration:.0f} s"
     )
-    return Trial(what, _state(system, joint, position, 0.0), None, duration, last, joint.name, position)
+    return Trial(what, _state(system, joint, position, 0.0), None, duration, last, joint.name, abs(position))
 
 
 def _of(system: System, joint: Joint) -> str:

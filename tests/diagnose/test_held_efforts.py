@@ -11,10 +11,11 @@ import pytest
 from simulated_recordings import recording
 
 from harness import diagnose
+from harness.cases.pendulums import hinge
 from harness.diagnose.drive import Drive, joined, kept
 from harness.diagnose.problem import Run
 from harness.recording import Recording
-from harness.system import Joint, JointType, Link, System
+from harness.system import Link, System
 from harness.system.description import constant
 
 INTERVAL, SUBSTEPS = 0.004, 8
@@ -31,16 +32,7 @@ def _arm() -> System:
     joints, links = [], []
     parent = "base"
     for name, link, down, mass, com, inertia in LINKS:
-        joints.append(
-            Joint(
-                name,
-                JointType.REVOLUTE,
-                parent,
-                link,
-                xyz=constant([0.0, 0.0, -down]),
-                axis=constant([0.0, 1.0, 0.0]),
-            )
-        )
+        joints.append(hinge(name, parent, link, down))
         links.append(Link(link, mass, constant([0.0, 0.0, -com]), constant(np.diag([inertia, inertia, 4e-4]))))
         parent = link
     return System("arm", tuple(joints), tuple(links), tolerance=0.01)
