@@ -66,7 +66,7 @@ def test_what_the_long_steps_change_cannot_be_seen(model: LaneModel, monkeypatch
         return simulate(self, rows, q0, qd0, time, **how)
 
     monkeypatch.setattr(LaneModel, "simulate", counted)
-    found = StiffRuns(CHANNELS, NOISE).run(model, rows, states, TIME, None, np.arange(5), 1e-10, 1)
+    found = StiffRuns(CHANNELS, NOISE).run(model, rows, states, TIME, None, np.arange(5), 1e-10, "linear", 1)
     assert max(asked) <= 4  # points of the linearization and of the first steps only
     assert off(model, rows, found, wanted).max() < 0.05
 
@@ -75,7 +75,7 @@ def test_one_rough_run_lets_its_whole_request_be_resolved(model: LaneModel) -> N
     rows = np.repeat(model.row()[None], 4, axis=0)
     rows[1, model.slot("pivot", "coulomb_torque")] = 1e-3
     states = begun(model, 4)
-    found = StiffRuns(CHANNELS, NOISE).run(model, rows, states, TIME, None, np.array([0, 0, 1, 1]), 1e-11, 1)
+    found = StiffRuns(CHANNELS, NOISE).run(model, rows, states, TIME, None, np.array([0, 0, 1, 1]), 1e-11, "linear", 1)
     wanted = resolved(model, rows, states)
     for array, other in zip(found, wanted, strict=True):
         assert np.array_equal(array[:2], other[:2])
@@ -88,7 +88,7 @@ def test_less_noise_asks_for_shorter_steps(model: LaneModel) -> None:
     wanted = resolved(model, rows, states)
     sizes = []
     for factor in (1.0, 1e-2, 1e-9):
-        found = StiffRuns(CHANNELS, factor * NOISE).run(model, rows, states, TIME, None, np.zeros(1), 1e-11, 1)
+        found = StiffRuns(CHANNELS, factor * NOISE).run(model, rows, states, TIME, None, np.zeros(1), 1e-11, "linear", 1)
         sizes.append(float(off(model, rows, found, wanted)[0]))
         assert sizes[-1] < 0.05 * factor**2
     assert sizes[2] == 0.0  # no step is short enough, so the vibration is resolved
@@ -99,7 +99,7 @@ def test_derivatives_are_those_of_resolved_runs(model: LaneModel) -> None:
     rows = np.repeat(model.row()[None], 2, axis=0)
     rows[1, model.slot("rod", "stiffness_factor")] *= 1.0 + change
     states = begun(model, 2)
-    found = StiffRuns(CHANNELS, NOISE).run(model, rows, states, TIME, None, np.zeros(2), 1e-10, 1)
+    found = StiffRuns(CHANNELS, NOISE).run(model, rows, states, TIME, None, np.zeros(2), 1e-10, "linear", 1)
     wanted = resolved(model, rows, states)
     for channel in CHANNELS:
         slow, quick = (
