@@ -22,7 +22,7 @@ import numpy as np
 
 import harness
 from harness.diagnose.effort_motion import cutoff_for, effort_run
-from harness.diagnose.free_motion import free_part
+from harness.diagnose.free_motion import free_parts
 from harness.diagnose.problem import pose
 from harness.diagnose.pushes import find_pushes
 from harness.effects import apply
@@ -116,7 +116,7 @@ def read_split(folder: Path, work: Path, rig: str, system: System) -> tuple[list
 
     def read(names: Iterable[str]) -> list[Recording]:
         paths = [path_of(name, rig, folder, work) for name in names]
-        return [free_part(system, r) for r in read_recordings(paths, system=system)]
+        return free_parts(system, read_recordings(paths, system=system))
 
     train, heldout = read(split.train), read(split.heldout)
     if split.single:

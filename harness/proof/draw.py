@@ -124,6 +124,13 @@ def _draw_runs(rng: np.random.Generator, rig: Rig, driven: bool, short: bool) ->
     return tuple(runs), top
 
 
+def _held(runs: Sequence[Run], sensor: Sensor, rng: np.random.Generator) -> tuple[Run, ...]:
+    """The runs with commands that are held from sample to sample, as a controller does, or not, at even odds."""
+    if sensor.jitter or rng.random() < 0.5:
+        return tuple(runs)
+    return tuple(replace(run, held=1.0 / sensor.rate) for run in runs)
+
+
 def _names(kind: str, rng: np.random.Generator, forced: Sequence[str]) -> list[str]:
     if forced:
         return list(forced)
@@ -193,12 +200,14 @@ def draw_case(
             draws[i] |= known
             attached = ((c.stated, _site(rig, stated, k), known),)
             rig, true = replace(rig, stated=attached), replace(true, stated=attached)
+    # How strong things have to be is sought with smooth efforts.
+    recorded = _held(runs, sensor, np.random.default_rng([seed, index, crc32(b"held")])) if driven else runs
     strange = str(effects[0]) if kind == "outside" and effects else str(rng.choice(list(OUTSIDE)))
     own = int(rng.integers(2**31))
     motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
 
-    def build(on: Rig, strengths: Sequence[float], outside: float) -> Scene:
-        scene = Scene(on, runs, sensor, motions=motions)
+    def build(on: Rig, strengths: Sequence[float], outside: float, *, as_recorded: bool = False) -> Scene:
+        scene = Scene(on, recorded if as_recorded else runs, sensor, motions=motions)
         # Changes of inertia first: they alter the rig; then what adds degrees of freedom, the base before the joints on it;
         # then laws, which act on degrees of freedom that must all be there.
         order = sorted(range(len(chosen)), key=lambda i: _rank(chosen[i]))
@@ -215,7 +224,7 @@ def draw_case(
 
     off = [0.0] * len(chosen)
     if kind == "clean":
-        return Case(f"{kind}-{index}", kind, rig, true, (), (), lambda on: build(on, off, 0.0))
+        return Case(f"{kind}-{index}", kind, rig, true, (), (), lambda on: build(on, off, 0.0, as_recorded=True))
 
     lowest, highest = (3.0, 300.0) if kind in ("single",) else (15.0, 300.0)
     sight = Sight.of(true, runs, sensor, build(true, off, 0.0))
@@ -246,5 +255,11 @@ def draw_case(
     if kind == "outside":
         planted.append(Planted(strange, rig.joints[0], {"strength": outside}))
     return Case(
-        f"{kind}-{index}", kind, rig, true, tuple(planted), tuple(seen), lambda on: build(on, strengths, outside)
+        f"{kind}-{index}",
+        kind,
+        rig,
+        true,
+        tuple(planted),
+        tuple(seen),
+        lambda on: build(on, strengths, outside, as_recorded=True),
     )

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 FASTEST = 1.0
 LONGEST = 1e-4  # s; the error of a swing's step is then 1e-14 of it
 EVEN = 1e-9  # s
+PARTS = 16  # of a step, whose efforts its mean is made of: one that is held may change anywhere
 
 
 def has_springs(model: mujoco.MjModel) -> bool:
@@ -46,8 +47,7 @@ def run(
 ) -> tuple[Array, Array]:
     """Position and velocity (T, n) at even times.
 
-    effort: times (T,) -> generalized forces (T, n); within a step it is what it is in the step's middle, which is right to second
-    order.
+    effort: times (T,) -> generalized forces (T, n); within a step it is its mean, which is right to second order.
     """
     data = mujoco.MjData(model)
     interval = float(time[1] - time[0])
@@ -60,7 +60,9 @@ def run(
     assert size == len(begin)
     applied = np.zeros((1, steps, model.nv))
     if effort is not None:
-        applied[0] = effort(time[0] + (np.arange(steps) + 0.5) * model.opt.timestep)
+        within = (np.arange(PARTS) + 0.5) / PARTS
+        for part in within:
+            applied[0] += effort(time[0] + (np.arange(steps) + part) * model.opt.timestep) / PARTS
     states, _ = rollout.rollout(
         model, data, begin[None], applied, control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
     )

@@ -18,6 +18,8 @@ Signal = Callable[[Array], Array]
 
 FINE_STEP = 1e-3  # s, grid on which the truth is kept between the integrator and the sensor
 ROUGH = 1e-6  # relative tolerance of a step where it is only sought how strong a thing has to be
+JUMP = 1e-12  # s, to which the times of held commands are known
+ROUNDING = 1e-9  # of a command's time, by which its own instant may come out earlier
 LEAD = 0.25  # relative length simulated beyond the last sample, so that a slow clock still finds data
 
 
@@ -47,17 +49,24 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Run:
-    """One recording: release state, length [s], and the drive as sines (amplitude [N·m], frequency [Hz], phase [rad])."""
+    """One recording: release state, length [s], and the drive as sines (amplitude [N·m], frequency [Hz], phase [rad]).
+
+    held: for how long [s] a command is kept before the next one; 0 if it follows the sines.
+    """
 
     q0: tuple[float, ...]
     v0: tuple[float, ...]
     duration: float
     drive: tuple[tuple[float, float, float], ...] = ()
+    held: float = 0.0
 
     def effort(self, t: Array | float) -> Array:
         """The commanded torque at the first joint [N·m]."""
         amplitudes, rates, phases = self._waves
-        return np.asarray(np.sin(np.asarray(t)[..., None] * rates + phases) @ amplitudes)
+        when = np.asarray(t, dtype=np.float64)
+        if self.held > 0.0:
+            when = np.floor(when / self.held + ROUNDING) * self.held
+        return np.asarray(np.sin(when[..., None] * rates + phases) @ amplitudes)
 
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array]:
@@ -149,11 +158,13 @@ class Scene:
         if instants is None:
             instants = np.arange(0.0, run.duration, 1.0 / self.sensor.rate)
         fine = np.arange(0.0, run.duration * (1.0 + (LEAD if self.signal else 0.0)) + 2 * FINE_STEP, FINE_STEP)
-        effort = None
+        effort, jumps = None, np.zeros(0)
         if run.drive:
             acting: Signal = run.effort
             for stage in self.command:
                 acting = stage(acting)
+            if run.held > 0.0:
+                jumps = _jumps(acting, float(fine[-1]), run.held)
             first = truth.dof[self.rig.joints[0]]
 
             def effort(t: Array | float) -> Array:
@@ -161,12 +172,13 @@ class Scene:
                 force[..., first] = acting(np.asarray(t))
                 return force
 
-        key = (truth.xml, index, len(fine), q0.tobytes(), v0.tobytes())
+        key = (truth.xml, index, run.held, len(fine), q0.tobytes(), v0.tobytes())
         if truth.hidden != Hidden() or self.command:
-            q, v = truth.release(q0, v0, fine, effort=effort, tolerance=ROUGH if roughly else RELATIVE_TOLERANCE)
+            tolerance = ROUGH if roughly else RELATIVE_TOLERANCE
+            q, v = truth.release(q0, v0, fine, effort=effort, jumps=jumps, tolerance=tolerance)
         else:
             if key not in self.motions:
-                self.motions[key] = truth.release(q0, v0, fine, effort=effort)
+                self.motions[key] = truth.release(q0, v0, fine, effort=effort, jumps=jumps)
             q, v = self.motions[key]
         out = {"time": instants}
         for joint in self.rig.joints:
@@ -178,3 +190,16 @@ class Scene:
         if run.drive:
             out[f"{self.rig.joints[0]}.effort"] = np.asarray(run.effort(instants))
         return out
+
+
+def _jumps(acting: Signal, end: float, held: float) -> Array:
+    """Times [s] up to ``end`` where a signal changes that is constant for about ``held`` at a time."""
+    grid = np.arange(0.0, end + held, held / 4.0)
+    values = acting(grid)
+    changes = np.flatnonzero(np.diff(values))
+    before, after = grid[changes], grid[changes + 1]
+    while np.max(after - before, initial=0.0) > JUMP:
+        middle = 0.5 * (before + after)
+        early = acting(middle) == values[changes]
+        before, after = np.where(early, middle, before), np.where(early, after, middle)
+    return after

@@ -256,11 +256,13 @@ class Truth:
         time: Array,
         *,
         effort: Callable[[Any], Array] | None = None,
+        jumps: Sequence[float] | Array = (),
         tolerance: float = RELATIVE_TOLERANCE,
     ) -> tuple[Array, Array]:
         """Position and velocity of every degree of freedom at ``time``, each shape (T, n).
 
-        effort: times of any shape -> generalized forces, shape (*shape, n). tolerance: relative, of a step.
+        effort: times of any shape -> generalized forces, shape (*shape, n). jumps: times where it changes, if it is held in
+        between. tolerance: relative, of a step.
         """
         if self.hidden == Hidden() and has_springs(self.model) and even(time):
             return run(self.model, q0, v0, time, effort)
@@ -274,7 +276,8 @@ class Truth:
         end = float(time[-1])
         out_q, out_v = (np.zeros((len(time), n)) for _ in range(2))
         q, v = np.array(q0, float), np.array(v0, float)
-        stops = sorted({b for b in (*self.hidden.breaks, *self.hidden.kicks) if t < b < end} | {end})
+        stops = sorted({float(b) for b in (*self.hidden.breaks, *self.hidden.kicks, *jumps) if t < b < end} | {end})
+        ahead = 0
         filled = 0
         static = {f.dof: f for f in self.hidden.dry}
 
@@ -286,17 +289,25 @@ class Truth:
                 mode[j] = 0
             for j in rub:
                 if mode[j] == 0:
-                    _, hold = self._solve(t, q, v, z, mode, effort)
+                    _, hold = self._solve(t, q, v, z, mode, acting)
                     if abs(hold[j]) > static[j].static(self._load[j], q[j]):
                         mode[j] = int(np.sign(hold[j]))
 
-        settle()
-        restarts = 0
+        # What acts until the next jump: at its ends a step would see the neighbours' efforts.
+        held: list[Array] = []
+        acting = None if effort is None else lambda tt: held[0] if held else effort(tt)
+        turns_taken = 0
         while t < end:
-            stop = next(s for s in stops if s > t)
+            while stops[ahead] <= t:
+                ahead += 1
+            stop = stops[ahead]
+            if len(jumps) and effort is not None:
+                held[:] = [effort(0.5 * (t + stop))]
+            if t == float(time[0]) or len(jumps):
+                settle()
 
             def rate(tt: float, y: Array) -> Array:
-                a, _ = self._solve(tt, y[:n], y[n : 2 * n], y[2 * n :], mode, effort)
+                a, _ = self._solve(tt, y[:n], y[n : 2 * n], y[2 * n :], mode, acting)
                 vel = y[n : 2 * n].copy()
                 vel[[j for j in rub if mode[j] == 0]] = 0.0
                 zdot = []
@@ -318,7 +329,7 @@ class Truth:
                 else:
 
                     def slips(tt: float, y: Array, j: int = j) -> float:
-                        _, hold = self._solve(tt, y[:n], y[n : 2 * n], y[2 * n :], mode, effort)
+                        _, hold = self._solve(tt, y[:n], y[n : 2 * n], y[2 * n :], mode, acting)
                         return float(abs(hold[j]) - static[j].static(self._load[j], y[j]))
 
                     slips.terminal, slips.direction = True, 1  # type: ignore[attr-defined]
@@ -343,11 +354,11 @@ class Truth:
                         if mode[j] != 0:
                             v[j] = 0.0
                             mode[j] = 0
-                            _, hold = self._solve(t, q, v, z, mode, effort)
+                            _, hold = self._solve(t, q, v, z, mode, acting)
                             if abs(hold[j]) > static[j].static(self._load[j], q[j]):
                                 mode[j] = int(np.sign(hold[j]))
                         else:
-                            _, hold = self._solve(t, q, v, z, mode, effort)
+                            _, hold = self._solve(t, q, v, z, mode, acting)
                             mode[j] = int(np.sign(hold[j]))
             for when, kick in self.hidden.kicks.items():
                 if abs(t - when) < 1e-12:
@@ -355,7 +366,7 @@ class Truth:
                     for j in rub:
                         mode[j] = int(np.sign(v[j]))
                     settle()
-            restarts += 1
-            if restarts > 3_000:
+            turns_taken += solution.status == 1
+            if turns_taken > 3_000:
                 raise NoSolutionError("the concealed truth chatters; its friction laws have no solution")
         return out_q, out_v

@@ -96,10 +96,10 @@ def passed_slowly(signal: np.ndarray, step: float, cutoff: float) -> np.ndarray:
 def recording(name: str, time: np.ndarray, columns: dict[str, np.ndarray]) -> Recording:
     """A recording from columns named ``site.quantity``."""
     units = {"position": "rad", "velocity": "rad/s", "effort": "N*m"}
-    channels = [
-        Channel(column, *column.rsplit(".", 1), units[column.rsplit(".", 1)[1]], constant(values))
-        for column, values in columns.items()
-    ]
+    channels = []
+    for column, values in columns.items():
+        site, quantity = column.rsplit(".", 1)
+        channels.append(Channel(column, site, quantity, units[quantity], constant(values)))
     return Recording(
         name, name, constant(time - time[0]), tuple(c for c in channels if c.quantity != "effort"),
         tuple(c for c in channels if c.quantity == "effort"),

@@ -88,7 +88,9 @@ def test_less_noise_asks_for_shorter_steps(model: LaneModel) -> None:
     wanted = resolved(model, rows, states)
     sizes = []
     for factor in (1.0, 1e-2, 1e-9):
-        found = StiffRuns(CHANNELS, factor * NOISE).run(model, rows, states, TIME, None, np.zeros(1), 1e-11, "linear", 1)
+        found = StiffRuns(CHANNELS, factor * NOISE).run(
+            model, rows, states, TIME, None, np.zeros(1), 1e-11, "linear", 1
+        )
         sizes.append(float(off(model, rows, found, wanted)[0]))
         assert sizes[-1] < 0.05 * factor**2
     assert sizes[2] == 0.0  # no step is short enough, so the vibration is resolved

@@ -42,10 +42,12 @@ def recorded(system: System, angle: float, seed: int) -> Recording:
         "rod.tip_deflection": run.channels["rod.tip_deflection"],
     }
     channels = tuple(
-        Channel(name, *name.split("."), "rad" if name == "pivot.position" else "m",
-                values + NOISE[name] * rng.standard_normal(len(TIME)))
-        for name, values in signals.items()
-    )  # fmt: skip
+        Channel(name, site, quantity, unit, signals[name] + NOISE[name] * rng.standard_normal(len(TIME)))
+        for name, site, quantity, unit in (
+            ("pivot.position", "pivot", "position", "rad"),
+            ("rod.tip_deflection", "rod", "tip_deflection", "m"),
+        )
+    )
     return Recording(f"run{seed}", "exudyn", TIME, channels)
 
 

@@ -1,5 +1,6 @@
 """The concealing engine against closed forms and against MuJoCo's own integrator."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import mujoco
@@ -153,6 +154,63 @@ def test_springs_alone_move_as_with_error_control() -> None:
     still = Scene(rig, runs, Sensor(250.0, 1e-3)).record(0)["pivot.position"]
     assert np.abs(one - still).max() > 1e-3
     assert np.abs(one - other).max() < 1e-7
+
+
+def pushed(gravity: float, delay: float) -> Scene:
+    """A rod in 25 Hz commands that act ``delay`` late."""
+    drive = ((0.3, 0.9, 0.4), (0.1, 2.3, -1.0))
+    scene = Scene(replace(rod(), gravity=gravity), (Run((0.0,), (0.0,), 2.0, drive, held=0.04),), Sensor(25.0, 1e-3))
+    if delay:
+        CONCEALMENTS["actuator_delay"].plant(scene, 0, {"delay": delay})
+    return scene
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.0133, 0.04])
+def test_held_commands_act_as_written_down_until_the_next_one(delay: float) -> None:
+    # Without gravity a rod is a double integrator: between changes of the torque its angle is a parabola.
+    scene = pushed(0.0, delay)
+    found = scene.record(0)
+    edges = np.concatenate([[0.0], found["time"] + delay])
+    torques = np.concatenate([[0.0], found["pivot.effort"]])
+    s = scene.rig.segments[0]
+    inertia = s.inertia + s.mass * s.com**2 + s.armature
+    wanted = np.zeros(len(found["time"]))
+    for begin, end, torque in zip(edges, np.append(edges[1:], np.inf), torques, strict=True):
+        # What a torque between two instants does to the angle at a later one.
+        since, until = np.clip(found["time"] - begin, 0.0, None), np.clip(found["time"] - end, 0.0, None)
+        wanted += torque * (since**2 - until**2) / (2.0 * inertia)
+    assert np.ptp(wanted) > 1.0
+    assert np.abs(found["pivot.position"] - wanted).max() < 1e-8 * np.ptp(wanted)
+
+
+def test_held_commands_release_what_sticks() -> None:
+    # At rest until a command exceeds what holds it; the changes are the only moments at which that happens here.
+    scene = pushed(0.0, 0.0)
+    limit = 0.2
+    scene.dry.append(DryFriction(0, lambda speed, load, q: limit, lambda load, q: limit))
+    found = scene.record(0)
+    first = int(np.argmax(np.abs(found["pivot.effort"]) > limit))
+    assert 0 < first < len(found["time"]) - 1
+    assert np.abs(found["pivot.position"][: first + 1]).max() < 1e-15
+    s = scene.rig.segments[0]
+    inertia = s.inertia + s.mass * s.com**2 + s.armature
+    torque = found["pivot.effort"][first]
+    wanted = (torque - np.sign(torque) * limit) * 0.04**2 / (2.0 * inertia)
+    assert found["pivot.position"][first + 1] == pytest.approx(wanted, rel=1e-6)
+
+
+def test_springs_alone_follow_held_commands_too() -> None:
+    def scene() -> Scene:
+        found = pushed(9.81, 0.0133)
+        CONCEALMENTS["link_flexibility"].plant(found, 0, {"frequency": 12.0, "damping_ratio": 0.01})
+        return found
+
+    controlled = scene()
+    controlled.torques.append(lambda t, q, v: np.zeros(len(v)))
+    one, other = (s.record(0)["pivot.position"] for s in (scene(), controlled))
+    assert np.ptp(other) > 0.01
+    # A command changes within a step of 0.1 ms, of which a sixteenth is told apart.
+    assert np.abs(one - other).max() < 1e-4 * np.ptp(other)
 
 
 def test_a_rod_that_bends_is_not_made_of_pieces_of_negative_mass() -> None:
