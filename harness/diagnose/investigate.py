@@ -8,11 +8,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.denoc.lanes import LaneModel
 from harness.diagnose.colour import Colour, estimate_colour
 from harness.diagnose.effort_hold import better_the_other_way, either_way
 from harness.diagnose.far_off import begun, far_off
 from harness.diagnose.fit import Fit, fit
+from harness.diagnose.horizon import calm, joined
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.ordinary import ordinary
@@ -33,7 +33,6 @@ MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected
 NONLINEAR = 3.0  # times the noise's cost, beyond which free runs of the nominal model say little about what is missing
 SAME_NOISE = 0.03  # relative difference of noise estimates that changes nothing
 EXACT = 1e-6  # of a channel's extent: sensors resolve no less, and computed motions agree to no more
-GROWTH = 300.0  # an initial error may grow so much within a window; beyond, motion counts as unpredictable
 
 
 def crude_colours(problem: Problem) -> tuple[Colour, ...]:
@@ -80,57 +79,6 @@ def colours_from(
     return tuple(out)
 
 
-def horizon_groups(study: Study, fitted: Fit) -> tuple[Window, ...]:
-    """Short windows joined as long as an initial error does not grow beyond what a linear view can follow."""
-    predictor, hypothesis = study.predictor, fitted.hypothesis
-    n = predictor.state_size(hypothesis)
-    mechanism = predictor.mechanism(hypothesis)
-    groups: list[Window] = []
-    current: Window | None = None
-    growth = np.eye(n)
-    for window in fitted.windows:
-        transition = _transition(predictor, fitted, window, mechanism.model, n)
-        joined = transition @ growth
-        if current is not None and current.run == window.run and float(np.linalg.norm(joined, 2)) < GROWTH:
-            current = Window(window.run, current.first, window.last)
-            growth = joined
-            continue
-        if current is not None:
-            groups.append(current)
-        current, growth = window, transition
-    if current is not None:
-        groups.append(current)
-    return tuple(groups)
-
-
-def _transition(predictor: Predictor, fitted: Fit, window: Window, model: LaneModel, n: int) -> Array:
-    """Sensitivity of the final to the initial state of a window, in units of one radian and one swing rate."""
-    half = n // 2
-    grid = predictor.grid(window, predictor.margin(fitted.hypothesis))
-    state = fitted.states[window]
-    step = 1e-6
-    states = np.vstack([state, state + step * np.eye(n)])
-    tau = None
-    if predictor.runs[window.run].effort is not None:
-        tau = predictor.efforts(
-            fitted.hypothesis,
-            fitted.x[None, :],
-            predictor.mechanism(fitted.hypothesis),
-            [(0, window, state)],
-            grid.own,
-        )
-        tau = np.repeat(tau, n + 1, axis=0)
-    row = predictor.row(fitted.hypothesis, fitted.x)
-    q, qd, _ = model.simulate(
-        np.tile(row, (n + 1, 1)), states[:, :half], states[:, half:], grid.own,
-        tau=tau, hold=predictor.hold, tolerance=predictor.tolerance,
-    )  # fmt: skip
-    end = np.concatenate([q[:, -1], qd[:, -1]], axis=1)
-    change = ((end[1:] - end[0]) / step).T
-    rate = np.concatenate([np.ones(half), np.full(half, 2.0 * np.pi / max(float(grid.own[-1]) / SWINGS, 1e-9))])
-    return np.asarray(change * rate[None, :] / rate[:, None])
-
-
 @dataclass(eq=False)
 class Outcome:
     """What the search ended with, for judging and telling.
@@ -175,7 +123,8 @@ def investigate(
     motion_hz = MOTION_HARMONICS * frequency
     period = 1.0 / frequency
     likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
-    short = cut(problem.runs, every, SWINGS * period)
+    rate = 2.0 * np.pi * frequency
+    short = calm(problem, predictor, cut(problem.runs, every, SWINGS * period), rate)
     first = _led_in(problem, predictor, likelihood, short, period)
     for _ in range(2):
         likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
@@ -185,7 +134,7 @@ def investigate(
         problem, predictor, likelihood = study.problem, study.predictor, study.likelihood
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
-    groups = horizon_groups(study, first)
+    groups = joined(predictor, first, rate)
     hints = study.tests
     long_study = Study(
         problem, predictor, likelihood, tuple(candidates), groups,

@@ -71,6 +71,7 @@ class Predictor(Mechanisms):
         self.finest_step = finest_step
         self.tolerance = TOLERANCE
         self._grids: dict[tuple[Window, float], Grid] = {}
+        self._drives: dict[tuple[int, int], Drive] = {}
         self.threads = threads_allowed()
         self.lanes_run = 0
         self._stiff: StiffRuns | None = None
@@ -85,9 +86,9 @@ class Predictor(Mechanisms):
         self._stiff = StiffRuns(self.problem.channels, noise)
 
     def taking(self, problem: Problem) -> Predictor:
-        """The same for a problem that takes the efforts of the same runs otherwise; what is kept is shared."""
+        """The same for a problem that takes the efforts of the same runs otherwise; what else is kept is shared."""
         other = copy(self)
-        other.problem, other.runs = problem, problem.runs
+        other.problem, other.runs, other._drives = problem, problem.runs, {}
         return other
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
@@ -277,7 +278,6 @@ class Predictor(Mechanisms):
         joints = self.system.joint_names
         inputs = [(k, m) for k, m in enumerate(hypothesis.members) if m.effect.input is not None]
         inputs.sort(key=lambda item: item[1].effect.input.stage if item[1].effect.input else 0)
-        stated = {joint: input_chain(self.system.attachments, joint) for joint in joints}
         # A clock that is off stamped the efforts as well: what acts at a true time stands in the file at the clock's.
         pace = np.ones(len(lanes))
         for k, member in enumerate(hypothesis.members):
@@ -295,23 +295,39 @@ class Predictor(Mechanisms):
                 if not np.any(run.effort[:, j]):
                     continue
                 stamps = run.time - run.time[0]
-                signal = run.effort[None, :, j]
-                for effect, attachment in stated[joint]:
-                    assert effect.input is not None
-                    fixed = effect.values(attachment.parameters)[None, :]
-                    signal = effect.input.apply(np.ascontiguousarray(signal), stamps, fixed)
+                drive = self._stated_drive(run_index, j)
                 if modified:
-                    signal = np.broadcast_to(signal, (len(places), len(stamps)))
-                for k, member in modified:
-                    params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
-                    assert member.effect.input is not None
-                    signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
-                drive = Drive(run, signal, held=self.problem.held)
+                    signal = np.broadcast_to(self._stated_effort(run_index, j), (len(places), len(stamps)))
+                    for k, member in modified:
+                        params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
+                        assert member.effect.input is not None
+                        signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
+                    drive = Drive(run, signal, held=self.problem.held)
+                known: dict[tuple[int, float], Array] = {}
                 for row, i in enumerate(places):
-                    start = stamps[lanes[i][1].first]
-                    when = start + pace[i] * grid_time
-                    tau[i, :, column] = drive.at(when, row if modified else 0)
+                    key = (lanes[i][1].first, float(pace[i]))
+                    if modified or key not in known:
+                        known[key] = drive.at(stamps[key[0]] + pace[i] * grid_time, row if modified else 0)
+                    tau[i, :, column] = known[key]
         return tau
+
+    def _stated_effort(self, run_index: int, j: int) -> Array:
+        """A run's effort at joint ``j`` after the effects of the input side that the model states, (1, T)."""
+        run, joint = self.runs[run_index], self.system.joint_names[j]
+        assert run.effort is not None
+        signal = run.effort[None, :, j]
+        for effect, attachment in input_chain(self.system.attachments, joint):
+            assert effect.input is not None
+            fixed = effect.values(attachment.parameters)[None, :]
+            signal = effect.input.apply(np.ascontiguousarray(signal), run.time - run.time[0], fixed)
+        return signal
+
+    def _stated_drive(self, run_index: int, j: int) -> Drive:
+        """The same as it acts."""
+        if (run_index, j) not in self._drives:
+            signal = self._stated_effort(run_index, j)
+            self._drives[run_index, j] = Drive(self.runs[run_index], signal, held=self.problem.held)
+        return self._drives[run_index, j]
 
     def _observe(
         self,
