@@ -293,7 +293,8 @@ def augmented(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[s
     factors = np.exp(outcome.problem.system.tolerance * conclusion.own.x[: len(predictor.nominal)])
     system = scaled(outcome.problem.system, predictor.nominal, list(factors))
     attachments = []
-    for claim in conclusion.claims:
+    # What modifies another effect stands behind it, as a reader expects.
+    for claim in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies)):
         name, site = claim.candidate.effect.name, claim.candidate.site
         found = {k: e.value for k, e in values[claim.candidate.key].items()}
         if name in STATED and next(iter(found.values())) < 0.0:

@@ -436,7 +436,9 @@ class _Answer:
         factors = np.exp(self.system.tolerance * self.best.x[: len(nominal)])
         system = scaled(self.system, nominal, list(factors))
         attachments = []
-        for member, found in zip(self.best.hypothesis.members, values, strict=True):
+        pairs = zip(self.best.hypothesis.members, values, strict=True)
+        # What modifies another effect stands behind it, as a reader expects.
+        for member, found in sorted(pairs, key=lambda pair: bool(pair[0].effect.modifies)):
             attachment = Attachment(
                 member.effect.name, member.site, {k: e.value for k, e in found.items()},
                 {k: e.std for k, e in found.items() if e.std is not None},
