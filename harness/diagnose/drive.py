@@ -23,30 +23,45 @@ class Drive:
     def __init__(self, run: Run, signal: Array, *, held: bool) -> None:
         stamps = run.time - run.time[0]
         self.held = held
+        # Averaging in blocks h apart has lost this share, times (ω h)², of a wave.
+        averaging = (1.0 - 1.0 / run.averaged**2) / 24.0
         if not held:
-            # Straight lines between samples h apart lose the share (ω h)²/12 of a wave.
-            self._times, self._values = stamps, _given_back(stamps, signal, 1.0 / 12.0)
+            # Straight lines between samples h apart lose a twelfth.
+            self._times, self._values = stamps, _given_back(stamps, signal, 1.0 / 12.0 + averaging)
             return
-        # Of blocks that samples were averaged in, the first one was held from its own time on. Holding for a block's h loses the
-        # share (ω h)²/24, of which holding for the interval of recording did lose a part.
-        signal = _given_back(stamps, signal, (1.0 - 1.0 / run.averaged**2) / 24.0)
+        # Of a block the first sample was held from its own time on. Holding for a block's h loses a twenty-fourth, of which holding
+        # for the interval of recording did lose a part.
+        signal = _given_back(stamps, signal, 2.0 * averaging)
         begins = stamps - 0.5 * (1.0 - 1.0 / run.averaged) * run.interval
         # What was applied before the first sample, and is after the last one, is what these say.
         far = stamps[-1] + run.interval
         self._times = np.concatenate([[begins[0] - far], begins, [begins[-1] + far]])
-        steps = np.concatenate([signal[:, :1], signal], axis=1) * np.diff(self._times)
-        self._values = np.concatenate([np.zeros((len(signal), 1)), np.cumsum(steps, axis=1)], axis=1)
+        self._forces = np.concatenate([signal[:, :1], signal], axis=1)
+        # What they have done to a free unit mass by the time of every change: its speed and its place.
+        lasts = np.diff(self._times)
+        self._impulse = _added(self._forces * lasts)
+        self._moved = _added(0.5 * (self._impulse[:, 1:] + self._impulse[:, :-1]) * lasts)
 
     def at(self, when: Array, row: int = 0) -> Array:
         """One of the efforts on an even grid ``when`` [s] from the run's first sample, (G,).
 
-        Held ones are the mean over the step that a point begins, so that none of their impulse is lost.
+        Held ones are the mean over the step that a point begins, so that none of their impulse is lost. What a change within a step
+        would do to the motion by its place there is made up for by the next step.
         """
         if not self.held:
             return np.asarray(np.interp(when, self._times, self._values[row]))
         step = when[1] - when[0]
         edges = np.append(when, when[-1] + step)
-        return np.asarray(np.diff(np.interp(edges, self._times, self._values[row])) / step)
+        last = np.clip(np.searchsorted(self._times, edges, side="right") - 1, 0, len(self._times) - 2)
+        since = edges - self._times[last]
+        force, before = self._forces[row][last], self._impulse[row][last]
+        impulse = before + force * since
+        moved = np.diff(self._moved[row][last] + before * since + 0.5 * force * since**2)
+        forces = np.diff(impulse) / step
+        delayed = 0.5 * (impulse[1:] + impulse[:-1]) / step - moved / step**2
+        forces -= delayed
+        forces[1:] += delayed[:-1]
+        return forces
 
 
 def joined(steps: Array) -> Array:
@@ -73,3 +88,8 @@ def _given_back(time: Array, signal: Array, share: float) -> Array:
     out = signal.astype(np.float64, copy=True)
     out[..., 1:-1] -= np.diff(slopes, axis=-1) * 2.0 / (before + after) * before * after * share
     return out
+
+
+def _added(parts: Array) -> Array:
+    """Sums of the first 0, 1, 2 … of parts (B, T), (B, T + 1)."""
+    return np.concatenate([np.zeros((len(parts), 1)), np.cumsum(parts, axis=1)], axis=1)

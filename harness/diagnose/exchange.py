@@ -102,8 +102,10 @@ def _same_units(member: Candidate, other: Candidate) -> bool:
     return [p.unit for p in member.effect.parameters] == [p.unit for p in other.effect.parameters]
 
 
-def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
+def relatives(study: Study, best: Fit, k: int, most_fits: int, *, quick: bool = False) -> list[Fit]:
     """Fits with member ``k`` replaced by what it is related to, as long as the study has fewer than ``most_fits``.
+
+    quick: only by what is quick to fit.
 
     A law that acts alike may be far from linear, so that a score test says little of it. The member itself is among them where the
     score test sees a better place for it than it has: another number of periods, another frequency, found beside other company.
@@ -113,6 +115,8 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     own = without.score - best.score
     found = []
     kin = [c for c in study.candidates if c.key == member.key or related(member, c)]
+    if quick:
+        kin = [c for c in kin if not dear(c)]
     if without.score > BEYOND * max(study.samples, best.score) and not dear(member):
         kin = [c for c in kin if c.key == member.key or _rings(member, c)]
     for scored in study.among(without, kin):

@@ -64,7 +64,9 @@ def grow(
     if to_begin_with and any(study.only_noise(f) for f in seeds):
         return growth.ordered()
     frontier, excess = growth.ordered()[: effort.beam], np.inf
-    frontier += [f for f in seeds if not f.hypothesis.members and f not in frontier]
+    # Single effects have their turn first: what one of them explains needs none of the sets that others began with.
+    nothing = [f for f in seeds if not f.hypothesis.members]
+    frontier = nothing + [f for f in frontier if f.hypothesis.members]
     for _ in range(effort.largest + 2):
         before, found = growth.best, len(growth.changed)
         for base in frontier:
@@ -216,11 +218,14 @@ class Growth:
     def exchange(self) -> None:
         """Give relatives of the best set's members, and more general laws, their turn."""
         study, best = self.study, self._without_needless()
-        if study.only_noise(best) and len(best.hypothesis.members) > 1 and best.hypothesis.identity not in self.swapped:
-            # Nothing more is needed, so before more is added, the members' relatives get their turn.
+        members = best.hypothesis.members
+        enough = study.only_noise(best)
+        single = len(members) == 1 and not enough and not dear(members[0])
+        if (single or (enough and len(members) > 1)) and best.hypothesis.identity not in self.swapped:
+            # Nothing more is needed, or nothing is built on it yet: before more is added, the members' relatives get their turn.
             self.swapped.add(best.hypothesis.identity)
-            for k in range(len(best.hypothesis.members)):
-                for other in relatives(study, best, k, self.effort.most_fits):
+            for k in range(len(members)):
+                for other in relatives(study, best, k, self.effort.most_fits, quick=single):
                     self.note(other)
             best = self._plainest()
         if not study.only_noise(best):

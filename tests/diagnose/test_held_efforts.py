@@ -98,8 +98,50 @@ def test_a_held_effort_keeps_each_sample_until_the_next() -> None:
     drive = Drive(_run(5), np.array([[1.0, -2.0, 3.0, 0.5, 4.0]]), held=True)
     finer = drive.at(0.0025 * np.arange(20))
     assert finer == pytest.approx(np.repeat([1.0, -2.0, 3.0, 0.5, 4.0], 4), abs=1e-12)
-    # A grid out of step gets the mean over each of its own.
-    assert drive.at(np.array([0.005, 0.015])) == pytest.approx([-0.5, 0.5], abs=1e-12)
+
+
+def _pushed(forces: np.ndarray, step: float) -> np.ndarray:
+    """Where a free unit mass is at every point of a grid whose forces are held to the next one."""
+    speed = np.concatenate([[0.0], np.cumsum(forces)]) * step
+    return np.concatenate([[0.0], np.cumsum(speed[:-1] * step + 0.5 * forces * step**2)])
+
+
+@pytest.mark.parametrize("late", [0.0, 0.0025, 0.0041])
+def test_a_grid_out_of_step_moves_a_mass_as_the_held_samples_do(late: float) -> None:
+    # The truth in steps that every change falls on the edge of.
+    time = 0.01 * np.arange(300)
+    samples = np.sin(9.0 * time) + 0.3 * np.sin(31.0 * time)
+    fine, coarse = 1e-4, 0.01
+    begin = 0.5 + late
+    truth = np.repeat(samples, 100)[round(begin / fine) :][: 20000 + 1]
+    grid = begin + coarse * np.arange(200)
+    found = _pushed(Drive(_run(300), samples[None], held=True).at(grid), coarse)[:-1]
+    wanted = _pushed(truth, fine)[:20000:100]
+    line = np.stack([np.ones(200), grid], axis=1)  # where it begins and how fast is fitted
+    left = wanted - found - line @ np.linalg.lstsq(line, wanted - found, rcond=None)[0]
+    # The mean over steps alone is right to (ω h)²/8 at worst, a hundredth for the faster wave.
+    assert np.std(left) < 2e-4 * np.std(wanted - line @ np.linalg.lstsq(line, wanted, rcond=None)[0])
+
+
+@pytest.mark.parametrize("block", [2, 3, 5])
+def test_samples_averaged_in_blocks_move_a_mass_as_the_held_ones_do(block: int) -> None:
+    time = 0.002 * np.arange(3000)
+    samples = np.sin(9.0 * time) + 0.3 * np.sin(21.0 * time)
+    places = _pushed(samples, 0.002)[:-1]
+    blocks = [values.reshape(-1, block).mean(axis=1) for values in (time, samples, places)]
+    run = Run("run", blocks[0], blocks[2][None], blocks[1][:, None], 0.002 * block, block)
+    fine = 0.001
+    grid = np.arange(0.0, blocks[0][-1] - blocks[0][0], fine)
+    forces = Drive(run, blocks[1][None], held=True).at(grid)
+    found = _pushed(forces, fine)
+    # Of the places of a block the mean is that of its middle and what the acceleration adds to second order.
+    middle = np.round((blocks[0] - blocks[0][0]) / fine).astype(int)[10:-10]
+    spread = 0.5 * np.var(0.002 * np.arange(block))
+    read = found[middle] + spread * forces[middle]
+    line = np.stack([np.ones(len(middle)), grid[middle]], axis=1)
+    wanted = blocks[2][10:-10]
+    left = wanted - read - line @ np.linalg.lstsq(line, wanted - read, rcond=None)[0]
+    assert np.std(left) < 1e-4 * np.std(wanted - line @ np.linalg.lstsq(line, wanted, rcond=None)[0])
 
 
 def test_blocks_of_held_samples_begin_with_their_first_one() -> None:
