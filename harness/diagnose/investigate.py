@@ -161,38 +161,44 @@ def investigate(
         near = [f for f in seeds if f.score < FAR * likeliest.score]
         long_study, seeds = held_study, [held_study.fit(f.hypothesis, [f.x], f) for f in near]
         progress("efforts held between samples")
-    ordered = grow(long_study, seeds, effort, progress)
-    turned = better_the_other_way(long_study, ordered, 2 * effort.beam)
-    if turned is not None:
-        long_study, ordered = turned
-        ordered = grow(long_study, ordered, effort, progress)
-        progress("efforts taken otherwise")
-    if long_study.problem is not problem:
-        problem, predictor, likelihood = long_study.problem, long_study.predictor, long_study.likelihood
-        empty = long_study.fit(Hypothesis(), [empty.x], empty)
+    long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
+    empty = long_study.fit(Hypothesis(), [empty.x], empty)
     # The noise once more, now behind the best model; a last round under it if it has changed.
-    refined = replace(likelihood, colours=colours_from(problem, likelihood, ordered[0], predictor, motion_hz))
+    predictor = long_study.predictor
+    refined = colours_from(long_study.problem, long_study.likelihood, ordered[0], predictor, motion_hz)
     final = long_study
-    if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined.colours):
+    if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined):
         final = Study(
-            problem, predictor, refined, tuple(candidates), groups,
+            long_study.problem, predictor, replace(long_study.likelihood, colours=refined), tuple(candidates), groups,
             first_states=first.states, swing=period, hints=hints, before=long_study,
         )  # fmt: skip
         near = [f for f in ordered[: 2 * effort.beam] if f.score < FAR * ordered[0].score]
         seeds = [final.fit(f.hypothesis, [f.x], f) for f in near]
-        empty = final.fit(Hypothesis(), [empty.x], empty)
+        final.fit(Hypothesis(), [empty.x], empty)
         ordered = grow(final, seeds, effort, progress)
-    ordered = polish(final, ordered, effort, progress)
-    refined = final.likelihood
+    final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
+    problem, predictor = final.problem, final.predictor
+    empty = final.fit(Hypothesis(), [empty.x], empty)
     own = tuple(w for w in groups if w.run < len(problem.train))
     held = tuple(w for w in groups if w.run >= len(problem.train))
-    training = Study(problem, predictor, refined, tuple(candidates), own, first_states=first.states, swing=period)
+    training = Study(problem, predictor, final.likelihood, tuple(candidates), own, first_states=first.states, swing=period)
     frozen = np.ones(len(predictor.nominal), dtype=bool)
     states = {w: empty.states[w] for w in own}
     nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)
     return Outcome(
         problem, predictor, final, training, nominal, empty, ordered[0], ordered, held, motion_hz, period
     )  # fmt: skip
+
+
+def _other_way(
+    study: Study, ordered: list[Fit], effort: Effort, progress: Callable[[str], None]
+) -> tuple[Study, list[Fit]]:
+    """The search with efforts taken the other way (held, smooth), gone on with from there, where the best set is better so."""
+    turned = better_the_other_way(study, ordered, 2 * effort.beam)
+    if turned is None:
+        return study, ordered
+    progress("efforts taken otherwise")
+    return turned[0], grow(*turned, effort, progress)
 
 
 def _led_in(
