@@ -36,6 +36,7 @@ def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tu
     """The study with efforts taken the other way and its fits, if the best set there is better; the ``count`` best are tried.
 
     As good is enough to take them as smooth: what only a half interval more or less in every delay parts is no reason for holding.
+    It is one where nothing then is late at all: a finding less, as good.
     """
     best = ordered[0]
     if not study.problem.driven or not (study.problem.held or _late(best) or not study.only_noise(best)):
@@ -49,6 +50,8 @@ def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tu
         found = pruned(other, found)
     gain = study.criterion(best) - other.criterion(found)
     least = -PLAIN if study.problem.held else PLAIN
+    if len(found.hypothesis.members) < len(best.hypothesis.members) and not _late(found):
+        least = 0.0
     if gain < least * study.loudness(best):
         return None
     return other, sorted(other.fits.values(), key=other.criterion)

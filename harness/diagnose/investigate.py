@@ -12,7 +12,7 @@ from harness.diagnose.colour import Colour, estimate_colour
 from harness.diagnose.effort_hold import better_the_other_way, either_way
 from harness.diagnose.far_off import begun, far_off
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.horizon import calm, joined
+from harness.diagnose.horizon import Horizon
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.ordinary import ordinary
@@ -123,8 +123,8 @@ def investigate(
     motion_hz = MOTION_HARMONICS * frequency
     period = 1.0 / frequency
     likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
-    rate = 2.0 * np.pi * frequency
-    short = calm(problem, predictor, cut(problem.runs, every, SWINGS * period), rate)
+    horizon = Horizon(problem, predictor, 2.0 * np.pi * frequency)
+    short = horizon.calm(cut(problem.runs, every, SWINGS * period))
     first = _led_in(problem, predictor, likelihood, short, period)
     for _ in range(2):
         likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
@@ -134,7 +134,7 @@ def investigate(
         problem, predictor, likelihood = study.problem, study.predictor, study.likelihood
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
-    groups = joined(predictor, first, rate)
+    groups = horizon.joined(first)
     hints = study.tests
     long_study = Study(
         problem, predictor, likelihood, tuple(candidates), groups,
@@ -181,7 +181,9 @@ def investigate(
     empty = final.fit(Hypothesis(), [empty.x], empty)
     own = tuple(w for w in groups if w.run < len(problem.train))
     held = tuple(w for w in groups if w.run >= len(problem.train))
-    training = Study(problem, predictor, final.likelihood, tuple(candidates), own, first_states=first.states, swing=period)
+    training = Study(
+        problem, predictor, final.likelihood, tuple(candidates), own, first_states=first.states, swing=period
+    )
     frozen = np.ones(len(predictor.nominal), dtype=bool)
     states = {w: empty.states[w] for w in own}
     nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)
