@@ -156,9 +156,10 @@ def investigate(
     if min(f.score for f in seeds) > NONLINEAR * long_study.samples:
         seeds += ordinary(long_study, empty)
         progress("friction and drag together")
-    held_study, likeliest = either_way(long_study, min(seeds, key=long_study.criterion))
+    likeliest = min(seeds, key=long_study.criterion)
+    held_study, _ = either_way(long_study, likeliest)
     if held_study is not long_study:
-        near = [f for f in seeds if f.score < FAR * likeliest.score]
+        near = [f for f in seeds if f is likeliest or f.score < FAR * likeliest.score]
         long_study, seeds = held_study, [held_study.fit(f.hypothesis, [f.x], f) for f in near]
         progress("efforts held between samples")
     long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
