@@ -135,12 +135,16 @@ def investigate(
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
     groups = horizon.joined(first)
-    hints = study.tests
-    long_study = Study(
-        problem, predictor, likelihood, tuple(candidates), groups,
-        first_states=first.states, swing=period, hints=hints,
-    )  # fmt: skip
-    empty = long_study.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
+
+    def lengthened(short: Study) -> tuple[Study, Fit]:
+        """The study of joined windows with the efforts of the short ones, and its nominal model."""
+        longer = Study(
+            short.problem, short.predictor, short.likelihood, tuple(candidates), groups,
+            first_states=first.states, swing=period, hints=short.tests,
+        )  # fmt: skip
+        return longer, longer.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
+
+    long_study, empty = lengthened(study)
     progress("free runs of the nominal model")
     seeds = [empty]
     beginnings = begun(study, effort, progress) if far_off(study, first) else []
@@ -151,7 +155,10 @@ def investigate(
         # bent beyond its tolerance is far from the truth too, however well it fits.
         if not any(map(study.only_noise, beginnings)):
             beginnings += ordinary(study, first)
-        ordered = grow(study, [first, *beginnings], effort, progress, to_begin_with=True)
+        short_study, ordered = _begun_with(study, [first, *beginnings], effort, progress)
+        if short_study is not study:
+            long_study, empty = lengthened(short_study)
+            seeds = [empty]
         seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
     if min(f.score for f in seeds) > NONLINEAR * long_study.samples:
         seeds += ordinary(long_study, empty)
@@ -171,7 +178,7 @@ def investigate(
     if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined):
         final = Study(
             long_study.problem, predictor, replace(long_study.likelihood, colours=refined), tuple(candidates), groups,
-            first_states=first.states, swing=period, hints=hints, before=long_study,
+            first_states=first.states, swing=period, hints=long_study.hints, before=long_study,
         )  # fmt: skip
         near = [f for f in ordered[: 2 * effort.beam] if f.score < FAR * ordered[0].score]
         seeds = [final.fit(f.hypothesis, [f.x], f) for f in near]
@@ -191,6 +198,27 @@ def investigate(
     return Outcome(
         problem, predictor, final, training, nominal, empty, ordered[0], ordered, held, motion_hz, period
     )  # fmt: skip
+
+
+def _begun_with(
+    study: Study, seeds: Sequence[Fit], effort: Effort, progress: Callable[[str], None]
+) -> tuple[Study, list[Fit]]:
+    """Sets on short windows for whole runs to begin with; efforts are held from where that shows on."""
+    held: list[Study] = []
+
+    def shows(best: Fit) -> bool:
+        other, _ = either_way(study, best)
+        if other is not study:
+            held.append(other)
+        return bool(held)
+
+    ordered = grow(study, seeds, effort, progress, to_begin_with=True, stop=shows)
+    if not held:
+        return study, ordered
+    progress("efforts held between samples")
+    near = [f for f in ordered[: 2 * effort.beam] if f.score < FAR * ordered[0].score]
+    again = [held[0].fit(f.hypothesis, [f.x], f) for f in near]
+    return held[0], grow(held[0], again, effort, progress, to_begin_with=True)
 
 
 def _other_way(

@@ -54,11 +54,18 @@ class Effort:
 
 
 def grow(
-    study: Study, seeds: Sequence[Fit], effort: Effort, progress: Progress, *, to_begin_with: bool = False
+    study: Study,
+    seeds: Sequence[Fit],
+    effort: Effort,
+    progress: Progress,
+    *,
+    to_begin_with: bool = False,
+    stop: Callable[[Fit], bool] = lambda _: False,
 ) -> list[Fit]:
     """All fits worth keeping, best first, found by extending seeds one effect at a time and pruning backwards.
 
     to_begin_with: only to find where another study may begin, so that the first set that leaves nothing but noise is enough.
+    stop: asked about the best set after every round, whether to go no further.
     """
     growth = Growth(study, effort, progress, {f.hypothesis.identity: f for f in seeds}, to_begin_with)
     if to_begin_with and any(study.only_noise(f) for f in seeds):
@@ -72,7 +79,7 @@ def grow(
         for base in frontier:
             growth.extend(base)
         growth.shrink(growth.changed[found:], before)
-        if to_begin_with and study.only_noise(growth.ordered()[0]):
+        if (to_begin_with and study.only_noise(growth.ordered()[0])) or stop(growth.ordered()[0]):
             break
         growth.exchange()
         growth.prospect()
