@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.fit import Fit
+from harness.diagnose.grid import hermite
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import Problem
@@ -115,21 +116,22 @@ def transitions(
     half = n // 2
     units = np.concatenate([np.ones(half), np.full(half, rate)])
     out = np.empty((len(windows), n, n))
-    alike: dict[tuple[int, int, float], list[int]] = {}
+    alike: dict[tuple[int, int], list[int]] = {}
     for k, window in enumerate(windows):
-        own = predictor.grid(window, predictor.margin(hypothesis)).own
-        alike.setdefault((window.run, len(own), float(own[-1])), []).append(k)
+        # Samples that are unevenly spaced have grids of their own.
+        alike.setdefault((window.run, window.size if predictor.grid(window).exact else -1 - k), []).append(k)
     for places in alike.values():
-        own = predictor.grid(windows[places[0]], predictor.margin(hypothesis)).own
+        grid = predictor.grid(windows[places[0]])
         starts = np.concatenate([np.vstack([states[k], states[k] + STEP * np.eye(n)]) for k in places])
         tau = None
         if predictor.runs[windows[places[0]].run].effort is not None:
             lanes = [(0, windows[k], states[k]) for k in places]
-            tau = np.repeat(predictor.efforts(hypothesis, x[None, :], mechanism, lanes, own), n + 1, axis=0)
-        q, qd, _ = mechanism.model.simulate(
-            row, starts[:, :half], starts[:, half:], own,
+            tau = np.repeat(predictor.efforts(hypothesis, x[None, :], mechanism, lanes, grid.own), n + 1, axis=0)
+        motion = mechanism.model.simulate(
+            row, starts[:, :half], starts[:, half:], grid.own,
             tau=tau, hold=predictor.hold, tolerance=predictor.tolerance, threads=predictor.threads,
         )  # fmt: skip
+        q, qd, _ = hermite(grid, *motion)
         ends = np.concatenate([q[:, -1], qd[:, -1]], axis=1).reshape(len(places), n + 1, n)
         changes = (ends[:, 1:] - ends[:, :1]).transpose(0, 2, 1) / STEP
         out[places] = changes * units[None, None, :] / units[None, :, None]

@@ -143,6 +143,7 @@ class Sensor:
     courses: of a wave whose phase is every recording's own: (time (T,), params (B, k), times (K,) around every sample that it is
         the mean of) -> two courses (2, B, T) a quarter of a period apart, as large as stated; ``apply`` begins it at phase zero.
     own_zero: adds a constant of its own to every recording, as that shows it.
+    at_first: acts where a recording begins; a stretch of one that begins within it, from a state of its own, is as it is without.
     """
 
     apply: Callable[[Array, Array, Array], Array]
@@ -153,6 +154,7 @@ class Sensor:
     memory: Callable[[Array, Array, Array], tuple[Array, Array]] | None = None
     courses: Callable[[Array, Array, Array], Array] | None = None
     own_zero: bool = False
+    at_first: bool = False
 
 
 @dataclass(frozen=True)

@@ -30,5 +30,5 @@ EFFECT = Effect(
     simpler=(),
     confusable_with=("sensor_delay", "sensor_lowpass"),
     rarity=1.5,
-    sensor=Sensor(release, stage=5, every_channel=True),
+    sensor=Sensor(release, stage=5, every_channel=True, at_first=True),
 )

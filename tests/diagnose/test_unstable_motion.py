@@ -42,7 +42,7 @@ def test_an_error_of_what_stands_upside_down_grows_as_the_exponential() -> None:
     _, predictor = at_rest(np.pi)
     window = Window(0, 0, 81)
     (found,) = transitions(predictor, np.zeros(len(predictor.nominal)), [window], [np.array([np.pi, 0.0])], float(RATE))
-    turn = RATE * float(predictor.grid(window).own[-1])  # which may end a little after the window
+    turn = RATE * seconds(window)
     wanted = np.array([[np.cosh(turn), np.sinh(turn)], [np.sinh(turn), np.cosh(turn)]])
     assert np.abs(found - wanted).max() < 1e-4 * wanted.max()
 
