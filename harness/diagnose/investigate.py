@@ -166,11 +166,10 @@ def investigate(
     likeliest = min(seeds, key=long_study.criterion)
     held_study, _ = either_way(long_study, likeliest)
     if held_study is not long_study:
-        near = [f for f in seeds if f is likeliest or f.score < FAR * likeliest.score]
-        long_study, seeds = held_study, [held_study.fit(f.hypothesis, [f.x], f) for f in near]
+        long_study, seeds = held_study, _again(held_study, seeds, likeliest)
         progress("efforts held between samples")
     long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
-    empty = long_study.fit(Hypothesis(), [empty.x], empty)
+    empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [empty.x], empty)
     # The noise once more, now behind the best model; a last round under it if it has changed.
     predictor = long_study.predictor
     refined = colours_from(long_study.problem, long_study.likelihood, ordered[0], predictor, motion_hz)
@@ -180,13 +179,12 @@ def investigate(
             long_study.problem, predictor, replace(long_study.likelihood, colours=refined), tuple(candidates), groups,
             first_states=first.states, swing=period, hints=long_study.hints, before=long_study,
         )  # fmt: skip
-        near = [f for f in ordered[: 2 * effort.beam] if f.score < FAR * ordered[0].score]
-        seeds = [final.fit(f.hypothesis, [f.x], f) for f in near]
-        final.fit(Hypothesis(), [empty.x], empty)
+        seeds = _again(final, ordered[: 2 * effort.beam], ordered[0])
+        empty = final.fit(Hypothesis(), [empty.x], empty)
         ordered = grow(final, seeds, effort, progress)
     final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
     problem, predictor = final.problem, final.predictor
-    empty = final.fit(Hypothesis(), [empty.x], empty)
+    empty = final.known(Hypothesis()) or final.fit(Hypothesis(), [empty.x], empty)
     own = tuple(w for w in groups if w.run < len(problem.train))
     held = tuple(w for w in groups if w.run >= len(problem.train))
     training = Study(
@@ -216,9 +214,13 @@ def _begun_with(
     if not held:
         return study, ordered
     progress("efforts held between samples")
-    near = [f for f in ordered[: 2 * effort.beam] if f.score < FAR * ordered[0].score]
-    again = [held[0].fit(f.hypothesis, [f.x], f) for f in near]
+    again = _again(held[0], ordered[: 2 * effort.beam], ordered[0])
     return held[0], grow(held[0], again, effort, progress, to_begin_with=True)
+
+
+def _again(study: Study, fits: Sequence[Fit], best: Fit) -> list[Fit]:
+    """Fits of another study from where those stand that do not leave far more than the best one."""
+    return [study.fit(f.hypothesis, [f.x], f) for f in fits if f is best or f.score < FAR * best.score]
 
 
 def _other_way(

@@ -378,8 +378,8 @@ class Predictor(Mechanisms):
 
 def _sensed(signal: Array, local: Array, stamps: Array, acting: Sequence[tuple[Sensor, Array]]) -> Array:
     """A signal (B, T) after its sensors. local, stamps: times from the window's and the recording's first sample [s]."""
+    within = len(stamps) > 1 and stamps[0] > stamps[1] - stamps[0]
     for sensor, values in acting:
-        within = len(stamps) > 1 and stamps[0] > stamps[1] - stamps[0]
         if sensor.courses is not None or (sensor.at_first and within):
             continue
         # What stretches time does so from the window's first sample: the state there is free.
