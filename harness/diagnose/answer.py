@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from harness.diagnose.augmented import augmented
 from harness.diagnose.conclude import Claim, Conclusion
 from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis
@@ -16,7 +16,6 @@ from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, number, plainest, summary
 from harness.diagnose.fit import Fit
 from harness.diagnose.held_only import held_names
-from harness.diagnose.hypothesis import scaled
 from harness.diagnose.investigate import Outcome, judge, trained
 from harness.diagnose.locate import Mismatch, locate, rmse
 from harness.diagnose.lost import why_lost
@@ -27,9 +26,8 @@ from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.rivals import with_the_same
 from harness.diagnose.uncertainty import Estimate, across, estimates
 from harness.diagnose.zeros import Zero, zeros_of
-from harness.effects.room import STATED
 from harness.recording import Recording
-from harness.system import Attachment, System
+from harness.system import System
 
 SHOWN = 8  # hypotheses in the ranking
 
@@ -62,7 +60,12 @@ def answer(
             for r in recordings
             for n in getattr(r, "quality", ())
         ],
-        augmented=augmented(outcome, conclusion, values),
+        augmented=augmented(
+            problem.system,
+            outcome.predictor.nominal,
+            conclusion.own.x[: len(outcome.predictor.nominal)],
+            ((claim.candidate, values[claim.candidate.key]) for claim in conclusion.claims),
+        ),
         curves=curves(outcome, conclusion.own, conclusion.held),
         opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
@@ -285,24 +288,3 @@ def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
     if proposal is None:
         return {"what": "", "separates": []}
     return {"what": proposal.what, "separates": list(proposal.separates), "expected_sigma": proposal.separation}
-
-
-def augmented(outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]]) -> System:
-    """The nominal system with its quantities refitted within tolerance and the findings attached."""
-    predictor = outcome.predictor
-    factors = np.exp(outcome.problem.system.tolerance * conclusion.own.x[: len(predictor.nominal)])
-    system = scaled(outcome.problem.system, predictor.nominal, list(factors))
-    attachments = []
-    # What modifies another effect stands behind it, as a reader expects.
-    for claim in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies)):
-        name, site = claim.candidate.effect.name, claim.candidate.site
-        found = {k: e.value for k, e in values[claim.candidate.key].items()}
-        if name in STATED and next(iter(found.values())) < 0.0:
-            # Less than the model states is no effect to attach, but another number in the model.
-            joint, field = system.joint(site), STATED[name]
-            less = max(getattr(joint, field) + next(iter(found.values())), 0.0)
-            system = system.replace_joint(replace(joint, **{field: less}))
-            continue
-        spread = {k: e.std for k, e in values[claim.candidate.key].items() if e.std is not None}
-        attachments.append(Attachment(name, site, found, spread))
-    return replace(system, attachments=(*system.attachments, *attachments))

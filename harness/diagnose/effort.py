@@ -17,22 +17,23 @@ from numpy.typing import NDArray
 from scipy.stats import f as fisher
 from scipy.stats import norm
 
+from harness.diagnose.augmented import augmented
 from harness.diagnose.candidates import candidates
 from harness.diagnose.curves import Curves, ForceMap, Residuals
 from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.effort_fit import EffortData, EffortFit, effort_noise, fit_effort, grid_of, spread
-from harness.diagnose.effort_model import KNOWN, EffortModel, less_than_stated
+from harness.diagnose.effort_model import KNOWN, EffortModel
 from harness.diagnose.effort_motion import EffortRun, cutoff_for, effort_run
 from harness.diagnose.effort_search import EffortStudy, search
 from harness.diagnose.explain import finding_words
-from harness.diagnose.hypothesis import Candidate, Hypothesis, scaled
+from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.pushes import Push, find_pushes, mask_pushes, ordinary_terms
 from harness.diagnose.uncertainty import WIDE, Estimate
 from harness.effects.effect import Effect, SiteKind
 from harness.effects.scale import references
 from harness.errors import InputError, UnsupportedError
 from harness.recording.recording import QualityNote, Recording
-from harness.system import Attachment, System
+from harness.system import System
 
 Array = NDArray[np.float64]
 
@@ -213,7 +214,12 @@ class _Answer:
                 for r in self.recordings
                 for n in r.quality
             ],
-            augmented=self._augmented(values),
+            augmented=augmented(
+                self.system,
+                self.study.data.model.nominal,
+                self.best.x[: len(self.study.data.model.nominal)],
+                zip(self.best.hypothesis.members, values, strict=True),
+            ),
             curves=self._curves(nominal),
         )  # fmt: skip
 
@@ -430,25 +436,6 @@ class _Answer:
         if others:
             text += f" What is left shows as {others[0]['what']} ({', '.join(others[0]['where'])})."
         return text
-
-    def _augmented(self, values: list[dict[str, Estimate]]) -> System:
-        nominal = self.study.data.model.nominal
-        factors = np.exp(self.system.tolerance * self.best.x[: len(nominal)])
-        system = scaled(self.system, nominal, list(factors))
-        attachments = []
-        pairs = zip(self.best.hypothesis.members, values, strict=True)
-        # What modifies another effect stands behind it, as a reader expects.
-        for member, found in sorted(pairs, key=lambda pair: bool(pair[0].effect.modifies)):
-            attachment = Attachment(
-                member.effect.name, member.site, {k: e.value for k, e in found.items()},
-                {k: e.std for k, e in found.items() if e.std is not None},
-            )  # fmt: skip
-            less = less_than_stated(system, attachment)
-            if less is not None:
-                system = less
-            else:
-                attachments.append(attachment)
-        return replace(system, attachments=(*system.attachments, *attachments))
 
     def _curves(self, nominal: EffortFit) -> Curves:
         residuals, forces = [], []

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
+from harness.diagnose.augmented import less_than_stated
 from harness.diagnose.effort_motion import EffortRun
 from harness.diagnose.hypothesis import Hypothesis, Nominal, nominal_quantities, scaled
 from harness.effects.attach import input_chain, sensor_chain
@@ -115,19 +116,6 @@ class EffortModel:
                 slope = 1e-3
             residual[:, j] = (run.smooth(arrives(run.raw[:, j])) - torque[:, j]) / slope
         return residual
-
-
-def less_than_stated(system: System, attachment: Attachment) -> System | None:
-    """The system with less damping or dry friction than its joint states, if that is what the attachment says."""
-    stated = {"viscous_damping": ("coefficient", "damping"), "coulomb_friction": ("torque", "friction")}
-    if attachment.effect not in stated:
-        return None
-    parameter, field = stated[attachment.effect]
-    value = attachment.parameters[parameter]
-    if value >= 0.0:
-        return None
-    joint = system.joint(attachment.site)
-    return system.replace_joint(replace(joint, **{field: max(getattr(joint, field) + value, 0.0)}))
 
 
 def _true_motion(system: System, attachments: Sequence[Attachment], run: EffortRun) -> EffortRun:
