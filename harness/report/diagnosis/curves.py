@@ -75,6 +75,9 @@ def phase(f: ForceMap) -> str:
         axes[0, 1].set_ylim(-1.6 * span, 1.6 * span)
         axes[0, 1].set_xlabel(f"velocity [{unit}/s]")
         axes[0, 1].set_ylabel(missing)
+        for ax in axes[0]:
+            # Side by side there is room for no more, when a small range needs labels of many digits.
+            ax.locator_params(axis="x", nbins=5)
     return str(made.svg)
 
 

@@ -12,6 +12,7 @@ from harness.diagnose.curves import Curves
 from harness.diagnose.diagnosis import numbers_of, one_by_one
 from harness.report.diagnosis.curves import pictures
 from harness.report.diagnosis.figures import errors, windows
+from harness.report.diagnosis.numbers import ends, resolved, width_of
 
 Document = Mapping[str, Any]
 
@@ -35,6 +36,9 @@ class Answer:
             "findings": [{**f, "numbers": numbers_of(f)} for f in one_by_one(document["findings"])],
             "next_experiment": document.get("next_experiment") or {},
             "figure": figure,
+            "resolved": resolved,
+            "ends": ends,
+            "width_of": width_of,
         }
 
 

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.diagnose.diagnosis import numbers_of, one_by_one
+from harness.report.diagnosis.numbers import resolved
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
@@ -45,9 +46,9 @@ def _findings(findings: list[Mapping[str, Any]]) -> Table:
     table = _table("effect", "at", "parameters", "ΔBIC", "cannot be told from")
     for finding in one_by_one(findings):
         parameters = "; ".join(
-            f"{name} = {value['value']:.4g} ± {value['std']:.2g} {value['unit']}"
-            if value.get("std") is not None
-            else f"{name} = {value['value']:.4g} {value['unit']}"
+            f"{name} = {resolved(value['value'], value.get('std'))}"
+            + (f" ± {value['std']:.2g}" if value.get("std") is not None else "")
+            + f" {value['unit']}"
             for name, value in numbers_of(finding).items()
         )
         others = ", ".join(str(other) for other in finding.get("indistinguishable_from", ()))

@@ -1,0 +1,34 @@
+"""Values and intervals show what parts them, and no more."""
+
+import pytest
+
+from harness.report.diagnosis.numbers import ends, resolved
+
+
+@pytest.mark.parametrize(
+    ("value", "width", "text"),
+    [
+        (-0.060224, 2.3e-4, "-0.06022"),
+        (0.06, 1e-4, "0.06000"),
+        (0.0118, 8e-4, "0.0118"),
+        (0.0118, None, "0.0118"),
+        (0.0118, 0.0, "0.0118"),
+        (0.0, 0.1, "0.00"),
+        (1234.5, 3.0, "1234.5"),
+        (1234.5, 8.0, "1234"),
+        (1234.0, 400.0, "1.23e+03"),
+        (12.0, 50.0, "12.0"),
+        (None, 1.0, "–"),
+    ],
+)
+def test_digits_show_a_fifth_of_the_width(value: float | None, width: float | None, text: str) -> None:
+    assert resolved(value, width) == text
+
+
+def test_the_ends_of_a_narrow_interval_differ() -> None:
+    assert ends([-0.060338, -0.060111]) == "-0.06034 … -0.06011"
+
+
+def test_an_end_that_is_not_known_is_a_dash() -> None:
+    assert ends([None, 0.25]) == "– … 0.250"
+    assert ends(None) == ""
