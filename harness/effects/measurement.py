@@ -82,18 +82,22 @@ def deadzone(signal: Array, time: Array, params: Array) -> Array:
 def delay(signal: Array, time: Array, params: Array) -> Array:
     """signal(time − delay); params: delay [s].
 
-    Interpolated by cubics through four samples. What lies before the first sample is the parabola that touches
-    the signal there if it begins in motion, and the first sample if it begins at rest (a held link is released): the
-    parabola's curvature counts as far as the speed at the start exceeds what it makes of it in a delay.
+    Interpolated by cubics through four samples. What lies before the first sample is the wave that touches the signal there and
+    swings as it goes on, if it begins in motion, and the first sample if it begins at rest (a held link is released): the
+    curvature counts as far as the speed at the start exceeds what it makes of it in a delay.
     """
     shifted = resample(signal, time, time[None, :] - params[:, :1])
     early = time[None, :] - params[:, :1] < time[0]
     if not early.any() or len(time) < 4:
         return shifted
-    speed, bend = _at_first(signal, time)
-    moving = speed**2 / (speed**2 + (bend * params[:, :1]) ** 2 + 1e-300)
+    lag = np.maximum(params[:, :1], 1e-12)
+    speed, bend, moving, turns = _beginning(signal, time, lag, 1.0)
+    if not _within(time):
+        moving = speed**2 / (speed**2 + (bend * lag) ** 2 + 1e-300)
     before = time[None, :] - params[:, :1] - time[0]
-    return np.where(early, signal[:, :1] + before * (speed + 0.5 * moving * bend * before), shifted)
+    swing = np.sqrt(turns) / lag * before / np.pi
+    wave = before * (speed * np.sinc(swing) + 0.5 * moving * bend * before * np.sinc(0.5 * swing) ** 2)
+    return np.where(early, signal[:, :1] + wave, shifted)
 
 
 def _at_first(signal: Array, time: Array) -> tuple[Array, Array]:
@@ -191,14 +195,18 @@ def _followed(signal: Array, time: Array, params: Array) -> Array:
     return np.asarray(signal[:, 0] - np.clip(lag, -extent, extent)[:, 0])
 
 
-def _beginning(signal: Array, time: Array, tau: Array) -> tuple[Array, Array, Array, Array]:
+def _within(time: Array) -> bool:
+    """Whether a signal begins within a recording: the samples of one average begin up to an interval after the recording does."""
+    return bool(time[0] >= time[1] - time[0])
+
+
+def _beginning(signal: Array, time: Array, tau: Array, stretch: float = STRETCH) -> tuple[Array, Array, Array, Array]:
     """How signals (B, T) begin: speed, curvature, how far they are in motion (0 to 1), and (τ ω)² of their swing, each (B, 1).
 
-    Within a recording all are in motion; at its beginning a signal that starts from rest was held before. The samples of one
-    average begin up to an interval after the recording does.
+    Within a recording all are in motion; at its beginning a signal that starts from rest was held before.
     """
     # A wave about c has ẍ = −ω² (x − c): a regression over a few time constants, or over the first few samples if those are longer.
-    last = np.minimum(np.maximum(np.searchsorted(time, time[0] + STRETCH * tau), EDGE + FEW), len(time)) - 1
+    last = np.minimum(np.maximum(np.searchsorted(time, time[0] + stretch * tau), EDGE + FEW), len(time)) - 1
     # The slopes of slopes up to there need a few samples more.
     seen = slice(0, int(last.max()) + 1 + 2 * EDGE)
     bends = _slope(_slope(signal[:, seen], time[seen]), time[seen])
@@ -208,7 +216,7 @@ def _beginning(signal: Array, time: Array, tau: Array) -> tuple[Array, Array, Ar
     count, x, b, xb, xx = (np.take_along_axis(np.cumsum(inside * p, axis=1), last, axis=1) for p in products)
     turns = tau**2 * np.maximum(x * b - count * xb, 0.0) / np.maximum(count * xx - x**2, 1e-300)
     speed, bend = _at_first(signal, time)
-    if time[0] >= time[1] - time[0]:
+    if _within(time):
         return speed, bend, np.ones_like(speed), turns
     # What has just left rest follows x = b t²/2, and of that the filter keeps 1 − e^(−t/τ) of what it keeps of a wave, t = ẋ/ẍ.
     # What slows down has moved before, unless it only seems to.

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import ellipj
 
 from harness.effects import measurement
 
@@ -53,6 +54,26 @@ def test_a_signal_that_starts_from_rest_was_held_before():
     delayed = measurement.delay(released[None], time, np.array([[0.05]]))[0]
     expected = np.cos(RATE * np.maximum(time - 0.05, 0.0))
     assert np.abs(delayed - expected).max() < 2e-4  # while half the parabola would be ½ (ω d)² = 0.08 off
+
+
+@pytest.mark.parametrize("start", np.linspace(1.0, 1.0 + 2.0 * np.pi / RATE, 9))
+def test_a_window_within_a_recording_is_continued_as_it_swings(start):
+    time = start + np.arange(0.0, 0.5, 0.005)
+    late = 0.08  # a tenth of a swing: a parabola is up to (ω d)³/6 = 0.047 off
+    delayed = measurement.delay(wave(time)[None], time, np.array([[late]]))[0]
+    assert np.abs(delayed - wave(time - late)).max() < 2e-4
+
+
+@pytest.mark.parametrize("start", np.linspace(1.0, 2.0, 9))
+def test_a_wide_swing_within_a_recording_is_continued_better_than_by_a_parabola(start):
+    def swing(time):
+        # A pendulum of amplitude 1.5 rad: θ = 2 asin(k sn(ω t, k)), k = sin(0.75).
+        return 2.0 * np.arcsin(np.sin(0.75) * ellipj(2.0 * np.pi * time, np.sin(0.75) ** 2)[0])
+
+    time, late = start + np.arange(0.0, 0.5, 0.005), 0.05
+    delayed = measurement.delay(swing(time)[None], time, np.array([[late]]))[0]
+    # The worst parabola is 6.7e-3 off: the curvature changes by ω³ · 1.5 d within it.
+    assert np.abs(delayed - swing(time - late)).max() < 1.3e-3
 
 
 def test_clock_skew_stretches_time(time):
