@@ -242,7 +242,7 @@ def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Arr
     found: Fit | None = None
     for share in BEGINNINGS:
         parts = {
-            w: replace(w, last=w.first + max(round(share * w.size), min(FEWEST_SAMPLES, w.size))) for w in study.windows
+            w: w._replace(last=w.first + max(round(share * w.size), min(FEWEST_SAMPLES, w.size))) for w in study.windows
         }
         on, begun = objective.on(list(parts.values())), {part: states[w] for w, part in parts.items()}
         if found is None:

@@ -71,7 +71,8 @@ class Predictor(Mechanisms):
         self.finest_step = finest_step
         self.tolerance = TOLERANCE
         self._grids: dict[tuple[Window, float], Grid] = {}
-        self._drives: dict[tuple[int, int], Drive] = {}
+        self._drives: dict[tuple[int, int], Drive | None] = {}
+        self._stated: dict[tuple[int, int, int, int, float], Array] = {}
         self.threads = threads_allowed()
         self.lanes_run = 0
         self._stiff: StiffRuns | None = None
@@ -88,7 +89,7 @@ class Predictor(Mechanisms):
     def taking(self, problem: Problem) -> Predictor:
         """The same for a problem that takes the efforts of the same runs otherwise; what else is kept is shared."""
         other = copy(self)
-        other.problem, other.runs, other._drives = problem, problem.runs, {}
+        other.problem, other.runs, other._drives, other._stated = problem, problem.runs, {}, {}
         return other
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
@@ -275,7 +276,6 @@ class Predictor(Mechanisms):
     ) -> Array:
         """Generalized forces on the grid, shape (B, G, n), after the effects of the input side."""
         tau = np.zeros((len(lanes), len(grid_time), len(mechanism.names)))
-        joints = self.system.joint_names
         inputs = [(k, m) for k, m in enumerate(hypothesis.members) if m.effect.input is not None]
         inputs.sort(key=lambda item: item[1].effect.input.stage if item[1].effect.input else 0)
         # A clock that is off stamped the efforts as well: what acts at a true time stands in the file at the clock's.
@@ -283,33 +283,43 @@ class Predictor(Mechanisms):
         for k, member in enumerate(hypothesis.members):
             if member.effect.sensor is not None and member.effect.sensor.clock:
                 pace *= self.effect_values(hypothesis, k, x[[lane for lane, _, _ in lanes]])[:, 0]
-        for j, joint in enumerate(joints):
+        by_run: dict[int, list[int]] = {}
+        for lane, (_, window, _) in enumerate(lanes):
+            by_run.setdefault(window.run, []).append(lane)
+        for j, joint in enumerate(self.system.joint_names):
             column = mechanism.names.index(joint)
             modified = [(k, m) for k, m in inputs if m.site == joint or m.site.split(".")[0] == joint]
-            by_run: dict[int, list[int]] = {}
-            for lane, (_, window, _) in enumerate(lanes):
-                by_run.setdefault(window.run, []).append(lane)
             for run_index, places in by_run.items():
                 run = self.runs[run_index]
-                assert run.effort is not None
-                if not np.any(run.effort[:, j]):
+                stated = self._stated_drive(run_index, j)
+                if stated is None:
+                    continue
+                if not modified:
+                    for i in places:
+                        first = lanes[i][1].first
+                        tau[i, :, column] = self._stated_at(stated, run_index, j, first, float(pace[i]), grid_time)
                     continue
                 stamps = run.time - run.time[0]
-                drive = self._stated_drive(run_index, j)
-                if modified:
-                    signal = np.broadcast_to(self._stated_effort(run_index, j), (len(places), len(stamps)))
-                    for k, member in modified:
-                        params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
-                        assert member.effect.input is not None
-                        signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
-                    drive = Drive(run, signal, held=self.problem.held)
-                known: dict[tuple[int, float], Array] = {}
+                signal = np.broadcast_to(self._stated_effort(run_index, j), (len(places), len(stamps)))
+                for k, member in modified:
+                    params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
+                    assert member.effect.input is not None
+                    signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
+                drive = Drive(run, signal, held=self.problem.held)
                 for row, i in enumerate(places):
-                    key = (lanes[i][1].first, float(pace[i]))
-                    if modified or key not in known:
-                        known[key] = drive.at(stamps[key[0]] + pace[i] * grid_time, row if modified else 0)
-                    tau[i, :, column] = known[key]
+                    tau[i, :, column] = drive.at(stamps[lanes[i][1].first] + pace[i] * grid_time, row)
         return tau
+
+    def _stated_at(self, drive: Drive, run_index: int, j: int, first: int, pace: float, grid_time: Array) -> Array:
+        """A run's effort at joint ``j`` as it acts on the grid of windows that begin with sample ``first``, (G,)."""
+        run = self.runs[run_index]
+        start = run.time[first] - run.time[0]
+        if pace != 1.0:
+            return drive.at(start + pace * grid_time)
+        key = (run_index, j, first, len(grid_time), float(grid_time[1]) if len(grid_time) > 1 else 0.0)
+        if key not in self._stated:
+            self._stated[key] = drive.at(start + grid_time)
+        return self._stated[key]
 
     def _stated_effort(self, run_index: int, j: int) -> Array:
         """A run's effort at joint ``j`` after the effects of the input side that the model states, (1, T)."""
@@ -322,11 +332,14 @@ class Predictor(Mechanisms):
             signal = effect.input.apply(np.ascontiguousarray(signal), run.time - run.time[0], fixed)
         return signal
 
-    def _stated_drive(self, run_index: int, j: int) -> Drive:
-        """The same as it acts."""
+    def _stated_drive(self, run_index: int, j: int) -> Drive | None:
+        """The same as it acts; None if nothing was recorded to act there."""
         if (run_index, j) not in self._drives:
+            run = self.runs[run_index]
+            assert run.effort is not None
+            driven = np.any(run.effort[:, j])
             signal = self._stated_effort(run_index, j)
-            self._drives[run_index, j] = Drive(self.runs[run_index], signal, held=self.problem.held)
+            self._drives[run_index, j] = Drive(run, signal, held=self.problem.held) if driven else None
         return self._drives[run_index, j]
 
     def _observe(
@@ -472,13 +485,21 @@ def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
 
 def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:
     """Lanes that differ from all earlier ones, and for every lane which of those it equals (sensors share a motion)."""
-    seen: dict[bytes, int] = {}
+
+    def effort(k: int) -> bytes:
+        return b"" if tau is None else tau[k].tobytes()
+
     first: list[int] = []
     again: list[int] = []
+    begun: dict[bytes, int] = {}
+    # Efforts are long, and looked at only where all else is equal.
+    alike: dict[bytes, dict[bytes, int]] = {}
     for k in range(len(rows)):
-        key = rows[k].tobytes() + states[k].tobytes() + (b"" if tau is None else tau[k].tobytes())
-        if key not in seen:
-            seen[key] = len(first)
+        key = rows[k].tobytes() + states[k].tobytes()
+        place = begun.setdefault(key, len(first))
+        if place < len(first):
+            place = alike.setdefault(key, {effort(first[place]): place}).setdefault(effort(k), len(first))
+        if place == len(first):
             first.append(k)
-        again.append(seen[key])
+        again.append(place)
     return first, again

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,7 @@ from harness.diagnose.problem import Run
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Window:
+class Window(NamedTuple):
     """Samples ``first`` (included) to ``last`` (excluded) of run number ``run`` of a problem's ``runs``."""
 
     run: int
