@@ -80,10 +80,11 @@ def sample_times(duration: float, rate: float) -> Array:
     return np.arange(int(np.floor(count * (1.0 + 1e-12))) + 1) / rate
 
 
-def effort_from(path: str | Path, time: Array, system: System) -> Array:
+def effort_from(path: str | Path, time: Array, system: System, *, hold: str = "zero") -> Array:
     """Applied efforts at the sample times from a recording's ``<joint>.effort`` columns, shape (T, n).
 
-    Between the file's samples the last one holds; before the first and after the last it is zero.
+    hold: between the file's samples the last one holds ("zero"), as a controller's command does, or they are joined by straight
+    lines ("linear"), as is right for a measured effort. Before the first and after the last it is zero.
     """
     from harness.recording.table import read_table
     from harness.recording.units import factor_to_si
@@ -112,7 +113,8 @@ def effort_from(path: str | Path, time: Array, system: System) -> Array:
                 "is not a finite number everywhere", source=path, column=f"{joint}.effort", mend="fill the gaps"
             )
         factor, _ = factor_to_si(unit, "effort", prismatic=system.joint(joint).prismatic, source=path)
-        tau[inside, system.coordinate_names.index(joint)] = factor * values[place[inside]]
+        acting = values[place[inside]] if hold == "zero" else np.interp(time[inside], stamps, values)
+        tau[inside, system.coordinate_names.index(joint)] = factor * acting
     return tau
 
 
@@ -124,12 +126,14 @@ def run_once(
     *,
     engine: str = NATIVE,
     tau: Array | None = None,
+    hold: str = "zero",
     step: float | None = None,
 ) -> SingleRun:
     """Run a system once.
 
     position, velocity: initial values by coordinate name, others zero [rad or m, rad/s or m/s]. tau: (T, n), as
-    recorded; effects of the input attached to the system act on it, those of sensors on what is returned.
+    recorded; effects of the input attached to the system act on it, those of sensors on what is returned. hold: between samples
+    it keeps the earlier value ("zero") or runs straight ("linear"), which every engine is given as its mean from each to the next.
     Raises InputError for an unknown engine, a system the engine cannot express, and a motion that leaves all bounds.
     """
     if engine not in registry.names():
@@ -147,6 +151,8 @@ def run_once(
     names = list(system.coordinate_names)
     q0, qd0 = initial_state(whole, dict(position), dict(velocity))
     arriving = None if tau is None else _arriving(system, whole, tau, time)
+    if arriving is not None and hold == "linear":
+        arriving[:-1] = 0.5 * (arriving[1:] + arriving[:-1])
     try:
         run = model.simulate(q0, qd0, time, tau=arriving, step=step)
     except EngineError as error:

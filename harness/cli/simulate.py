@@ -17,6 +17,14 @@ from harness.cli.options import console, write_json
 @click.option("--position", multiple=True, metavar="JOINT=VALUE", help="Start position, pivot=1.2 or 'pivot=70[deg]'.")
 @click.option("--velocity", multiple=True, metavar="JOINT=VALUE", help="Start velocity, pivot=0.5 or 'pivot=30[rpm]'.")
 @click.option("--effort", metavar="FILE", help="Applied efforts: a recording with time and <joint>.effort columns.")
+@click.option(
+    "--hold",
+    type=click.Choice(["zero", "linear"]),
+    default="zero",
+    show_default=True,
+    help="Efforts between their samples: each holds until the next, as a command does, or they are joined by straight "
+    "lines, as is right for measured ones.",
+)
 @click.option("--engine", default="denoc", show_default=True, help="Which engine runs it (denoc doctor lists them).")
 @click.option("--step", type=float, metavar="S", help="Fixed step [s]; default: the engine's own choice.")
 @click.option("--allow-unphysical", is_flag=True, help="Run a model whose inertia no body can have all the same.")
@@ -32,6 +40,7 @@ def simulate(
     position: tuple[str, ...],
     velocity: tuple[str, ...],
     effort: str | None,
+    hold: str,
     engine: str,
     step: float | None,
     allow_unphysical: bool,
@@ -64,8 +73,8 @@ def simulate(
     time = sample_times(duration, rate)
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)
-    tau = None if effort is None else effort_from(effort, time, mechanism)
-    run = run_once(mechanism, time, start, speed, engine=engine, tau=tau, step=step)
+    tau = None if effort is None else effort_from(effort, time, mechanism, hold=hold)
+    run = run_once(mechanism, time, start, speed, engine=engine, tau=tau, hold=hold, step=step)
     screen = console(json_file)
     shapes = told_shapes(mechanism) if engine == NATIVE else ()
     if out is not None or plot is not None:

@@ -262,7 +262,7 @@ def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) 
         for column, joint in enumerate(outcome.problem.system.joint_names):
             tau[:, coordinates.index(joint)] = np.interp(time, stamps, run.effort[:, column])
     position, velocity = (dict(zip(names, part.tolist(), strict=True)) for part in np.split(state, 2))
-    return Opening(run.name, position, velocity, time, tau, noise)
+    return Opening(run.name, position, velocity, time, tau, noise, outcome.predictor.hold)
 
 
 def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:

@@ -33,8 +33,8 @@ class Opening:
     """Where a recording begins, as the augmented model was fitted to it, and what drives it.
 
     position, velocity: by coordinate name, effects' own coordinates included [rad or m, rad/s or m/s]. time: of the samples [s],
-    from 0, (T,). tau: efforts as recorded, (T, n) in the order of the nominal system's coordinates, or None. noise: standard
-    deviation of a channel's sensor by name.
+    from 0, (T,). tau: efforts as recorded, (T, n) in the order of the nominal system's coordinates, or None. hold: how they act
+    between samples, as the recordings showed. noise: standard deviation of a channel's sensor by name.
     """
 
     recording: str
@@ -43,6 +43,7 @@ class Opening:
     time: Array
     tau: Array | None
     noise: Mapping[str, float]
+    hold: str = "zero"
 
 
 def replay(system: System, opening: Opening) -> tuple[dict[str, Any], ...]:
@@ -91,7 +92,9 @@ def _columns(system: System, opening: Opening, engine: str) -> Mapping[str, Arra
     )
     step = FINE if any(attachment.effect in DEMANDING for attachment in system.attachments) else STEP
     own = None if engine == NATIVE else step
-    return run_once(system, opening.time, position, velocity, engine=engine, tau=opening.tau, step=own).columns
+    return run_once(
+        system, opening.time, position, velocity, engine=engine, tau=opening.tau, hold=opening.hold, step=own
+    ).columns
 
 
 def _left_out(engine: str, error: Exception) -> dict[str, Any]:

@@ -226,6 +226,7 @@ def test_simulate_refuses_what_makes_no_run(run, tmp_path):
     refused(run(*simulate, "--duration", "ten"), "ten")
     refused(run(*simulate, "--out", str(tmp_path / "run.xyz")), ".csv")
     refused(run(*simulate, "--effort", "nowhere.csv"), "nowhere.csv")
+    refused(run(*simulate, "--hold", "cubic"), "cubic")
     assert list(tmp_path.iterdir()) == []
 
 
