@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.windows import Window
 from harness.effects.effect import BY_MODEL, Effect
 from harness.effects.scale import References, tip_of
 from harness.system import Joint, Link, System
@@ -38,10 +39,12 @@ class Candidate:
     def size(self) -> int:
         return len(self.effect.parameters)
 
-    @property
-    def zeros(self) -> int:
-        """One if it adds a constant of its own to every window, else none."""
-        return int(self.effect.sensor is not None and self.effect.sensor.own_zero)
+    def own_numbers(self, windows: Sequence[Window]) -> int:
+        """How many numbers it has that are every window's own: constants, what is remembered of the time before."""
+        sensor = self.effect.sensor
+        if sensor is None:
+            return 0
+        return sensor.own_zero * len(windows) + sensor.remembers * sum(window.first > 0 for window in windows)
 
     @property
     def out_of_step(self) -> int:
@@ -73,10 +76,9 @@ class Hypothesis:
         """Number of effect parameters."""
         return sum(member.size for member in self.members)
 
-    @property
-    def zeros(self) -> int:
-        """Number of members that add a constant of its own to every window."""
-        return sum(m.zeros for m in self.members)
+    def own_numbers(self, windows: Sequence[Window]) -> int:
+        """How many numbers the members have that are every window's own."""
+        return sum(m.own_numbers(windows) for m in self.members)
 
     @property
     def out_of_step(self) -> int:

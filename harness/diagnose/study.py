@@ -100,8 +100,8 @@ class Study:
 
     def paid(self, fitted: Fit) -> float:
         """What the Bayesian criterion asks for a fit's numbers, those that are every window's own among them."""
-        zeros = fitted.hypothesis.zeros * len(fitted.windows)
-        return (fitted.hypothesis.size + zeros) * float(np.log(self.samples)) + BEGUN * fitted.vibrating
+        own = fitted.hypothesis.own_numbers(fitted.windows)
+        return (fitted.hypothesis.size + own) * float(np.log(self.samples)) + BEGUN * fitted.vibrating
 
     def evidence(self, fitted: Fit) -> float:
         """−2 log of the evidence (Laplace's method) up to a constant, to weigh rivals with equally many members.
@@ -122,8 +122,8 @@ class Study:
         volume = float(np.sum(np.log1p(np.maximum(np.linalg.eigvalsh(inner), 0.0) * WIDTH**2))) if own.any() else 0.0
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
         volume = min(volume, fitted.hypothesis.size * float(np.log(self.samples)))
-        zeros = fitted.hypothesis.zeros * len(fitted.windows) * float(np.log(self.samples))
-        return fitted.score + volume + zeros + BEGUN * fitted.vibrating + 2.0 * rare
+        every = fitted.hypothesis.own_numbers(fitted.windows) * float(np.log(self.samples))
+        return fitted.score + volume + every + BEGUN * fitted.vibrating + 2.0 * rare
 
     def price(self, candidate: Candidate, members: int = 0) -> float:
         """What the criterion asks for one more effect beside ``members``."""
@@ -133,7 +133,7 @@ class Study:
 
     def numbers(self, candidate: Candidate) -> int:
         """How many numbers a candidate adds: its parameters, and what is every window's own."""
-        return candidate.size + candidate.zeros * len(self.windows)
+        return candidate.size + candidate.own_numbers(self.windows)
 
     def states_for(self, hypothesis: Hypothesis, near: Fit | None = None) -> dict[Window, Array]:
         """Initial states to start a fit from: those of a fit nearby, or read off the recording."""

@@ -19,7 +19,7 @@ def zeros_of(outcome: Outcome, fitted: Fit, k: int) -> list[Zero]:
     None if it is no zero of a recording's own.
     """
     member = fitted.hypothesis.members[k]
-    if not member.zeros:
+    if member.effect.sensor is None or not member.effect.sensor.own_zero:
         return []
     (c,) = (c for c, channel in enumerate(outcome.problem.channels) if channel.name == member.site)
     lanes = [(0, window, fitted.states[window]) for window in fitted.windows]

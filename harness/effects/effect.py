@@ -140,6 +140,7 @@ class Sensor:
     clock: its first parameter is recorded over true time, so recorded efforts are stamped by it as well.
     linear: what it adds is proportional to how strongly it acts, so that a weak one is like a strong one made smaller.
     memory: of the same arguments, what it may still know of the time before the first sample: course (B, T) and size (B,).
+    remembers: that is as large as the signal where a stretch begins within a recording, a number of every such stretch's own.
     courses: of a wave whose phase is every recording's own: (time (T,), params (B, k), times (K,) around every sample that it is
         the mean of) -> two courses (2, B, T) a quarter of a period apart, as large as stated; ``apply`` begins it at phase zero.
     own_zero: adds a constant of its own to every recording, as that shows it.
@@ -152,6 +153,7 @@ class Sensor:
     clock: bool = False
     linear: bool = False
     memory: Callable[[Array, Array, Array], tuple[Array, Array]] | None = None
+    remembers: bool = False
     courses: Callable[[Array, Array, Array], Array] | None = None
     own_zero: bool = False
     at_first: bool = False

@@ -145,6 +145,23 @@ def highpass(signal: Array, time: Array, params: Array) -> Array:
     return signal - _passed(signal, time, params, params[:, 1] * signal[:, 0])
 
 
+def highpass_memory(signal: Array, time: Array, params: Array) -> tuple[Array, Array]:
+    """What a high-pass may still know of the time before its first sample, besides what it is said to have settled on.
+
+    Its course (B, T), −1 at first, and its size (B,): within a recording any part of the signal; where the recording begins, what
+    the low-pass makes of the signal in a sample's time, since the sensor was switched on by no clock of the recording.
+    """
+    lag = _time_constant(params)
+    size = np.abs(signal).max(axis=1)
+    if not _within(time):
+        size = (
+            np.abs(signal[:, 0]) * np.minimum((time[1] - time[0]) / lag, 1.0)
+            if len(time) > 1
+            else np.zeros(len(signal))
+        )
+    return -np.exp(-(time - time[0]) / lag[:, None]), size
+
+
 def _passed(signal: Array, time: Array, params: Array, start: Array) -> Array:
     """The low-pass of each lane's signal (B, T) that begins at ``start`` (B,)."""
     time_constant = _time_constant(params)

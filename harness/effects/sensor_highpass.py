@@ -1,7 +1,7 @@
 """A sensor that forgets: a charge amplifier, alternating-current coupling."""
 
 from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
-from harness.effects.measurement import highpass
+from harness.effects.measurement import highpass, highpass_memory
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -38,5 +38,5 @@ EFFECT = Effect(
     needs=("channel",),
     simpler=(),
     confusable_with=("sensor_drift", "sensor_offset", "sensor_gain"),
-    sensor=Sensor(highpass, stage=40),
+    sensor=Sensor(highpass, stage=40, memory=highpass_memory, remembers=True),
 )
