@@ -8,6 +8,7 @@ from harness.diagnose.conclude import Conclusion
 from harness.diagnose.creep import WHERE_HELD
 from harness.diagnose.doubt import LEVEL
 from harness.diagnose.remainder import Test
+from harness.diagnose.resolved import resolved
 from harness.diagnose.uncertainty import Estimate
 
 VERDICTS = {
@@ -33,8 +34,13 @@ def finding_words(
     parts = list(further)
     for name, e in values.items():
         unit = units[name] if units[name] != "1" else ""
-        parts.append(f"{name.replace('_', ' ')} {number(e.value)}{_spread(e)} {unit}".strip())
+        parts.append(f"{name.replace('_', ' ')} {_value(e)}{_spread(e)} {unit}".strip())
     return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
+
+
+def _value(e: Estimate) -> str:
+    """Four digits, or 0 if the value is far less than its spread."""
+    return resolved(e.value, e.std) if e.std is not None and abs(e.value) < e.std else number(e.value)
 
 
 def _spread(e: Estimate) -> str:

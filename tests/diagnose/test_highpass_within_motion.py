@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from simulated_recordings import recording
@@ -17,7 +19,7 @@ def forgetting(signal: np.ndarray) -> np.ndarray:
     """A high-pass at ``FINE`` that was at rest at zero until its first sample, of straight lines between samples."""
     a = np.pi * CUTOFF / FINE
     settled, out = 0.0, [signal[0]]
-    for before, now in zip(signal, signal[1:], strict=False):
+    for before, now in pairwise(signal):
         settled = (settled * (1.0 - a) + a * (before + now)) / (1.0 + a)
         out.append(now - settled)
     return np.array(out)

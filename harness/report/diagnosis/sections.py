@@ -10,9 +10,9 @@ from markupsafe import Markup
 
 from harness.diagnose.curves import Curves
 from harness.diagnose.diagnosis import numbers_of, one_by_one
+from harness.diagnose.resolved import ends, resolved, width_of
 from harness.report.diagnosis.curves import pictures
 from harness.report.diagnosis.figures import errors, windows
-from harness.report.diagnosis.numbers import ends, resolved, width_of
 
 Document = Mapping[str, Any]
 

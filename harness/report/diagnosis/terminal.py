@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.diagnose.diagnosis import numbers_of, one_by_one
-from harness.report.diagnosis.numbers import resolved
+from harness.diagnose.resolved import resolved
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
@@ -48,7 +48,7 @@ def _findings(findings: list[Mapping[str, Any]]) -> Table:
         parameters = "; ".join(
             f"{name} = {resolved(value['value'], value.get('std'))}"
             + (f" ± {value['std']:.2g}" if value.get("std") is not None else "")
-            + f" {value['unit']}"
+            + ("" if value["unit"] == "1" else f" {value['unit']}")
             for name, value in numbers_of(finding).items()
         )
         others = ", ".join(str(other) for other in finding.get("indistinguishable_from", ()))

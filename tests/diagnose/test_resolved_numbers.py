@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.report.diagnosis.numbers import ends, resolved
+from harness.diagnose.resolved import ends, resolved
 
 
 @pytest.mark.parametrize(
@@ -18,6 +18,9 @@ from harness.report.diagnosis.numbers import ends, resolved
         (1234.5, 8.0, "1234"),
         (1234.0, 400.0, "1.23e+03"),
         (12.0, 50.0, "12.0"),
+        (2.5e-5, 0.026, "0.000"),
+        (-2.5e-5, 0.026, "0.000"),
+        (3.0, 400.0, "0"),
         (None, 1.0, "–"),
     ],
 )
