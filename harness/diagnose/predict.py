@@ -295,9 +295,12 @@ class Predictor(Mechanisms):
                 if stated is None:
                     continue
                 if not modified:
+                    known: dict[tuple[int, float], Array] = {}
                     for i in places:
-                        first = lanes[i][1].first
-                        tau[i, :, column] = self._stated_at(stated, run_index, j, first, float(pace[i]), grid_time)
+                        key = (lanes[i][1].first, float(pace[i]))
+                        if key not in known:
+                            known[key] = self._stated_at(stated, run_index, j, *key, grid_time)
+                        tau[i, :, column] = known[key]
                     continue
                 stamps = run.time - run.time[0]
                 signal = np.broadcast_to(self._stated_effort(run_index, j), (len(places), len(stamps)))
