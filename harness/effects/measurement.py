@@ -149,16 +149,12 @@ def highpass_memory(signal: Array, time: Array, params: Array) -> tuple[Array, A
     """What a high-pass may still know of the time before its first sample, besides what it is said to have settled on.
 
     Its course (B, T), −1 at first, and its size (B,): within a recording any part of the signal; where the recording begins, what
-    the low-pass makes of the signal in a sample's time, since the sensor was switched on by no clock of the recording.
+    the low-pass makes of the signal in the time by which its samples are uneven, since the first may be off by as much.
     """
     lag = _time_constant(params)
     size = np.abs(signal).max(axis=1)
     if not _within(time):
-        size = (
-            np.abs(signal[:, 0]) * np.minimum((time[1] - time[0]) / lag, 1.0)
-            if len(time) > 1
-            else np.zeros(len(signal))
-        )
+        size = np.abs(signal[:, 0]) * np.minimum(np.std(np.diff(time)) / lag, 1.0)
     return -np.exp(-(time - time[0]) / lag[:, None]), size
 
 
