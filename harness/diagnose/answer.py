@@ -63,7 +63,7 @@ def answer(
         augmented=augmented(
             problem.system,
             outcome.predictor.nominal,
-            conclusion.own.x[: len(outcome.predictor.nominal)],
+            conclusion.own.x,
             ((claim.candidate, values[claim.candidate.key]) for claim in conclusion.claims),
         ),
         curves=curves(outcome, conclusion.own, conclusion.held),

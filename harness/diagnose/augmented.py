@@ -16,36 +16,44 @@ from harness.system import Attachment, System
 def augmented(
     system: System,
     nominal: Sequence[Nominal],
-    deviations: Array,
+    x: Array,
     found: Iterable[tuple[Candidate, Mapping[str, Estimate]]],
 ) -> System:
     """The system with its nominal quantities as fitted and the findings attached, with their standard deviations.
 
-    deviations: (number of nominal,) fitted, in standard deviations of the tolerance. found: each effect with its parameters [SI].
+    x: parameter vector, the nominal quantities' deviations first [standard deviations of the tolerance]. found: each effect with
+    its parameters [SI].
     """
-    system = scaled(system, nominal, list(np.exp(system.tolerance * deviations)))
-    attachments = []
+    bent = scaled(system, nominal, list(np.exp(system.tolerance * x[: len(nominal)])))
     # What modifies another effect stands behind it, as a reader expects.
-    for candidate, parameters in sorted(found, key=lambda pair: bool(pair[0].effect.modifies)):
-        attachment = Attachment(
-            candidate.effect.name,
-            candidate.site,
-            {name: estimate.value for name, estimate in parameters.items()},
-            {name: estimate.std for name, estimate in parameters.items() if estimate.std is not None},
-        )
-        less = less_than_stated(system, attachment)
+    return attached(
+        bent,
+        [
+            Attachment(
+                candidate.effect.name,
+                candidate.site,
+                {name: estimate.value for name, estimate in parameters.items()},
+                {name: estimate.std for name, estimate in parameters.items() if estimate.std is not None},
+            )
+            for candidate, parameters in sorted(found, key=lambda pair: bool(pair[0].effect.modifies))
+        ],
+    )
+
+
+def attached(system: System, further: Iterable[Attachment]) -> System:
+    """The system with further attachments; what takes away from stated dissipation is another number in the model instead."""
+    own = []
+    for attachment in further:
+        less = _less_than_stated(system, attachment)
         if less is None:
-            attachments.append(attachment)
+            own.append(attachment)
         else:
             system = less
-    return replace(system, attachments=(*system.attachments, *attachments))
+    return replace(system, attachments=(*system.attachments, *own))
 
 
-def less_than_stated(system: System, attachment: Attachment) -> System | None:
-    """The system with less damping or dry friction than its joint states, if that is what the attachment says.
-
-    Less than the model states is no effect to attach, but another number in the model.
-    """
+def _less_than_stated(system: System, attachment: Attachment) -> System | None:
+    """The system with less damping or dry friction than its joint states, if that is what the attachment says."""
     field = STATED.get(attachment.effect)
     if field is None:
         return None

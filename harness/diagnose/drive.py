@@ -64,20 +64,6 @@ class Drive:
         return forces
 
 
-def joined(steps: Array) -> Array:
-    """Forces (B, G, n) to be joined by straight lines that act as ones that are kept from each point to the next."""
-    out = steps.copy()
-    out[:, 1:] = 0.5 * (steps[:, 1:] + steps[:, :-1])
-    return out
-
-
-def kept(straight: Array) -> Array:
-    """Forces (B, G, n) to be kept from each point to the next that act as ones joined by straight lines."""
-    out = straight.copy()
-    out[:, :-1] = 0.5 * (straight[:, 1:] + straight[:, :-1])
-    return out
-
-
 def _given_back(time: Array, signal: Array, share: float) -> Array:
     """Samples (B, T) with (ω h)² times ``share`` added to their waves; a mechanism does not follow what lies far above."""
     if len(time) < 3 or share == 0.0:

@@ -217,7 +217,7 @@ class _Answer:
             augmented=augmented(
                 self.system,
                 self.study.data.model.nominal,
-                self.best.x[: len(self.study.data.model.nominal)],
+                self.best.x,
                 zip(self.best.hypothesis.members, values, strict=True),
             ),
             curves=self._curves(nominal),

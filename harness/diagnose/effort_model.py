@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
-from harness.diagnose.augmented import less_than_stated
+from harness.diagnose.augmented import attached
 from harness.diagnose.effort_motion import EffortRun
 from harness.diagnose.hypothesis import Hypothesis, Nominal, nominal_quantities, scaled
 from harness.effects.attach import input_chain, sensor_chain
@@ -49,8 +48,7 @@ class EffortModel:
     """Residual efforts of hypotheses about one system, along several runs."""
 
     def __init__(self, system: System, runs: Sequence[EffortRun]) -> None:
-        self.system = replace(system, attachments=())
-        self.stated = system.attachments
+        self.system = system
         self.runs = tuple(runs)
         self.nominal: tuple[Nominal, ...] = nominal_quantities(system)
 
@@ -59,25 +57,18 @@ class EffortModel:
         factors = np.exp(self.system.tolerance * x[: len(self.nominal)])
         system = scaled(self.system, self.nominal, list(factors))
         at = len(self.nominal)
-        attachments = list(self.stated)
+        own = []
         for member in hypothesis.members:
-            attachments.append(
-                Attachment(member.effect.name, member.site, member.effect.named(x[at : at + member.size]))
-            )
+            own.append(Attachment(member.effect.name, member.site, member.effect.named(x[at : at + member.size])))
             at += member.size
-        # Dissipation that is less than stated is no attachment but another number in the joint.
-        for k in range(len(attachments) - 1, len(self.stated) - 1, -1):
-            less = less_than_stated(system, attachments[k])
-            if less is not None:
-                system = less
-                del attachments[k]
-        whole = express(replace(system, attachments=tuple(attachments)))
+        system = attached(system, own)
+        whole = express(system)
         stribeck = {a.site: a.parameters for a in whole.beyond if a.effect == "stribeck_friction"}
         model = Denoc(whole.system)
         joints = [whole.system.joint(name) for name in whole.system.joint_names]
         out = []
         for run in self.runs:
-            moved = _true_motion(whole.system, attachments, run)
+            moved = _true_motion(whole.system, system.attachments, run)
             torque = model.inverse_dynamics_batch(moved.q, moved.qd, moved.qdd)
             if whole.forces.any:
                 torque = torque - whole.forces(moved.q, moved.qd)
@@ -90,7 +81,7 @@ class EffortModel:
                     level = level + extra["coulomb_torque"] + over * np.exp(-((v / extra["stribeck_velocity"]) ** 2))
                 if np.any(level):
                     torque[:, j] += level * np.tanh(v / run.still[j])
-            out.append(self._recorded(attachments, run, run.smooth(torque)))
+            out.append(self._recorded(system.attachments, run, run.smooth(torque)))
         return out
 
     def _recorded(self, attachments: Sequence[Attachment], run: EffortRun, torque: Array) -> Array:

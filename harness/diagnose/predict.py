@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.denoc.hold import kept
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.coordinates import CLOCK_MARGIN
-from harness.diagnose.drive import Drive, kept
+from harness.diagnose.drive import Drive
 from harness.diagnose.grid import Grid, hermite, make_grid, window_stamps
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.mechanisms import Mechanism, Mechanisms
@@ -20,6 +21,7 @@ from harness.diagnose.stiff_runs import StiffRuns
 from harness.diagnose.windows import Window
 from harness.effects.attach import input_chain, sensor_chain
 from harness.effects.effect import Sensor
+from harness.effects.measurement import within
 from harness.parallel import threads_allowed
 from harness.recording.sensors import observe
 from harness.system import System
@@ -72,7 +74,6 @@ class Predictor(Mechanisms):
         self.tolerance = TOLERANCE
         self._grids: dict[tuple[Window, float], Grid] = {}
         self._drives: dict[tuple[int, int], Drive | None] = {}
-        self._stated: dict[tuple[int, int, int, int, float], Array] = {}
         self.threads = threads_allowed()
         self.lanes_run = 0
         self._stiff: StiffRuns | None = None
@@ -89,7 +90,7 @@ class Predictor(Mechanisms):
     def taking(self, problem: Problem) -> Predictor:
         """The same for a problem that takes the efforts of the same runs otherwise; what else is kept is shared."""
         other = copy(self)
-        other.problem, other.runs, other._drives, other._stated = problem, problem.runs, {}, {}
+        other.problem, other.runs, other._drives = problem, problem.runs, {}
         return other
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
@@ -294,15 +295,15 @@ class Predictor(Mechanisms):
                 stated = self._stated_drive(run_index, j)
                 if stated is None:
                     continue
+                stamps = run.time - run.time[0]
                 if not modified:
                     known: dict[tuple[int, float], Array] = {}
                     for i in places:
                         key = (lanes[i][1].first, float(pace[i]))
                         if key not in known:
-                            known[key] = self._stated_at(stated, run_index, j, *key, grid_time)
+                            known[key] = stated.at(stamps[key[0]] + key[1] * grid_time)
                         tau[i, :, column] = known[key]
                     continue
-                stamps = run.time - run.time[0]
                 signal = np.broadcast_to(self._stated_effort(run_index, j), (len(places), len(stamps)))
                 for k, member in modified:
                     params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
@@ -312,17 +313,6 @@ class Predictor(Mechanisms):
                 for row, i in enumerate(places):
                     tau[i, :, column] = drive.at(stamps[lanes[i][1].first] + pace[i] * grid_time, row)
         return tau
-
-    def _stated_at(self, drive: Drive, run_index: int, j: int, first: int, pace: float, grid_time: Array) -> Array:
-        """A run's effort at joint ``j`` as it acts on the grid of windows that begin with sample ``first``, (G,)."""
-        run = self.runs[run_index]
-        start = run.time[first] - run.time[0]
-        if pace != 1.0:
-            return drive.at(start + pace * grid_time)
-        key = (run_index, j, first, len(grid_time), float(grid_time[1]) if len(grid_time) > 1 else 0.0)
-        if key not in self._stated:
-            self._stated[key] = drive.at(start + grid_time)
-        return self._stated[key]
 
     def _stated_effort(self, run_index: int, j: int) -> Array:
         """A run's effort at joint ``j`` after the effects of the input side that the model states, (1, T)."""
@@ -394,9 +384,9 @@ class Predictor(Mechanisms):
 
 def _sensed(signal: Array, local: Array, stamps: Array, acting: Sequence[tuple[Sensor, Array]]) -> Array:
     """A signal (B, T) after its sensors. local, stamps: times from the window's and the recording's first sample [s]."""
-    within = len(stamps) > 1 and stamps[0] > stamps[1] - stamps[0]
+    inside = within(stamps)
     for sensor, values in acting:
-        if sensor.courses is not None or (sensor.at_first and within):
+        if sensor.courses is not None or (sensor.at_first and inside):
             continue
         # What stretches time does so from the window's first sample: the state there is free.
         when = local if sensor.every_channel else stamps
@@ -488,21 +478,13 @@ def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
 
 def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:
     """Lanes that differ from all earlier ones, and for every lane which of those it equals (sensors share a motion)."""
-
-    def effort(k: int) -> bytes:
-        return b"" if tau is None else tau[k].tobytes()
-
+    seen: dict[bytes, int] = {}
     first: list[int] = []
     again: list[int] = []
-    begun: dict[bytes, int] = {}
-    # Efforts are long, and looked at only where all else is equal.
-    alike: dict[bytes, dict[bytes, int]] = {}
     for k in range(len(rows)):
-        key = rows[k].tobytes() + states[k].tobytes()
-        place = begun.setdefault(key, len(first))
-        if place < len(first):
-            place = alike.setdefault(key, {effort(first[place]): place}).setdefault(effort(k), len(first))
-        if place == len(first):
+        key = rows[k].tobytes() + states[k].tobytes() + (b"" if tau is None else tau[k].tobytes())
+        if key not in seen:
+            seen[key] = len(first)
             first.append(k)
-        again.append(place)
+        again.append(seen[key])
     return first, again

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.denoc.hold import joined
 from harness.denoc.lanes import LaneModel
 from harness.denoc.lanes_exponential import linearization, march, smooth
-from harness.diagnose.drive import joined
 from harness.diagnose.problem import ChannelInfo
 from harness.recording.sensors import observe
 

@@ -92,7 +92,7 @@ def delay(signal: Array, time: Array, params: Array) -> Array:
         return shifted
     lag = np.maximum(params[:, :1], 1e-12)
     speed, bend, moving, turns = _beginning(signal, time, lag, 1.0)
-    if not _within(time):
+    if not within(time):
         moving = speed**2 / (speed**2 + (bend * lag) ** 2 + 1e-300)
     before = time[None, :] - params[:, :1] - time[0]
     swing = np.sqrt(turns) / lag * before / np.pi
@@ -153,7 +153,7 @@ def highpass_memory(signal: Array, time: Array, params: Array) -> tuple[Array, A
     """
     lag = _time_constant(params)
     size = np.abs(signal).max(axis=1)
-    if not _within(time):
+    if not within(time):
         size = np.abs(signal[:, 0]) * np.minimum(np.std(np.diff(time)) / lag, 1.0)
     return -np.exp(-(time - time[0]) / lag[:, None]), size
 
@@ -208,9 +208,9 @@ def _followed(signal: Array, time: Array, params: Array) -> Array:
     return np.asarray(signal[:, 0] - np.clip(lag, -extent, extent)[:, 0])
 
 
-def _within(time: Array) -> bool:
+def within(time: Array) -> bool:
     """Whether a signal begins within a recording: the samples of one average begin up to an interval after the recording does."""
-    return bool(time[0] >= time[1] - time[0])
+    return len(time) > 1 and bool(time[0] >= time[1] - time[0])
 
 
 def _beginning(signal: Array, time: Array, tau: Array, stretch: float = STRETCH) -> tuple[Array, Array, Array, Array]:
@@ -229,7 +229,7 @@ def _beginning(signal: Array, time: Array, tau: Array, stretch: float = STRETCH)
     count, x, b, xb, xx = (np.take_along_axis(np.cumsum(inside * p, axis=1), last, axis=1) for p in products)
     turns = tau**2 * np.maximum(x * b - count * xb, 0.0) / np.maximum(count * xx - x**2, 1e-300)
     speed, bend = _at_first(signal, time)
-    if _within(time):
+    if within(time):
         return speed, bend, np.ones_like(speed), turns
     # What has just left rest follows x = b t²/2, and of that the filter keeps 1 − e^(−t/τ) of what it keeps of a wave, t = ẋ/ẍ.
     # What slows down has moved before, unless it only seems to.

@@ -12,7 +12,8 @@ from simulated_recordings import recording
 
 from harness import diagnose
 from harness.cases.pendulums import hinge
-from harness.diagnose.drive import Drive, joined, kept
+from harness.denoc.hold import joined, kept
+from harness.diagnose.drive import Drive
 from harness.diagnose.problem import Run
 from harness.recording import Recording
 from harness.system import Link, System
