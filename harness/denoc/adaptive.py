@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
-from harness.denoc.compiled import compiled, internal
+from harness.denoc.compiled import internal, stepper
 from harness.denoc.dynamics_call import call
 from harness.denoc.fixed_step import DIVERGED, copy_from, force_at
 from harness.denoc.rows import ARMATURE
@@ -144,7 +144,7 @@ def velocity_at(dense: Matrix, y0: Vector, x: float, i: int) -> float:
     return value + y0[i]
 
 
-@compiled
+@stepper
 def dormand_prince8(
     function: int,
     model: int,

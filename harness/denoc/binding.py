@@ -26,10 +26,12 @@ Array = NDArray[np.float64]
 
 # Words of the header that stands for a model on the way in.
 # FORWARD and INVERSE: addresses of the dynamics. RECURSION: of the forward dynamics that read the bodies' rows at every call.
+# BARE: not 0 where inverse dynamics leave passive forces out.
 (
     BODIES, COORDINATES, ROWS, TOPOLOGY, ELASTIC, ELASTIC_SIZE, ARRAY_TYPE, FLOAT_TYPE, FORWARD, INVERSE, RECURSION, CHAIN,
-) = range(12)  # fmt: skip
-HEADER_SIZE = 12
+    BARE,
+) = range(13)  # fmt: skip
+HEADER_SIZE = 13
 
 #: What an entry returns besides 0 and the row of a body without inertia.
 NOT_PLAIN, NOT_FINITE = -1, -2

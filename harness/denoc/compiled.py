@@ -10,7 +10,7 @@ from typing import Any, TypeVar, cast
 from numba import njit
 
 from harness.denoc.known_types import remember
-from harness.denoc.pipeline import Kernel, Part
+from harness.denoc.pipeline import Kernel, Part, ShortLoops
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -22,6 +22,7 @@ FAST_MATH = {"contract", "nsz"}
 _LINKED = (
     "compiled",
     "pipeline",
+    "code_library",
     "lanes_vector",
     "lanes_shuffle",
     "rigid_mass",
@@ -39,7 +40,22 @@ _LINKED = (
 
 def compiled(function: F) -> F:
     """The function as a kernel: compiled at first use, cached on disk, no bounds checks, division by zero gives inf."""
-    return cast(F, njit(cache=True, error_model="numpy", fastmath=FAST_MATH, pipeline_class=Kernel)(function))
+    return cast(
+        F,
+        njit(cache=True, error_model="numpy", fastmath=FAST_MATH, no_cfunc_wrapper=True, pipeline_class=Kernel)(
+            function
+        ),
+    )
+
+
+def stepper(function: F) -> F:
+    """As ``compiled``, for what integrates in time: its loops over coordinates are not worth being vectorised."""
+    return cast(
+        F,
+        njit(cache=True, error_model="numpy", fastmath=FAST_MATH, no_cfunc_wrapper=True, pipeline_class=ShortLoops)(
+            function
+        ),
+    )
 
 
 # Of what only kernels call: no way in from Python, and, unless arrays are made, no counting of references to them, whose calls

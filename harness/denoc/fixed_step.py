@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.denoc.compiled import allocating, compiled, internal
+from harness.denoc.compiled import allocating, internal, stepper
 from harness.denoc.dynamics_call import call
 
 Vector = Any
@@ -36,7 +36,7 @@ def copy_from(source: Vector, first: int, out: Vector) -> None:
         out[i] = source[first + i]
 
 
-@compiled
+@stepper
 def runge_kutta4(
     function: int,
     model: int,
@@ -105,7 +105,7 @@ _CLOSE = 1e-13
 _SLOW = 9
 
 
-@compiled
+@stepper
 def gauss_legendre6(
     function: int,
     model: int,

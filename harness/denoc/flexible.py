@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from harness.denoc.compiled import compiled, internal
+from harness.denoc.dynamics_call import call
 from harness.denoc.elastic import AXES, HAS_TIP_INERTIA, HEAD, POLAR, TIP_INERTIA
 from harness.denoc.rigid import add_shifted_inertia, turn_inertia
 from harness.denoc.rows import (
@@ -794,7 +795,7 @@ def accelerate(d: Rows, t: Topology, e: Beams, i: int, qdd: Vector) -> None:
                 d[i, ACCELERATION + c] += e[o + c] * qdd[first + k]
 
 
-@compiled
+@internal
 def inverse_dynamics(
     bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, qdd: Vector, tau: Vector
 ) -> None:
@@ -1069,20 +1070,14 @@ def momentum(bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector,
 
 @compiled
 def hub_rows(
-    bodies: int,
-    d: Rows,
-    t: Topology,
-    e: Beams,
-    i: int,
-    Q: Matrix,
-    Qd: Matrix,
-    Qdd: Matrix,
-    scratch: Vector,
-    out: Matrix,
+    inverse: int, model: int, d: Rows, i: int, Q: Matrix, Qd: Matrix, Qdd: Matrix, scratch: Vector, out: Matrix
 ) -> None:
-    """Rotation (9), spin (3) and acceleration less gravity (6) of body i in every row; out (B, 18)."""
+    """Rotation (9), spin (3) and acceleration less gravity (6) of body i in every row; out (B, 18).
+
+    inverse: address of inverse dynamics, which leave all that in the rows d of the model.
+    """
     for k in range(len(Q)):
-        inverse_dynamics(bodies, d, t, e, Q[k], Qd[k], Qdd[k], scratch)
+        call(inverse, model, Q[k].ctypes.data, Qd[k].ctypes.data, Qdd[k].ctypes.data, scratch.ctypes.data)
         for c in range(9):
             out[k, c] = d[i, TURN + c]
         for c in range(3):

@@ -10,7 +10,7 @@ from typing import Any
 
 from numba import cfunc, types
 
-from harness.denoc.binding import BODIES, COORDINATES, elastic_of, header_at, rows_of, topology_of, vector_at
+from harness.denoc.binding import BARE, BODIES, COORDINATES, elastic_of, header_at, rows_of, topology_of, vector_at
 from harness.denoc.flexible import forward_dynamics, inverse_dynamics, subtract_passive
 from harness.denoc.pipeline import Kernel
 
@@ -45,7 +45,8 @@ def _inverse() -> Any:
         d, t, e = rows_of(header), topology_of(header), elastic_of(header)
         at = vector_at(q, n), vector_at(qd, n), vector_at(qdd, n), vector_at(tau, n)
         inverse_dynamics(header[BODIES], d, t, e, at[0], at[1], at[2], at[3])
-        subtract_passive(header[BODIES], d, t, e, at[0], at[1], at[3])
+        if header[BARE] == 0:
+            subtract_passive(header[BODIES], d, t, e, at[0], at[1], at[3])
         return 0
 
     return inverse

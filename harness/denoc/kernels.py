@@ -58,7 +58,6 @@ def _rigid_others() -> None:
 
     entry(mass_entry, 2)
     _compile(rigid_mass.mass_matrix_rows, *_RIGID, _MATRIX, _CUBE)
-    _compile(rigid.inverse_dynamics, *_RIGID, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
     _compile(rigid.energy_rows, *_RIGID, _MATRIX, _MATRIX, _MATRIX)
     _compile(rigid.subtract_passive, *_RIGID, _VECTOR, _VECTOR, _VECTOR)
     _compile(rigid.locate, *_RIGID, _VECTOR, _VECTOR)
@@ -74,9 +73,8 @@ def _flexible_others() -> None:
     from harness.denoc import flexible
 
     _compile(flexible.mass_matrix_rows, *_FLEXIBLE, _MATRIX, _CUBE)
-    _compile(flexible.inverse_dynamics, *_FLEXIBLE, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
     _compile(flexible.energy_rows, *_FLEXIBLE, _MATRIX, _MATRIX, _MATRIX)
-    _compile(flexible.hub_rows, *_FLEXIBLE, 1, _MATRIX, _MATRIX, _MATRIX, _VECTOR, _MATRIX)
+    _compile(flexible.hub_rows, 1, 1, _MATRIX, 1, _MATRIX, _MATRIX, _MATRIX, _VECTOR, _MATRIX)
     _compile(flexible.subtract_passive, *_FLEXIBLE, _VECTOR, _VECTOR, _VECTOR)
     _compile(flexible.locate, *_FLEXIBLE, _VECTOR, _VECTOR)
 

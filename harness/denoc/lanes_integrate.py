@@ -57,7 +57,7 @@ from harness.denoc.lanes_vector import (
     store,
     vectors,
 )
-from harness.denoc.pipeline import Kernel
+from harness.denoc.pipeline import ShortLoops
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
@@ -798,7 +798,7 @@ def present_nodes(tree: Any, constants: Any, present: Any) -> None:
                 present[i, KIND] = ABSENT
 
 
-@njit(cache=True, error_model="numpy", nogil=True, pipeline_class=Kernel)
+@njit(cache=True, error_model="numpy", nogil=True, pipeline_class=ShortLoops)
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
     recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,

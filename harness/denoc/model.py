@@ -10,7 +10,17 @@ from numpy import empty
 from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc import rigid, rigid_chain
-from harness.denoc.binding import CHAIN, FORWARD, INVERSE, NOT_FINITE, NOT_PLAIN, RECURSION, entry, make_header
+from harness.denoc.binding import (
+    BARE,
+    CHAIN,
+    FORWARD,
+    INVERSE,
+    NOT_FINITE,
+    NOT_PLAIN,
+    RECURSION,
+    entry,
+    make_header,
+)
 from harness.denoc.dynamics_call import addresses, call_rows, forward_entry, inverse_entry
 from harness.denoc.elastic import pack_beams
 from harness.denoc.results import apart, finite, place_for
@@ -41,6 +51,8 @@ class Denoc:
 
     __slots__ = (
         "_arguments",
+        "_bare",
+        "_bare_header",
         "_chain",
         "_elastic",
         "_forward",
@@ -87,6 +99,9 @@ class Denoc:
             self._chain = rigid_chain.pack(tree)
             self._header[FORWARD], self._header[CHAIN] = chain_address(), self._chain.ctypes.data
         self._model = int(self._header.ctypes.data)
+        self._bare_header = self._header.copy()
+        self._bare_header[BARE] = 1
+        self._bare = int(self._bare_header.ctypes.data)
         self._zero = np.zeros(tree.n)
         self._forward = entry(forward_entry, 4)
         self._inverse = entry(inverse_entry, 4)
@@ -167,7 +182,7 @@ class Denoc:
         """C(q, q̇) q̇ + g(q), without passive forces, shape (n,)."""
         out = np.empty(self.n)
         q, qd = self.vector("q", q), self.vector("qd", qd)
-        self._kernels.inverse_dynamics(*self._arguments, q, qd, self._zero, out)
+        call_rows(int(self._header[INVERSE]), self._bare, q[None], qd[None], self._zero[None], out[None])
         return out
 
     def gravity(self, q: ArrayLike) -> Array:
@@ -292,7 +307,9 @@ class Denoc:
     def hub_motion(self, body: int, Q: Array, Qd: Array, Qdd: Array) -> Array:
         """Rotation (9), spin (3), acceleration less gravity (6) of a body in every row, (B, 18); flexible systems only."""
         out = np.empty((len(Q), 18))
-        self._kernels.hub_rows(*self._arguments, body, Q, Qd, Qdd, np.empty(self.n), out)
+        self._kernels.hub_rows(
+            int(self._header[INVERSE]), self._model, self.tree.rows, body, Q, Qd, Qdd, np.empty(self.n), out
+        )
         return out
 
     def simulate(

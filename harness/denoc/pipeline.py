@@ -1,8 +1,11 @@
 """How numba is led through a kernel: the passes that kernels need, and machine code only for what is called from outside.
 
 Kernels are long rows of formulas without closures, exceptions, context managers or generators. numba's usual passes look for all
-of these several times over, which is a sixth of the time (``Kernel``). And it makes machine code of every function, of
-those too that other kernels only ever take in: another fifth (``Part``).
+of these several times over, which is a sixth of the time, and note four times how long every variable lives, for generators
+and for counting references, of which only the last is read: a tenth (``Kernel``). And it makes machine code of every
+function, of those too that other kernels only ever take in: another fifth (``Part``). Loops over the coordinates of one
+mechanism are too short for LLVM's vectoriser, which makes four times their code of them; where a kernel has no others,
+it is left out (``ShortLoops``).
 
 Compiling makes objects by the million and keeps most of them, so that the garbage collector, at its usual pace, walks
 through all of them again and again and finds nothing: a twentieth of the time, where other work fills the caches a quarter. It
@@ -19,20 +22,71 @@ import gc
 from collections.abc import Iterator
 from typing import Any
 
-from numba.core import codegen, typed_passes, untyped_passes
+from numba.core import codegen, ir_utils, ssa, transforms, typed_passes, untyped_passes
 from numba.core.compiler import Compiler, CompilerBase
-from numba.core.compiler_machinery import PassManager
+from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
 
-# In the order in which they run; those that numba has besides are for what kernels do not contain.
-_PASSES = (
+from harness.denoc.code_library import Library, LinkedOnly, ShortLoopsLibrary
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _Canonical(FunctionPass):
+    """``IRProcessing`` without the lives of variables: blocks in the form that all later passes expect."""
+
+    _name = "kernel_canonical"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        function = state.func_ir
+        function.blocks = transforms.canonicalize_cfg(function.blocks)
+        function.generator_info = None
+        return True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _SingleAssignment(FunctionPass):
+    """``ReconstructSSA`` without the lives of variables."""
+
+    _name = "kernel_single_assignment"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        state.func_ir = ssa.reconstruct_ssa(state.func_ir)
+        state.func_ir._definitions = ir_utils.build_definitions(state.func_ir.blocks)
+        return True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _WithoutPhis(FunctionPass):
+    """``PreLowerStripPhis`` without the lives of variables."""
+
+    _name = "kernel_without_phis"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        state.func_ir = typed_passes.PreLowerStripPhis()._strip_phi_nodes(state.func_ir)
+        state.func_ir._definitions = ir_utils.build_definitions(state.func_ir.blocks)
+        return True
+
+
+# numba's by name and ours in place of some, in the order in which they run; those that numba has besides are for what kernels
+# do not contain.
+_PASSES: tuple[tuple[Any, str] | type[Any], ...] = (
     (untyped_passes, "TranslateByteCode"),
     (untyped_passes, "FixupArgs"),
-    (untyped_passes, "IRProcessing"),
+    _Canonical,
     (untyped_passes, "GenericRewrites"),
-    (untyped_passes, "ReconstructSSA"),
+    _SingleAssignment,
     (typed_passes, "NopythonTypeInference"),
-    (typed_passes, "PreLowerStripPhis"),
+    _WithoutPhis,
     (typed_passes, "NoPythonSupportedFeatureValidation"),
+    # The lives of variables, and where they end.
     (typed_passes, "IRLegalization"),
     (typed_passes, "NativeLowering"),
     (typed_passes, "NoPythonBackend"),
@@ -44,7 +98,7 @@ _COLLECTIONS = (50_000, 20, 5)
 
 
 @contextlib.contextmanager
-def _fewer_collections() -> Iterator[None]:
+def fewer_collections() -> Iterator[None]:
     """Let the garbage collector come less often than the user has it, if he has it at all."""
     before = gc.get_threshold()
     if 0 < before[0] < _COLLECTIONS[0]:
@@ -58,85 +112,63 @@ def _fewer_collections() -> Iterator[None]:
 class _Kernel(CompilerBase):
     """The compiler with the passes of ``_PASSES``."""
 
-    def compile_extra(self, function: Any) -> Any:
-        """Compile a function, and first whatever it calls."""
-        with _fewer_collections():
-            return super().compile_extra(function)
-
-    def define_pipelines(self) -> list[Any]:
-        passes = PassManager("kernel")
-        for home, name in _PASSES:
-            passes.add_pass(getattr(home, name), name)
-        passes.finalize()
-        return [passes]
-
-
-class _Absent:
-    """The code generator of a library that has no code: nothing in it can be set."""
-
-    def __init__(self, generator: Any) -> None:
-        self._generator = generator
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._generator, name)
-
-    def set_env(self, name: str, environment: Any) -> None:
-        """Nothing: the environment is for calls from Python and for exceptions."""
-
-
-class _LinkedOnly(codegen.JITCodeLibrary):
-    """Code that is linked into other code, and optimized and translated there."""
-
-    @property
-    def codegen(self) -> Any:
-        return _Absent(self._codegen)
-
-    def get_pointer_to_function(self, name: str) -> int:
-        self._ensure_finalized()
-        return 0
-
-    def finalize(self) -> None:
-        for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
-        self._finalize_dynamic_globals()
-        self._finalized = True
-
-    def get_asm_str(self) -> str:
-        """Assembly of the code as it would be by itself."""
-        self._ensure_finalized()
-        alone = codegen.JITCodeLibrary(self._codegen, self.name)
-        alone._final_module = self._final_module.clone()
-        alone._optimize_final_module()
-        return str(alone.get_asm_str())
-
-
-class _Part(_Kernel):
-    """``_Kernel`` for a function without wrappers, which only other kernels can call."""
+    _library: type[Library] = Library
 
     def __init__(
         self, typingctx: Any, targetctx: Any, library: Any, args: Any, return_type: Any, flags: Any, locals: Any
     ) -> None:
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
-        if self.state.library is None and flags.no_cpython_wrapper and flags.no_cfunc_wrapper:
-            self.state.library = _LinkedOnly(self.state.targetctx.codegen(), "part")
+        if self.state.library is None:
+            self.state.library = self._new_library(flags)
+
+    def _new_library(self, flags: Any) -> Library:
+        library = self._library(self.state.targetctx.codegen(), "kernel")
+        library.enable_object_caching()
+        return library
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function, and first whatever it calls."""
+        with fewer_collections():
+            return super().compile_extra(function)
+
+    def define_pipelines(self) -> list[Any]:
+        passes = PassManager("kernel")
+        for step in _PASSES:
+            made = step if isinstance(step, type) else getattr(*step)
+            passes.add_pass(made, made.__name__)
+        passes.finalize()
+        return [passes]
+
+
+class _Part(_Kernel):
+    """``_Kernel`` for a function without wrappers, which only other kernels can call."""
+
+    def _new_library(self, flags: Any) -> Library:
+        if flags.no_cpython_wrapper and flags.no_cfunc_wrapper:
+            return LinkedOnly(self.state.targetctx.codegen(), "part")
+        return super()._new_library(flags)
+
+
+class _ShortLoops(_Kernel):
+    """``_Kernel`` for what loops over the coordinates of a mechanism and not over states."""
+
+    _library = ShortLoopsLibrary
 
 
 def _known() -> bool:
     """Whether this numba has what the classes above build on."""
-    library = codegen.CPUCodeLibrary
-    return all(hasattr(home, name) for home, name in _PASSES) and all(
-        hasattr(library, name)
-        for name in (
-            "_ensure_finalized",
-            "_get_module_for_linking",
-            "_finalize_dynamic_globals",
-            "_optimize_final_module",
-        )
-    )
+    wanted = [step for step in _PASSES if not isinstance(step, type)]
+    wanted += [(getattr(typed_passes, "PreLowerStripPhis", None), "_strip_phi_nodes"), (ssa, "reconstruct_ssa")]
+    wanted += [(transforms, "canonicalize_cfg"), (ir_utils, "build_definitions")]
+    wanted += [(codegen.CPUCodegen, "_module_pass_manager")]
+    for name in ("_ensure_finalized", "_get_module_for_linking", "_finalize_dynamic_globals", "_optimize_final_module"):
+        wanted.append((codegen.CPUCodeLibrary, name))
+    return all(hasattr(home, name) for home, name in wanted)
 
 
 #: For ``njit(pipeline_class=…)`` and ``cfunc``.
 Kernel: Any = _Kernel if _known() else Compiler
+#: The same for kernels whose loops are short.
+ShortLoops: Any = _ShortLoops if _known() else Compiler
 #: The same for functions that only kernels call; they are not to be cached, being nothing by themselves.
 Part: Any = _Part if _known() else Compiler

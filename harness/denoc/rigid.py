@@ -301,7 +301,7 @@ def ride(d: Rows, i: int, p: int) -> tuple[float, float, float, float, float, fl
     return wx + d[i, BIAS], wy + d[i, BIAS + 1], wz + d[i, BIAS + 2], ax, ay, az
 
 
-@compiled
+@internal
 def inverse_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, qdd: Vector, tau: Vector) -> None:
     """Generalized forces without passive ones: twists outwards, wrenches inwards (Newton-Euler, N_dᵀ N_lᵀ w)."""
     for i in range(1, n + 1):

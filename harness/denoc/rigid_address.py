@@ -12,6 +12,7 @@ import numpy as np
 from numba import cfunc, types
 
 from harness.denoc.binding import (
+    BARE,
     BODIES,
     CHAIN,
     COORDINATES,
@@ -104,7 +105,8 @@ def _inverse() -> Any:
         d, t = rows_of(header), topology_of(header)
         at = vector_at(q, n), vector_at(qd, n), vector_at(qdd, n), vector_at(tau, n)
         inverse_dynamics(header[BODIES], d, t, at[0], at[1], at[2], at[3])
-        subtract_passive(header[BODIES], d, t, at[0], at[1], at[3])
+        if header[BARE] == 0:
+            subtract_passive(header[BODIES], d, t, at[0], at[1], at[3])
         return 0
 
     return inverse

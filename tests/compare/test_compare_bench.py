@@ -148,6 +148,9 @@ def test_unknown_benchmark_is_refused_before_anything_runs() -> None:
     with pytest.raises(InputError, match="single_calls"):
         next(bench.run(["single_calls"]))
     assert bench.select(["batch"]) == {"batch": bench.BENCHMARKS["batch"].rows}
+    assert bench.select(["*_batch_two_threads"])["batch"] == tuple(
+        f"{what}_batch_two_threads" for what in ("forward_dynamics", "inverse_dynamics", "mass_matrix")
+    )
     assert bench.select(["forward_dynamics_b*", "startup_help"]) == {
         "batch": ("forward_dynamics_batch", "forward_dynamics_batch_two_threads"),
         "startup": ("startup_help",),

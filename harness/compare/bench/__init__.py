@@ -38,6 +38,8 @@ BENCHMARKS = {
             "mass_matrix_batch",
             "mass_matrix_batch_large",
             "forward_dynamics_batch_two_threads",
+            "inverse_dynamics_batch_two_threads",
+            "mass_matrix_batch_two_threads",
         ),
     ),
     "scaling": Benchmark(

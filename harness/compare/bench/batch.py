@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.compare.bench.measure import side_by_side
+from harness.compare.bench.measure import processor_time, side_by_side
 from harness.compare.bench.peers import Array, Options, States, chain, native, or_skipped, peer_model, robots, states
 from harness.compare.bench.row import Row
 from harness.compare.bench.single_call import faster
@@ -24,6 +24,7 @@ CACHED, LARGE = 4_000_000, 64_000_000
 _LARGE = "_large"
 # Joints and states of what two threads share.
 SHARED_N, SHARED = 7, 200_000
+SHARED_METHODS = ("forward_dynamics", "inverse_dynamics", "mass_matrix")
 
 
 def run(options: Options) -> Iterator[Row]:
@@ -37,31 +38,34 @@ def run(options: Options) -> Iterator[Row]:
         yield from or_skipped(
             "forward_dynamics_batch", n, "pinocchio", partial(_rows, case, system, wanted, options), case=case
         )
-    yield from or_skipped(
-        "forward_dynamics_batch_two_threads", SHARED_N, "denoc on one thread", partial(_threads, options)
-    )
+    for what in SHARED_METHODS:
+        yield from or_skipped(
+            f"{what}_batch_two_threads", SHARED_N, "denoc on one thread", partial(_threads, what, options)
+        )
 
 
-def _threads(options: Options) -> Iterable[Row]:
+def _threads(what: str, options: Options) -> Iterable[Row]:
     """What a second thread gains, for many states of a chain of seven."""
     from harness.denoc.batch import BatchModel
 
     system = chain(SHARED_N)
     at = states(SHARED_N, SHARED)
+    given = (at.q,) if what == "mass_matrix" else (at.q, at.qd, at.tau)
+    shape = (SHARED, SHARED_N, SHARED_N) if what == "mass_matrix" else at.q.shape
     calls = {
-        name: partial(
-            BatchModel(system, threads=threads).forward_dynamics, at.q, at.qd, at.tau, out=np.empty_like(at.q)
-        )
+        name: partial(getattr(BatchModel(system, threads=threads), what), *given, out=np.empty(shape))
         for name, threads in (("one", 1), ("two", 2))
     }
     timings = {name: timing.per(SHARED) for name, timing in side_by_side(calls, rounds=options.rounds).items()}
+    work = {name: processor_time(call, options.rounds) for name, call in calls.items()}
     yield Row.timed(
-        "forward_dynamics_batch_two_threads",
+        f"{what}_batch_two_threads",
         SHARED_N,
         "denoc on one thread",
         timings["two"],
         timings["one"],
-        note=f"a state, {SHARED} states a call; the ratio is the gain of the second thread",
+        note=f"a state, {SHARED} states a call; the ratio is the gain of the second thread; both together take "
+        f"{work['two'] / work['one']:.2f} of the processor time of one, twice as much where two cores are one that is shared",
         wanted=1.8,
     )
 
