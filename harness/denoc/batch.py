@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.denoc import ahead, batch_mass
+from harness.denoc import ahead, batch_mass, batch_tree_mass
 from harness.denoc import batch_kernels as kernels
 from harness.denoc import lanes_tree as nodes
 from harness.denoc.lanes import LaneModel
@@ -43,6 +43,8 @@ class BatchModel:
         self.names, self.n, self.threads = model.names, model.n, threads
         self._tree, self._constants, self._accumulators = _compile(system, model)
         self.serial = bool((self._tree[:, 0] == np.arange(-1, self.n - 1)).all())
+        long = self.n >= batch_tree_mass.LONG and not self.serial
+        self._places = batch_tree_mass.element_places(self._tree[:, 0] if long else ())
         # Workspaces that no call uses at present.
         self._rooms: list[Array] = []
         self._gravity = np.array(system.gravity, dtype=np.float64)
@@ -79,11 +81,15 @@ class BatchModel:
     def mass_matrix(self, Q: ArrayLike, *, out: Array | None = None) -> Array:
         """Generalized inertia matrices, armature included, shape (B, n, n); out as in ``forward_dynamics``."""
         q = self._states("Q", Q)
+        each = (self.n, self.n)
         if self.serial and self.n >= batch_mass.SHORTEST:
-            kernel, size = batch_mass.chain_mass_matrix, batch_mass.room(self.n)
-        else:
-            kernel, size = kernels.mass_matrix, self.n * kernels.BODY * _EIGHT
-        return self._spread(kernel, size, self._masses, (self.n, self.n), out, q)
+            return self._spread(batch_mass.chain_mass_matrix, batch_mass.room(self.n), self._masses, each, out, q)
+
+        def kernel(first: int, last: int, tree: Any, c: Array, ws: Array, *others: Array) -> None:
+            batch_tree_mass.mass_matrix(first, last, tree, self._places, c, ws, *others)
+
+        size = (self.n * (kernels.BODY + 1) + len(self._places) // 2) * _EIGHT
+        return self._spread(kernel, size, self._masses, each, out, q)
 
     def _states(self, name: str, values: ArrayLike) -> Array:
         array = np.asarray(values, dtype=np.float64, order="C")

@@ -25,9 +25,9 @@ from harness.denoc.batch_kernels import (
     PRISMATIC,
     SECOND,
     R,
-    composite_inward,
     turn_of,
 )
+from harness.denoc.batch_tree_mass import composite_inward
 from harness.denoc.lanes_shuffle import mirrored, store_rows, transposed
 from harness.denoc.lanes_vector import (
     address_of,
@@ -57,7 +57,7 @@ LEFT = 49 * 8
 # Results of more numbers are not held by any cache, and matrices of fewer are held by one that is near: those are made
 # there and then written past the caches, in about half the time.
 FAR, NEAR = 1 << 21, 1 << 16
-# From this number of joints on it takes less time than ``batch_kernels.mass_matrix``.
+# From this number of joints on it takes less time than ``batch_tree_mass.mass_matrix``.
 SHORTEST = 16
 
 
@@ -281,7 +281,7 @@ def _multiply(row: int, n: int, ws: Any, out: Any) -> None:
 
 @njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
 def chain_mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, q: Any, out: Any) -> None:
-    """As ``batch_kernels.mass_matrix``, of a serial chain."""
+    """As ``batch_tree_mass.mass_matrix``, of a serial chain."""
     n = tree.shape[0]
     for row in range(first, last, 8):
         _sweep(row, tree, c, ws, masses, q)

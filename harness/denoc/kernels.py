@@ -139,11 +139,11 @@ def _exponential() -> None:
 
 
 def _batches() -> None:
-    from harness.denoc import batch_kernels, batch_mass
+    from harness.denoc import batch_kernels, batch_mass, batch_tree_mass
 
     _compile(batch_kernels.forward_dynamics, 1, 1, _TABLE, *[_VECTOR] * 8)
     _compile(batch_kernels.inverse_dynamics, 1, 1, _TABLE, *[_VECTOR] * 7)
-    _compile(batch_kernels.mass_matrix, 1, 1, _TABLE, *[_VECTOR] * 5)
+    _compile(batch_tree_mass.mass_matrix, 1, 1, _TABLE, np.zeros(1, dtype=np.uint64), *[_VECTOR] * 5)
     _compile(batch_kernels.all_finite, _VECTOR)
     _compile(batch_mass.chain_mass_matrix, 1, 1, _TABLE, *[_VECTOR] * 5)
 
@@ -158,7 +158,7 @@ TASKS = {
     "dop853": Task(_dop853, "adaptive", "dormand_prince8"),
     "gauss": Task(_gauss, "fixed_step", "gauss_legendre6"),
     "rk4": Task(_rk4, "fixed_step", "runge_kutta4"),
-    "batches": Task(_batches, "batch_kernels", "mass_matrix"),
+    "batches": Task(_batches, "batch_tree_mass", "mass_matrix"),
     "chain": Task(_chain, "rigid_address", "chain"),
     "rigid": Task(_rigid, "rigid_address", "inverse"),
     "rigid_others": Task(_rigid_others, "rigid", "locate"),
