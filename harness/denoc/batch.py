@@ -135,7 +135,7 @@ class BatchModel:
             part(0, groups * _EIGHT)
         else:
             # Several pieces a thread, since other work may hold one of them up.
-            edges = (np.linspace(0, groups, min(groups, 4 * threads) + 1).astype(int) * _EIGHT).tolist()
+            edges = (np.linspace(0, groups, min(groups, 8 * threads) + 1).astype(int) * _EIGHT).tolist()
             share(part, list(pairwise(edges)), threads)
         if rest:
             part(count - _EIGHT, count)
