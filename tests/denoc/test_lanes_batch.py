@@ -8,6 +8,7 @@ import pytest
 from harness.denoc import Denoc
 from harness.denoc.batch import BatchModel
 from harness.denoc.batch_mass import FAR
+from harness.denoc.batch_tree_mass import LONG
 from harness.denoc.lanes_vector import exponential, load, sine_cosine, store
 from harness.denoc.matrices import denoc_matrices
 from harness.errors import InputError, UnsupportedError
@@ -63,11 +64,17 @@ def test_against_pinocchio(system, count):
         assert np.abs(forward[k] - reference).max() < 1e-9 * np.abs(reference).max()
         reference = pin.rnea(model, data, q[k], v[k], a[k])
         assert np.abs(inverse[k] - reference).max() < 1e-12 * np.abs(reference).max()
-        # Column by column: their composite-body algorithm wants joints in depth-first order, which a tree here has not.
-        rest = np.zeros(ours.n)
-        gravity = pin.rnea(model, data, q[k], rest, rest)
-        reference = np.array([pin.rnea(model, data, q[k], rest, e) - gravity for e in np.eye(ours.n)])
+        reference = by_columns(model, data, q[k])
         assert np.abs(mass[k] - reference).max() < 1e-12 * np.abs(reference).max()
+
+
+def by_columns(model, data, q):
+    """Pinocchio's mass matrix column by column: its composite-body algorithm wants joints in depth-first order."""
+    import pinocchio as pin
+
+    rest = np.zeros(len(q))
+    gravity = pin.rnea(model, data, q, rest, rest)
+    return np.array([pin.rnea(model, data, q, rest, e) - gravity for e in np.eye(len(q))])
 
 
 def relative_to_diagonal(found, wanted):
@@ -93,6 +100,25 @@ def test_mass_matrices_of_chains_are_those_of_pinocchio_and_of_the_textbook(n, p
         assert relative_to_diagonal(mass, pin.crba(model, data, state)) < 1e-13
     for k in (0, 1, count - 1):
         assert relative_to_diagonal(found[k], denoc_matrices(system, q[k]).inertia) < 1e-13
+
+
+@pytest.mark.parametrize("n", [LONG - 1, LONG, 17, 19, 33, 100])
+@pytest.mark.parametrize("prismatic", [0.0, 0.4])
+def test_mass_matrices_of_trees_are_those_of_pinocchio_and_zero_between_branches(n, prismatic):
+    """Into room that holds no numbers yet, so that what is not written is seen; fixed joints leave a size of any remainder."""
+    system = random_tree(n, seed=n, prismatic=prismatic, armature=True)
+    ours = BatchModel(system)
+    assert not ours.serial
+    model = pinocchio_model(system)
+    data = model.createData()
+    q = np.random.default_rng(n).uniform(-3, 3, (11, n))
+    mass = ours.mass_matrix(q, out=np.full((11, n, n), np.nan))
+    carriers = [set(model.supports[k].tolist()) - {0} for k in range(1, n + 1)]
+    apart = np.array([[i + 1 not in carriers[j] and j + 1 not in carriers[i] for j in range(n)] for i in range(n)])
+    assert apart.any()
+    for own, at in zip(mass, q, strict=True):
+        assert relative_to_diagonal(own, by_columns(model, data, at)) < 1e-12
+        assert (own[apart] == 0.0).all()
 
 
 @pytest.mark.parametrize("n", [16, 50, 200])
