@@ -22,6 +22,7 @@ import gc
 from collections.abc import Iterator
 from typing import Any
 
+import llvmlite.binding as llvm  # type: ignore[import-untyped]
 from numba.core import codegen, ir_utils, ssa, transforms, typed_passes, untyped_passes
 from numba.core.compiler import Compiler, CompilerBase
 from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
@@ -160,7 +161,9 @@ def _known() -> bool:
     wanted = [step for step in _PASSES if not isinstance(step, type)]
     wanted += [(getattr(typed_passes, "PreLowerStripPhis", None), "_strip_phi_nodes"), (ssa, "reconstruct_ssa")]
     wanted += [(transforms, "canonicalize_cfg"), (ir_utils, "build_definitions")]
-    wanted += [(codegen.CPUCodegen, "_module_pass_manager")]
+    wanted += [(codegen.CPUCodegen, "_module_pass_manager"), (codegen.CPUCodegen, "_function_pass_manager")]
+    # The newer ones of LLVM; an older numba has others.
+    wanted += [(llvm, "create_pipeline_tuning_options"), (llvm, "create_pass_builder")]
     for name in ("_ensure_finalized", "_get_module_for_linking", "_finalize_dynamic_globals", "_optimize_final_module"):
         wanted.append((codegen.CPUCodeLibrary, name))
     return all(hasattr(home, name) for home, name in wanted)

@@ -1,6 +1,7 @@
 """Benchmarks say what they measured, in what unit, and why something was not measured. No test looks at a clock."""
 
 import json
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from harness.compare import bench
 from harness.compare.bench import diagnosis, flexible, measure, peers, scaling, simulation, single_call
 from harness.compare.bench.batch import native_batch, pinocchio_batch
 from harness.compare.bench.row import Row, document, skipped
+from harness.compare.bench.two_threads import two_threads
 from harness.errors import InputError, UnsupportedError
 
 
@@ -157,6 +159,15 @@ def test_unknown_benchmark_is_refused_before_anything_runs() -> None:
     }
     assert "suite" not in bench.select()
     assert peers.Options(quick=True).sizes((1, 50, 200)) == (1, 50)
+
+
+def test_a_second_thread_is_told_with_what_it_had_of_the_machine() -> None:
+    calls = []
+    row = two_threads("x", 3, lambda: calls.append(1), lambda: calls.append(2), items=10, rounds=3, note="here")
+    assert (row.what, row.n, row.wanted) == ("x", 3, 1.8)
+    assert set(calls) == {1, 2}
+    assert row.note.startswith("here; ")
+    assert re.search(r"took \d+\.\d\d times the processor time .* had \d+% of two cores$", row.note)
 
 
 def test_every_benchmark_has_its_file() -> None:

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.compare.bench.measure import processor_time, side_by_side
+from harness.compare.bench.measure import side_by_side
 from harness.compare.bench.peers import Array, Options, States, chain, native, or_skipped, peer_model, robots, states
 from harness.compare.bench.row import Row
 from harness.compare.bench.single_call import faster
+from harness.compare.bench.two_threads import two_threads
 from harness.system import System
 
 SIZES = (1, 7, 50, 200)
@@ -56,17 +57,14 @@ def _threads(what: str, options: Options) -> Iterable[Row]:
         name: partial(getattr(BatchModel(system, threads=threads), what), *given, out=np.empty(shape))
         for name, threads in (("one", 1), ("two", 2))
     }
-    timings = {name: timing.per(SHARED) for name, timing in side_by_side(calls, rounds=options.rounds).items()}
-    work = {name: processor_time(call, options.rounds) for name, call in calls.items()}
-    yield Row.timed(
+    yield two_threads(
         f"{what}_batch_two_threads",
         SHARED_N,
-        "denoc on one thread",
-        timings["two"],
-        timings["one"],
-        note=f"a state, {SHARED} states a call; the ratio is the gain of the second thread; both together take "
-        f"{work['two'] / work['one']:.2f} of the processor time of one, twice as much where two cores are one that is shared",
-        wanted=1.8,
+        calls["one"],
+        calls["two"],
+        items=SHARED,
+        rounds=options.rounds,
+        note=f"a state, {SHARED} states a call",
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from harness.compare.bench.measure import side_by_side
 from harness.compare.bench.peers import Options, chain, native, or_skipped, peer_model
 from harness.compare.bench.row import Row
+from harness.compare.bench.two_threads import two_threads
 from harness.system import System
 
 SIZES = (1, 7)
@@ -159,19 +160,13 @@ def _threads(options: Options) -> Iterable[Row]:
     rng = np.random.default_rng(7)
     rows = np.repeat(lanes.row(system)[None], copies, axis=0)
     q0, time = 0.3 * rng.normal(size=(copies, 7)), np.linspace(0.0, 2.0, 201)
-    timings = side_by_side(
-        {
-            "two": lambda: lanes.simulate(rows, q0, np.zeros_like(q0), time, threads=2),
-            "one": lambda: lanes.simulate(rows, q0, np.zeros_like(q0), time, threads=1),
-        },
-        rounds=max(3, options.rounds // 3),
-    )
-    yield Row.timed(
+    still = np.zeros_like(q0)
+    yield two_threads(
         "simulation_two_threads",
         7,
-        "denoc on one thread",
-        timings["two"],
-        timings["one"],
-        note=f"{copies} runs of 2 s; the ratio is the gain of the second thread",
-        wanted=1.8,
+        lambda: lanes.simulate(rows, q0, still, time, threads=1),
+        lambda: lanes.simulate(rows, q0, still, time, threads=2),
+        items=1,
+        rounds=max(3, options.rounds // 3),
+        note=f"{copies} runs of 2 s",
     )
