@@ -38,24 +38,18 @@ _LINKED = (
 )
 
 
+# Of what is called from Python, and through no address.
+_ENTRY: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": FAST_MATH, "no_cfunc_wrapper": True}
+
+
 def compiled(function: F) -> F:
     """The function as a kernel: compiled at first use, cached on disk, no bounds checks, division by zero gives inf."""
-    return cast(
-        F,
-        njit(cache=True, error_model="numpy", fastmath=FAST_MATH, no_cfunc_wrapper=True, pipeline_class=Kernel)(
-            function
-        ),
-    )
+    return cast(F, njit(pipeline_class=Kernel, **_ENTRY)(function))
 
 
 def stepper(function: F) -> F:
-    """As ``compiled``, for what integrates in time: its loops over coordinates are not worth being vectorised."""
-    return cast(
-        F,
-        njit(cache=True, error_model="numpy", fastmath=FAST_MATH, no_cfunc_wrapper=True, pipeline_class=ShortLoops)(
-            function
-        ),
-    )
+    """As ``compiled``, for what integrates in time: loops over coordinates are not worth being unrolled or vectorised."""
+    return cast(F, njit(pipeline_class=ShortLoops, **_ENTRY)(function))
 
 
 # Of what only kernels call: no way in from Python, and, unless arrays are made, no counting of references to them, whose calls

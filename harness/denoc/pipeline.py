@@ -4,8 +4,8 @@ Kernels are long rows of formulas without closures, exceptions, context managers
 of these several times over, which is a sixth of the time, and note four times how long every variable lives, for generators
 and for counting references, of which only the last is read: a tenth (``Kernel``). And it makes machine code of every
 function, of those too that other kernels only ever take in: another fifth (``Part``). Loops over the coordinates of one
-mechanism are too short for LLVM's vectoriser, which makes four times their code of them; where a kernel has no others,
-it is left out (``ShortLoops``).
+mechanism are too short to be unrolled and vectorised, which makes two to three times their code of them; where a kernel has
+no others, they stay as they are (``ShortLoops``).
 
 Compiling makes objects by the million and keeps most of them, so that the garbage collector, at its usual pace, walks
 through all of them again and again and finds nothing: a twentieth of the time, where other work fills the caches a quarter. It
