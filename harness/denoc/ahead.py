@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harness.denoc.kernels import TASKS, missing
+from harness.denoc.pipeline import fewer_collections
 from harness.parallel import default_workers
 
 #: What the commands need besides what they compile themselves meanwhile, the longest first.
@@ -110,9 +111,6 @@ def everything() -> None:
 
 def work(tasks: Sequence[str], claims: str) -> None:
     """Compile what nobody has claimed yet, one task after the other."""
-    # Loads numba, which whoever has everything compiled does without.
-    from harness.denoc.pipeline import fewer_collections
-
     folder = Path(claims)
     with fewer_collections():
         for task in tasks:

@@ -63,6 +63,27 @@ def to_parent(c: Any, k: int, cosine: Any, sine: Any, x: Any, y: Any, z: Any) ->
     return x, ca * y - sa * z, sa * y + ca * z
 
 
+@in_place
+def wrench_to_parent(
+    c: Any, k: int, prefix: int, cosine: Any, sine: Any, nx: Any, ny: Any, nz: Any, fx: Any, fy: Any, fz: Any
+) -> Any:
+    """Moment and force at a body's origin, its slide taken back, as moment about the parent's origin and force in its axes."""
+    nx, ny, nz = to_parent(c, k, cosine, sine, nx, ny, nz)
+    fx, fy, fz = to_parent(c, k, cosine, sine, fx, fy, fz)
+    rx = c[k + R]
+    ry = c[k + R + 1]
+    rz = c[k + R + 2]
+    nx = nx + (ry * fz - rz * fy)
+    ny = ny + (rz * fx - rx * fz)
+    nz = nz + (rx * fy - ry * fx)
+    if prefix != 0:
+        cg = c[k + GAMMA]
+        sg = c[k + GAMMA + 1]
+        nx, ny = cg * nx - sg * ny, sg * nx + cg * ny
+        fx, fy = cg * fx - sg * fy, sg * fx + cg * fy
+    return nx, ny, nz, fx, fy, fz
+
+
 @njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
 def forward_dynamics(
     first: int,
@@ -539,19 +560,7 @@ def inverse_dynamics(
                 position = load(ws, b + TURN * 8)
                 nx = nx - position * fy
                 ny = ny + position * fx
-            nx, ny, nz = to_parent(c, k, cosine, sine, nx, ny, nz)
-            fx, fy, fz = to_parent(c, k, cosine, sine, fx, fy, fz)
-            rx = c[k + R]
-            ry = c[k + R + 1]
-            rz = c[k + R + 2]
-            nx = nx + (ry * fz - rz * fy)
-            ny = ny + (rz * fx - rx * fz)
-            nz = nz + (rx * fy - ry * fx)
-            if tree[i, PREFIX] != 0:
-                cg = c[k + GAMMA]
-                sg = c[k + GAMMA + 1]
-                nx, ny = cg * nx - sg * ny, sg * nx + cg * ny
-                fx, fy = cg * fx - sg * fy, sg * fx + cg * fy
+            nx, ny, nz, fx, fy, fz = wrench_to_parent(c, k, tree[i, PREFIX], cosine, sine, nx, ny, nz, fx, fy, fz)
             a = p * BODY * 8
             add_run(ws, a + MOMENT * 8, (nx, ny, nz))
             add_run(ws, a + THRUST * 8, (fx, fy, fz))

@@ -28,6 +28,7 @@ from harness.denoc.batch_kernels import (
     R,
     to_parent,
     turn_of,
+    wrench_to_parent,
 )
 from harness.denoc.lanes_tree import turn_symmetric
 from harness.denoc.lanes_vector import (
@@ -210,19 +211,7 @@ def mass_matrix(first: int, last: int, tree: Any, places: Any, c: Any, ws: Any, 
                     position = load(ws, d + SLIDE * 8)
                     nx = nx - position * fy
                     ny = ny + position * fx
-                nx, ny, nz = to_parent(c, e, cosine, sine, nx, ny, nz)
-                fx, fy, fz = to_parent(c, e, cosine, sine, fx, fy, fz)
-                rx = c[e + R]
-                ry = c[e + R + 1]
-                rz = c[e + R + 2]
-                nx = nx + (ry * fz - rz * fy)
-                ny = ny + (rz * fx - rx * fz)
-                nz = nz + (rx * fy - ry * fx)
-                if tree[j, PREFIX] != 0:
-                    cg = c[e + GAMMA]
-                    sg = c[e + GAMMA + 1]
-                    nx, ny = cg * nx - sg * ny, sg * nx + cg * ny
-                    fx, fy = cg * fx - sg * fy, sg * fx + cg * fy
+                nx, ny, nz, fx, fy, fz = wrench_to_parent(c, e, tree[j, PREFIX], cosine, sine, nx, ny, nz, fx, fy, fz)
                 j = tree[j, PARENT]
                 value = nz if tree[j, PRISMATIC] == 0 else fz
                 if by_state:

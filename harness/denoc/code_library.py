@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import llvmlite.binding as llvm  # type: ignore[import-untyped]
+import llvmlite.binding as llvm
 from numba.core import codegen
 
 
-class _Absent:
-    """The code generator of a library that has no code: nothing in it can be set."""
+class _Around:
+    """A code generator that does some things in another way."""
 
     def __init__(self, generator: Any) -> None:
         self._generator = generator
@@ -20,8 +20,24 @@ class _Absent:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._generator, name)
 
+
+class _Absent(_Around):
+    """The code generator of a library that has no code: nothing in it can be set."""
+
     def set_env(self, name: str, environment: Any) -> None:
         """Nothing: the environment is for calls from Python and for exceptions."""
+
+
+class LoopsAsTheyAre(_Around):
+    """The code generator with LLVM's unrolling and vectorising of loops left out."""
+
+    def _module_pass_manager(self, cost: str = "", **options: Any) -> Any:
+        if cost == "cheap":
+            return self._generator._module_pass_manager(cost=cost, **options)
+        tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+        tuning.loop_unrolling = tuning.loop_vectorization = False
+        builder = llvm.create_pass_builder(self._generator._tm, tuning)
+        return builder.getModulePassManager(), builder
 
 
 class Library(codegen.JITCodeLibrary):
@@ -60,33 +76,3 @@ class LinkedOnly(Library):
         alone._final_module = self._final_module.clone()
         alone._optimize_final_module()
         return str(alone.get_asm_str())
-
-
-class _AsTheyAre:
-    """The code generator with LLVM's unrolling and vectorising of loops left out."""
-
-    def __init__(self, generator: Any) -> None:
-        self._generator = generator
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._generator, name)
-
-    def _module_pass_manager(self, cost: str = "", **options: Any) -> Any:
-        if cost == "cheap":
-            return self._generator._module_pass_manager(cost=cost, **options)
-        tuning = llvm.create_pipeline_tuning_options(speed_level=3)
-        tuning.loop_unrolling = tuning.loop_vectorization = False
-        builder = llvm.create_pass_builder(self._generator._tm, tuning)
-        return builder.getModulePassManager(), builder
-
-
-class ShortLoopsLibrary(Library):
-    """Code whose loops stay as they are."""
-
-    def _optimize_final_module(self) -> None:
-        generator: Any = self._codegen  # type: ignore[has-type]
-        self._codegen = _AsTheyAre(generator)
-        try:
-            super()._optimize_final_module()
-        finally:
-            self._codegen = generator

@@ -52,7 +52,6 @@ class Denoc:
     __slots__ = (
         "_arguments",
         "_bare",
-        "_bare_header",
         "_chain",
         "_elastic",
         "_forward",
@@ -99,9 +98,9 @@ class Denoc:
             self._chain = rigid_chain.pack(tree)
             self._header[FORWARD], self._header[CHAIN] = chain_address(), self._chain.ctypes.data
         self._model = int(self._header.ctypes.data)
-        self._bare_header = self._header.copy()
-        self._bare_header[BARE] = 1
-        self._bare = int(self._bare_header.ctypes.data)
+        # The same model, whose inverse dynamics leave passive forces out.
+        self._bare = self._header.copy()
+        self._bare[BARE] = 1
         self._zero = np.zeros(tree.n)
         self._forward = entry(forward_entry, 4)
         self._inverse = entry(inverse_entry, 4)
@@ -182,7 +181,7 @@ class Denoc:
         """C(q, q̇) q̇ + g(q), without passive forces, shape (n,)."""
         out = np.empty(self.n)
         q, qd = self.vector("q", q), self.vector("qd", qd)
-        call_rows(int(self._header[INVERSE]), self._bare, q[None], qd[None], self._zero[None], out[None])
+        call_rows(int(self._bare[INVERSE]), int(self._bare.ctypes.data), q[None], qd[None], self._zero[None], out[None])
         return out
 
     def gravity(self, q: ArrayLike) -> Array:
@@ -308,7 +307,15 @@ class Denoc:
         """Rotation (9), spin (3), acceleration less gravity (6) of a body in every row, (B, 18); flexible systems only."""
         out = np.empty((len(Q), 18))
         self._kernels.hub_rows(
-            int(self._header[INVERSE]), self._model, self.tree.rows, body, Q, Qd, Qdd, np.empty(self.n), out
+            int(self._bare[INVERSE]),
+            int(self._bare.ctypes.data),
+            self.tree.rows,
+            body,
+            Q,
+            Qd,
+            Qdd,
+            np.empty(self.n),
+            out,
         )
         return out
 

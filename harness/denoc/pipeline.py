@@ -22,22 +22,26 @@ import gc
 from collections.abc import Iterator
 from typing import Any
 
-import llvmlite.binding as llvm  # type: ignore[import-untyped]
+import llvmlite.binding as llvm
 from numba.core import codegen, ir_utils, ssa, transforms, typed_passes, untyped_passes
 from numba.core.compiler import Compiler, CompilerBase
 from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
 
-from harness.denoc.code_library import Library, LinkedOnly, ShortLoopsLibrary
+from harness.denoc.code_library import Library, LinkedOnly, LoopsAsTheyAre
 
 
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _Canonical(FunctionPass):
-    """``IRProcessing`` without the lives of variables: blocks in the form that all later passes expect."""
-
-    _name = "kernel_canonical"
+class _Pass(FunctionPass):
+    """A pass without options."""
 
     def __init__(self) -> None:
         super().__init__()
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _Canonical(_Pass):
+    """``IRProcessing`` without the lives of variables: blocks in the form that all later passes expect."""
+
+    _name = "kernel_canonical"
 
     def run_pass(self, state: Any) -> bool:
         function = state.func_ir
@@ -47,13 +51,10 @@ class _Canonical(FunctionPass):
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
-class _SingleAssignment(FunctionPass):
+class _SingleAssignment(_Pass):
     """``ReconstructSSA`` without the lives of variables."""
 
     _name = "kernel_single_assignment"
-
-    def __init__(self) -> None:
-        super().__init__()
 
     def run_pass(self, state: Any) -> bool:
         state.func_ir = ssa.reconstruct_ssa(state.func_ir)
@@ -62,13 +63,10 @@ class _SingleAssignment(FunctionPass):
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
-class _WithoutPhis(FunctionPass):
+class _WithoutPhis(_Pass):
     """``PreLowerStripPhis`` without the lives of variables."""
 
     _name = "kernel_without_phis"
-
-    def __init__(self) -> None:
-        super().__init__()
 
     def run_pass(self, state: Any) -> bool:
         state.func_ir = typed_passes.PreLowerStripPhis()._strip_phi_nodes(state.func_ir)
@@ -113,8 +111,6 @@ def fewer_collections() -> Iterator[None]:
 class _Kernel(CompilerBase):
     """The compiler with the passes of ``_PASSES``."""
 
-    _library: type[Library] = Library
-
     def __init__(
         self, typingctx: Any, targetctx: Any, library: Any, args: Any, return_type: Any, flags: Any, locals: Any
     ) -> None:
@@ -123,9 +119,12 @@ class _Kernel(CompilerBase):
             self.state.library = self._new_library(flags)
 
     def _new_library(self, flags: Any) -> Library:
-        library = self._library(self.state.targetctx.codegen(), "kernel")
+        library = Library(self._generator(), "kernel")
         library.enable_object_caching()
         return library
+
+    def _generator(self) -> Any:
+        return self.state.targetctx.codegen()
 
     def compile_extra(self, function: Any) -> Any:
         """Compile a function, and first whatever it calls."""
@@ -146,14 +145,15 @@ class _Part(_Kernel):
 
     def _new_library(self, flags: Any) -> Library:
         if flags.no_cpython_wrapper and flags.no_cfunc_wrapper:
-            return LinkedOnly(self.state.targetctx.codegen(), "part")
+            return LinkedOnly(self._generator(), "part")
         return super()._new_library(flags)
 
 
 class _ShortLoops(_Kernel):
     """``_Kernel`` for what loops over the coordinates of a mechanism and not over states."""
 
-    _library = ShortLoopsLibrary
+    def _generator(self) -> Any:
+        return LoopsAsTheyAre(super()._generator())
 
 
 def _known() -> bool:

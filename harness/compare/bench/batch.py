@@ -53,15 +53,14 @@ def _threads(what: str, options: Options) -> Iterable[Row]:
     at = states(SHARED_N, SHARED)
     given = (at.q,) if what == "mass_matrix" else (at.q, at.qd, at.tau)
     shape = (SHARED, SHARED_N, SHARED_N) if what == "mass_matrix" else at.q.shape
-    calls = {
-        name: partial(getattr(BatchModel(system, threads=threads), what), *given, out=np.empty(shape))
-        for name, threads in (("one", 1), ("two", 2))
-    }
+    one, two = (
+        partial(getattr(BatchModel(system, threads=threads), what), *given, out=np.empty(shape)) for threads in (1, 2)
+    )
     yield two_threads(
         f"{what}_batch_two_threads",
         SHARED_N,
-        calls["one"],
-        calls["two"],
+        one,
+        two,
         items=SHARED,
         rounds=options.rounds,
         note=f"a state, {SHARED} states a call",

@@ -65,12 +65,13 @@ def side_by_side(
     return {name: _timing(values) for name, values in taken.items()}
 
 
-def processor_time(call: Callable[[], object], rounds: int = ROUNDS) -> float:
-    """Seconds of processor time that a call takes on all threads together, the mean of so many."""
-    start = process_time()
+def processor_time(call: Callable[[], object], rounds: int = ROUNDS) -> tuple[float, float]:
+    """Seconds of processor time that so many calls take on all threads together, and how many threads ran meanwhile on average."""
+    began, start = perf_counter(), process_time()
     for _ in range(rounds):
         call()
-    return (process_time() - start) / rounds
+    took = process_time() - start
+    return took, took / (perf_counter() - began)
 
 
 def _count(call: Callable[[], object], seconds: float) -> int:

@@ -20,8 +20,8 @@ def two_threads(
     smaller part of two cores where other work had them or a thread waited for the other.
     """
     timings = side_by_side({"one": one, "two": two}, rounds=rounds)
-    alone, together = processor_time(one, rounds), processor_time(two, rounds)
-    had = together / (2.0 * timings["two"].median)
+    alone, _ = processor_time(one, rounds)
+    together, running = processor_time(two, rounds)
     return Row.timed(
         what,
         n,
@@ -29,6 +29,6 @@ def two_threads(
         timings["two"].per(items),
         timings["one"].per(items),
         note=f"{note}; the ratio is the gain of the second thread, which took {together / alone:.2f} times the processor time "
-        f"of one (up to 2 where both cores are one) and had {min(had, 1.0):.0%} of two cores",
+        f"of one (up to 2 where both cores are one) and had {running / 2.0:.0%} of two cores",
         wanted=WANTED,
     )
