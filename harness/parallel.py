@@ -10,7 +10,10 @@ import signal
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from contextvars import copy_context
+from functools import lru_cache
 from itertools import islice
 from typing import Any, TypeVar
 
@@ -45,6 +48,22 @@ def threads_allowed() -> int:
     stated = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
     cores = default_workers()
     return max(1, min(int(stated) if stated.isdecimal() else MOST_THREADS, cores))
+
+
+def meanwhile(threads: int, function: Callable[..., R], *arguments: Any) -> Callable[[], R]:
+    """Begin a call on another thread, if there are two, and return what waits for its result (and raises what it raises).
+
+    Worth it for what is mostly compiled code: of Python one thread runs at a time.
+    """
+    if threads < 2:
+        return lambda: function(*arguments)
+    return _aside(os.getpid()).submit(copy_context().run, function, *arguments).result
+
+
+@lru_cache(maxsize=1)
+def _aside(process: int) -> ThreadPoolExecutor:
+    """One thread of this process; a forked one has none of its parent's."""
+    return ThreadPoolExecutor(1, thread_name_prefix="meanwhile")
 
 
 def parallel_map(

@@ -296,6 +296,7 @@ class LaneModel:
         method: str = "adaptive",
         step: float | None = None,
         tolerance: float = TOLERANCE,
+        counts: NDArray[np.int64] | None = None,
         threads: int = 1,
     ) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of every copy at the sample times, each of shape (B, T, n).
@@ -309,6 +310,7 @@ class LaneModel:
             vibration does not (``harness.denoc.lanes_exponential``). Halve the step to see what is left of its error.
             "rk4" is the classical Runge-Kutta method at evenly spaced times with that same step, without dry friction and stops.
         step: longest step [s]; within it the adaptive step follows the error estimate held under ``tolerance``.
+        counts: how many of the sample times every copy is followed for, the adaptive method's, (B,); beyond them it is nan.
         threads: threads to spread the copies over. A copy's result depends neither on that nor on the other copies.
         A copy whose motion cannot be followed (not a number, negative inertia) is nan from there on.
         Acceleration at a jump is the one after it.
@@ -330,6 +332,10 @@ class LaneModel:
             raise InputError(f"hold={hold!r}", mend="linear or zero")
         if method not in ("adaptive", "exponential", "rk4"):
             raise InputError(f"method={method!r}", mend="adaptive, exponential or rk4")
+        if counts is None:
+            counts = np.full(copies, len(time), dtype=np.int64)
+        elif method != "adaptive" or counts.shape != (copies,) or counts.min() < 1 or counts.max() > len(time):
+            raise InputError("counts of sample times do not fit", mend=f"({copies},) of 1 … {len(time)}, adaptive method")
         longest = (0.25 if method == "adaptive" else 1e-3) if step is None else float(step)
         if not longest > 0.0:
             raise InputError(f"step={step!r}", mend="a positive time in seconds")
@@ -369,16 +375,17 @@ class LaneModel:
             """Advance some of the copies by the equations that the tables stand for."""
             whole = len(which) == copies
             out = [position, velocity, acceleration]
-            mine, initial, longest_steps, forces = rows, start, limits, effort
+            mine, initial, longest_steps, forces, asked = rows, start, limits, effort, counts
             if not whole:
                 out = [array[which] for array in out]
                 mine, initial, longest_steps = rows[which], start[which], limits[which]
+                asked = counts[which]
                 forces = effort[which] if driven == 2 else effort
 
             def part(first: int, last: int) -> None:
                 run(
                     first, last, mine, initial, recursion, *tables, law,
-                    time, forces, driven, int(hold == "linear"), longest_steps, tolerance, *step_method(order),
+                    time, asked, forces, driven, int(hold == "linear"), longest_steps, tolerance, *step_method(order),
                     *out,
                 )  # fmt: skip
 

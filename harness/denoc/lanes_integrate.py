@@ -274,21 +274,19 @@ def _first_event(
 def run_group(
     recursion: int, tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int,
-    time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
+    time: Any, counts: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
     weights: Any, weighed: Any, exponent: float,
     state: Any, after: Any, slopes: Any, dense: Any, ledger: Any, next_sample: Any,
     lanes: int, first_lane: int, position: Any, velocity: Any, acceleration: Any,
 ) -> None:  # fmt: skip
-    """Advance a group of up to eight lanes over all of ``time`` and write the samples.
+    """Advance a group of up to eight lanes over the times asked of each, the first ``counts`` (B,), and write the samples.
 
     state: initial state, lane-contiguous, rows positions, velocities; effort: (1 or B, T, n);
     driven: 0 none, 1 one effort for all, 2 one a lane; hold: 1 linear between samples, 0 held.
     """
     group = n * JOINT * 8
     stages = table.shape[0] - 1
-    samples = time.shape[0]
-    end = time[samples - 1]
     dry: Any = np.int64(0)
     no: Any = np.int64(0)
     signed: Any = np.int64(0)
@@ -302,12 +300,13 @@ def run_group(
             stops = 1
     eventful = signed or stops
     for lane in range(8):
+        source = first_lane + min(lane, lanes - 1)
         ledger[CLOCK * 8 + lane] = time[0]
-        ledger[STEP * 8 + lane] = min(longest[first_lane + min(lane, lanes - 1)], 2e-3)
+        ledger[STEP * 8 + lane] = min(longest[source], 2e-3)
         ledger[STALL * 8 + lane] = 0.0
         ledger[DIRTY * 8 + lane] = 1.0
         ledger[ALIVE * 8 + lane] = 1.0 if lane < lanes else 0.0
-        ledger[UNTIL * 8 + lane] = end
+        ledger[UNTIL * 8 + lane] = time[counts[source] - 1]
         ledger[LOADED * 8 + lane] = 0.0
         next_sample[lane] = 0
         for i in range(n):
@@ -336,7 +335,7 @@ def run_group(
                 ws[j + CONTACT * 8] = 1.0
     for f in range(width):
         store(slopes, f * 8, spread(0.0))
-    for _ in range(LONGEST + PER_SAMPLE * samples):
+    for _ in range(LONGEST + PER_SAMPLE * time.shape[0]):
         # Where a lane stands on a break of the effort, the next segment begins.
         anyone = 0
         dirty = 0
@@ -345,7 +344,7 @@ def run_group(
                 continue
             t = ledger[CLOCK * 8 + lane]
             k = next_sample[lane]
-            if driven and k < samples - 1 and t >= time[k] and (k == 0 or ledger[UNTIL * 8 + lane] <= t):
+            if driven and k < counts[first_lane + lane] - 1 and t >= time[k] and (k == 0 or ledger[UNTIL * 8 + lane] <= t):
                 source = first_lane + lane if driven == 2 else 0
                 ws[group + TAU_TIME * 8 + lane] = time[k]
                 ledger[UNTIL * 8 + lane] = time[k + 1]
@@ -429,14 +428,14 @@ def run_group(
             if ledger[ALIVE * 8 + lane] == 0.0:
                 continue
             t = ledger[CLOCK * 8 + lane]
-            while next_sample[lane] < samples and time[next_sample[lane]] <= t:
+            while next_sample[lane] < counts[first_lane + lane] and time[next_sample[lane]] <= t:
                 k = next_sample[lane]
                 for i in range(n):
                     position[first_lane + lane, k, i] = state[i * 8 + lane]
                     velocity[first_lane + lane, k, i] = state[(n + i) * 8 + lane]
                     acceleration[first_lane + lane, k, i] = slopes[(n + i) * 8 + lane]
                 next_sample[lane] = k + 1
-            if next_sample[lane] >= samples:
+            if next_sample[lane] >= counts[first_lane + lane]:
                 ledger[ALIVE * 8 + lane] = 0.0
                 continue
             h = min(ledger[STEP * 8 + lane], longest[first_lane + lane])
@@ -606,7 +605,9 @@ def run_group(
             for lane in range(8):
                 ledger[SAMPLED * 8 + lane] = -1.0
                 k = next_sample[lane]
-                if ledger[WHAT * 8 + lane] > -2.0 and k < samples and time[k] < ledger[REACH * 8 + lane]:
+                if ledger[WHAT * 8 + lane] == -2.0 or k >= counts[first_lane + lane]:
+                    continue
+                if time[k] < ledger[REACH * 8 + lane]:
                     ledger[SAMPLED * 8 + lane] = (time[k] - ledger[CLOCK * 8 + lane]) / ledger[USED * 8 + lane]
                     due = 1
             if due == 0:
@@ -802,13 +803,14 @@ def present_nodes(tree: Any, constants: Any, present: Any) -> None:
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
     recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
-    user: int, time: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
+    user: int, time: Any, counts: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
     weights: Any, weighed: Any, exponent: float,
     position: Any, velocity: Any, acceleration: Any,
 ) -> None:  # fmt: skip
     """Advance the groups first … last − 1 of eight rows each; ``start``: positions then velocities, (B, 2 n).
 
+    counts: how many of the times are asked of each row, (B,).
     recursion: address of the one for these tables (``lanes_address``).
     sizes: vectors of eight lanes in the workspace and in the beams' tables.
     """
@@ -850,7 +852,7 @@ def run_groups(
                 loaded = 1
         run_group(
             recursion, present, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
-            time, effort, driven, hold, longest, tolerance,
+            time, counts, effort, driven, hold, longest, tolerance,
             table, tabled, fractions, errors_5, errors_3, extra, extras, extra_fractions, weights, weighed, exponent,
             state, after, slopes, dense, ledger, next_sample,
             lanes, 8 * g, position, velocity, acceleration,

@@ -29,6 +29,7 @@ from harness.system import System
 Array = NDArray[np.float64]
 
 FINEST_STEP = 0.004  # s between the states that a free run hands over, unless the recording itself is coarser or finer
+ABREAST = 8  # lanes that run at the price of one
 TOLERANCE = 1e-10  # error of a free run in one step [rad, rad/s]; thousands of steps stay far below any sensor's noise
 
 
@@ -127,8 +128,8 @@ class Predictor(Mechanisms):
         """The same for several requests at once: lanes of one mechanism run together, whatever is asked of them."""
         asked = [self._prepare(request) for request in requests]
         out: list[list[Array]] = [[np.empty(0)] * len(request.lanes) for request in requests]
-        groups: dict[tuple[int, int, float, bool, float, bool, float], list[tuple[int, int]]] = {}
-        key = (0, 0, 0.0, False, 0.0, False, 0.0)
+        groups: dict[tuple[int, int, float, bool, float, float], list[tuple[int, int]]] = {}
+        key = (0, 0, 0.0, False, 0.0, 0.0)
         for k, (request, ready) in enumerate(zip(requests, asked, strict=True)):
             before: Window | None = None
             for lane, (_, window, _) in enumerate(request.lanes):
@@ -141,17 +142,11 @@ class Predictor(Mechanisms):
                 # A law that knows the time needs the time of the recording, not of the window.
                 start = float(run.time[window.first] - run.time[0]) if ready.dated else 0.0
                 free = run.effort is None
-                key = (
-                    id(ready.mechanism),
-                    len(grid.time),
-                    grid.step,
-                    free,
-                    start,
-                    request.extra is None,
-                    request.tolerance,
-                )
+                # Further forces come on the grid of their window.
+                length = 0 if request.extra is None else len(grid.time)
+                key = (id(ready.mechanism), length, grid.step, free, start, request.tolerance)
                 groups.setdefault(key, []).append((k, lane))
-        for (_, _, _, free, start, _, _), members in groups.items():
+        for (_, _, _, free, start, _), members in groups.items():
             self._run(requests, asked, members, free, start, out)
         return out
 
@@ -171,13 +166,14 @@ class Predictor(Mechanisms):
         start: float,
         out: list[list[Array]],
     ) -> None:
-        """Run lanes (request, lane) of one mechanism and one grid together and hand their channels to ``out``."""
+        """Run lanes (request, lane) of one mechanism and equal steps of the grid together and hand their channels to ``out``."""
         mechanism = asked[members[0][0]].mechanism
         by_request: dict[int, list[int]] = {}
         for k, lane in members:
             by_request.setdefault(k, []).append(lane)
-        first_lane = requests[members[0][0]].lanes[members[0][1]]
-        grid_time = self.grid(first_lane[1], asked[members[0][0]].margin).time
+        grids = [self.grid(requests[k].lanes[lane][1], asked[k].margin).time for k, lane in members]
+        counts = np.array([len(grid) for grid in grids])
+        grid_time = grids[int(np.argmax(counts))]
         rows, states, efforts = [], [], []
         for k, own in by_request.items():
             request, lanes = requests[k], [requests[k].lanes[i] for i in own]
@@ -194,15 +190,20 @@ class Predictor(Mechanisms):
                 efforts.append(tau)
         every_row, every_state = np.concatenate(rows), np.concatenate(states)
         every_tau = np.concatenate(efforts) if efforts else None
-        first, again = _distinct(every_row, every_state, every_tau)
+        first, again = _distinct(every_row, every_state, every_tau, counts)
         self.lanes_run += len(first)
-        alone = len(first) == len(members)
+        alone = len(first) == len(members) and (len(first) <= ABREAST or bool(np.all(np.diff(counts) <= 0)))
         if not alone:
+            # The longest first, so that those that run abreast take equally long.
+            order = np.argsort(-counts[first], kind="stable")
+            first, again = np.array(first)[order], np.argsort(order)[again]
             every_row, every_state = every_row[first], every_state[first]
             every_tau = None if every_tau is None else every_tau[first]
         tolerance = requests[members[0][0]].tolerance
         asking = np.array([k for k, _ in members])[first]
-        q, qd, qdd = self.motions(mechanism, every_row, every_state, grid_time + start, every_tau, asking, tolerance)
+        q, qd, qdd = self.motions(
+            mechanism, every_row, every_state, grid_time + start, every_tau, asking, tolerance, counts[first]
+        )
         place = 0
         for k, own in by_request.items():
             request, ready = requests[k], asked[k]
@@ -237,19 +238,25 @@ class Predictor(Mechanisms):
 
     def motions(
         self, mechanism: Mechanism, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
-        tolerance: float = 0.0,
+        tolerance: float = 0.0, counts: NDArray[np.int64] | None = None,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
         """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
 
         requests: what belongs together, (B,), and so is run by one method. tolerance: error of one step, if it may be larger than
-        the predictor's own.
+        the predictor's own. counts: of the times that each is asked for, (B,), by default all.
         """
         model, n = mechanism.model, len(mechanism.names)
         tolerance = max(self.tolerance, tolerance)
+        if counts is None:
+            counts = np.full(len(rows), len(time))
         if self._stiff is not None and n > len(self.system.movable_joints):
-            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.hold, self.threads)
+            return self._stiff.run(
+                model, rows, states, time, tau, requests, tolerance, counts, self.hold, self.threads
+            )
         q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
-        return model.simulate(rows, q, qd, time, tau=tau, hold=self.hold, tolerance=tolerance, threads=self.threads)
+        return model.simulate(
+            rows, q, qd, time, tau=tau, hold=self.hold, tolerance=tolerance, counts=counts, threads=self.threads
+        )
 
     def _sampling(self, hypothesis: Hypothesis, window: Window, margin: float) -> object:
         """What lanes must have in common to be read by the sensors together: the window itself where sensors know the time."""
@@ -476,13 +483,15 @@ def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
     return np.asarray(spacing * (np.arange(count) - 0.5 * (count - 1)))
 
 
-def _distinct(rows: Array, states: Array, tau: Array | None) -> tuple[list[int], list[int]]:
+def _distinct(
+    rows: Array, states: Array, tau: Array | None, counts: NDArray[np.int64]
+) -> tuple[list[int], list[int]]:
     """Lanes that differ from all earlier ones, and for every lane which of those it equals (sensors share a motion)."""
-    seen: dict[bytes, int] = {}
+    seen: dict[tuple[int, bytes], int] = {}
     first: list[int] = []
     again: list[int] = []
     for k in range(len(rows)):
-        key = rows[k].tobytes() + states[k].tobytes() + (b"" if tau is None else tau[k].tobytes())
+        key = int(counts[k]), rows[k].tobytes() + states[k].tobytes() + (b"" if tau is None else tau[k].tobytes())
         if key not in seen:
             seen[key] = len(first)
             first.append(k)

@@ -24,6 +24,7 @@ from harness.diagnose.response import Response, respond, responsive, to_channels
 from harness.diagnose.starts import MOST_PERIODS, Ray, of_a_contact, rays
 from harness.diagnose.waves import without_waves
 from harness.diagnose.windows import Window
+from harness.parallel import meanwhile
 
 Array = NDArray[np.float64]
 
@@ -155,21 +156,29 @@ def score(
 
     spaces: of what the fit may adjust, of which the one counts that promises most.
     """
-    found = []
-    motions: dict[Window, Response] = {}
     asked = [
         (candidate, [*rays(candidate, problem), *_beyond_the_scan(fitted, predictor, candidate, problem)])
         for candidate in candidates
     ]
-    for batch in _batches(asked, fitted):
-        points = [[point for line in lines for point in line] for _, lines in batch]
-        near = near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
-        at_size = _at_size(fitted, predictor, likelihood, batch, spaces)
-        for (candidate, lines), (starts, changes, factors) in zip(batch, near, strict=True):
-            own = [s for space in spaces for s in _along_rays(candidate, lines, space, starts, changes, factors)]
-            own += at_size.get(candidate.key, [])
-            found += sorted(own, key=lambda s: -s.gain)[:1]
-    return sorted(found, key=lambda s: -s.gain)
+
+    def scored(some: Sequence[tuple[Candidate, Sequence[Ray]]]) -> list[Score]:
+        found = []
+        motions: dict[Window, Response] = {}
+        for batch in _batches(some, fitted):
+            points = [[point for line in lines for point in line] for _, lines in batch]
+            near = near_changes(fitted, predictor, likelihood, [c for c, _ in batch], points, motions)
+            at_size = _at_size(fitted, predictor, likelihood, batch, spaces)
+            for (candidate, lines), (starts, changes, factors) in zip(batch, near, strict=True):
+                own = [s for space in spaces for s in _along_rays(candidate, lines, space, starts, changes, factors)]
+                own += at_size.get(candidate.key, [])
+                found += sorted(own, key=lambda s: -s.gain)[:1]
+        return found
+
+    # What adds coordinates takes about as long as all others together, nearly all of it in compiled code.
+    slow = [one for one in asked if one[0].effect.adds_coordinates]
+    of_slow = meanwhile(predictor.threads, scored, slow)
+    found = scored([one for one in asked if not one[0].effect.adds_coordinates])
+    return sorted([*found, *of_slow()], key=lambda s: -s.gain)
 
 
 def _beyond_the_scan(fitted: Fit, predictor: Predictor, candidate: Candidate, problem: Problem) -> list[Ray]:

@@ -45,23 +45,48 @@ class StiffRuns:
 
     def run(
         self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
-        tolerance: float, hold: str, threads: int,
+        tolerance: float, counts: NDArray[np.int64], hold: str, threads: int,
     ) -> Motion:  # fmt: skip
         """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
 
         See ``LaneModel.simulate``. requests: which request a run belongs to, (B,).
         """
-        out = tuple(np.empty((len(rows), len(time), model.n)) for _ in range(3))
+        shape = (len(rows), len(time), model.n)
+        out = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
         slow = np.ones(len(rows), dtype=bool)
+        straight = joined(tau) if tau is not None and hold == "zero" else tau
+        for count in np.unique(counts).tolist():
+            which = np.flatnonzero(counts == count)
+            forces = None if straight is None else straight[which, :count]
+            motion, fits = self._smooth(model, rows[which], states[which], time[:count], forces, requests[which], threads)
+            for array, part in zip(out, motion, strict=True):
+                array[which[fits], :count] = part[fits]
+            slow[which[fits]] = False
+        if slow.any():
+            q, qd = np.split(states[slow], 2, axis=1)
+            resolved = model.simulate(
+                rows[slow], q, qd, time, tau=None if tau is None else tau[slow], hold=hold, tolerance=tolerance,
+                counts=counts[slow], threads=threads,
+            )  # fmt: skip
+            for array, part in zip(out, resolved, strict=True):
+                array[slow] = part
+        return out
+
+    def _smooth(
+        self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array, threads: int
+    ) -> tuple[Motion, NDArray[np.bool_]]:
+        """Runs in steps that are longer than the vibration, and which of them may be taken, (B,)."""
+        shape = (len(rows), len(time), model.n)
+        out = np.empty(shape), np.empty(shape), np.empty(shape)
+        fits = np.zeros(len(rows), dtype=bool)
         left = self._worth_it(model, rows, states, time, requests)
         key = (id(model), float(time[1] - time[0]) if len(time) > 1 else 0.0)
         inner = self._usual.get(key, 2)
         linear = linearization(model, rows[left], states[left])
-        straight = joined(tau) if tau is not None and hold == "zero" else tau
 
         def run(steps: int, some: NDArray[np.intp]) -> Motion:
             which = left[some]
-            forces = None if straight is None else straight[which]
+            forces = None if tau is None else tau[which]
             return march(model, rows[which], states[which], time, steps, linear[some], tau=forces, threads=threads)[:3]
 
         coarse: Motion | None = None
@@ -77,19 +102,11 @@ class StiffRuns:
             bad = np.isin(requests[left], requests[left[~(changed < SHOWN)[kind] | lost]])
             for array, part in zip(out, fine, strict=True):
                 array[left[~bad]] = part[~bad]
-            slow[left[~bad]] = False
+            fits[left[~bad]] = True
             if not bad.all():
                 self._usual[key] = max(2, inner // 2) if changed.max() < EASILY * SHOWN else inner
             coarse, linear, left, inner = (fine[0][bad], fine[1][bad], fine[2][bad]), linear[bad], left[bad], 2 * inner
-        if slow.any():
-            q, qd = np.split(states[slow], 2, axis=1)
-            forces = None if tau is None else tau[slow]
-            resolved = model.simulate(
-                rows[slow], q, qd, time, tau=forces, hold=hold, tolerance=tolerance, threads=threads
-            )
-            for array, part in zip(out, resolved, strict=True):
-                array[slow] = part
-        return out[0], out[1], out[2]
+        return out, fits
 
     def _worth_it(self, model: LaneModel, rows: Array, states: Array, time: Array, requests: Array) -> NDArray[np.intp]:
         """Runs of the requests that move smoothly and vibrate fast."""
