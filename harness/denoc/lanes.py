@@ -217,6 +217,9 @@ class LaneModel:
                 at += section_table_size(_modes(system.link(joint.parent)))
         self.P = at
         self.slots = MappingProxyType(slots)
+        self._joints = [(j.name, j.type, j.parent, j.child) for j in system.joints]
+        stated = ("armature", "damping", "coulomb_torque", "stiffness", "rest_angle")
+        self._laws = [[slots[joint.name, name] for name in stated] for joint in system.movable_joints]
         self.tables = _topology(system, slots)
         self.plane = plane_of(system, self.tables[0], self.tables[1]) if planar else None
         self._law = law
@@ -244,8 +247,7 @@ class LaneModel:
     def row(self, system: System | None = None) -> Array:
         """Parameter row of a system of the same topology (by default the model's own), shape (P,)."""
         system = self.system if system is None else system
-        mine = [(j.name, j.type.value, j.parent, j.child) for j in self.system.joints]
-        if [(j.name, j.type.value, j.parent, j.child) for j in system.joints] != mine:
+        if [(j.name, j.type, j.parent, j.child) for j in system.joints] != self._joints:
             raise InputError(f"{system.name}: not the joints of {self.system.name}", mend="make a LaneModel of its own")
         row = np.zeros(self.P)
         row[0:3] = system.gravity
@@ -261,15 +263,8 @@ class LaneModel:
                 row[at + 3 : at + 6] = _rotation_vector(nominal.rotation.T @ joint.rotation)
             row[at + 6 : at + 16] = _rigid_part(link)
             at += PER_JOINT
-        for joint in system.movable_joints:
-            for name, value in (
-                ("armature", joint.armature),
-                ("damping", joint.damping),
-                ("coulomb_torque", joint.friction),
-                ("stiffness", joint.stiffness),
-                ("rest_angle", joint.rest_position),
-            ):
-                row[self.slot(joint.name, name)] = value
+        for joint, places in zip(system.movable_joints, self._laws, strict=True):
+            row[places] = joint.armature, joint.damping, joint.friction, joint.stiffness, joint.rest_position
         write_beams(row, system, self.slots, self.tables[0])
         return row
 
@@ -326,7 +321,7 @@ class LaneModel:
         for what, array, columns in (("rows", rows, self.P), ("q0", q0, n), ("qd0", qd0, n)):
             if array.ndim != 2 or array.shape[1] != columns or len(array) not in (1, copies):
                 raise InputError(f"{what} has shape {array.shape}", mend=f"expected ({copies}, {columns})")
-        if time.ndim != 1 or len(time) < 1 or not np.all(np.isfinite(time)) or np.any(np.diff(time) <= 0.0):
+        if time.ndim != 1 or len(time) < 1 or not np.isfinite(time[[0, -1]]).all() or not (time[1:] > time[:-1]).all():
             raise InputError("sample times do not increase", mend="sort them and drop duplicates")
         if hold not in ("linear", "zero"):
             raise InputError(f"hold={hold!r}", mend="linear or zero")
@@ -335,12 +330,15 @@ class LaneModel:
         if counts is None:
             counts = np.full(copies, len(time), dtype=np.int64)
         elif method != "adaptive" or counts.shape != (copies,) or counts.min() < 1 or counts.max() > len(time):
-            raise InputError("counts of sample times do not fit", mend=f"({copies},) of 1 … {len(time)}, adaptive method")
+            raise InputError(
+                "counts of sample times do not fit", mend=f"({copies},) of 1 … {len(time)}, adaptive method"
+            )
         longest = (0.25 if method == "adaptive" else 1e-3) if step is None else float(step)
         if not longest > 0.0:
             raise InputError(f"step={step!r}", mend="a positive time in seconds")
-        rows = np.array(np.broadcast_to(rows, (copies, self.P)), order="C")
-        start = np.concatenate([np.broadcast_to(q0, (copies, n)), np.broadcast_to(qd0, (copies, n))], axis=1)
+        rows = np.require(rows if len(rows) == copies else np.repeat(rows, copies, axis=0), requirements=["C", "W"])
+        start = np.empty((copies, 2 * n))
+        start[:, :n], start[:, n:] = q0, qd0
         if method == "exponential":
             from harness.denoc.lanes_exponential import simulate
 
@@ -362,9 +360,11 @@ class LaneModel:
                 self, rows, start, time, longest, tau=effort, hold=int(hold == "linear"), threads=threads
             )
         # The shaking of the base bounds a copy's step: the error estimate could step over whole periods.
-        shaken = rows[:, self.slot("base", "excitation_amplitude")] != 0.0
-        frequency = np.abs(rows[:, self.slot("base", "excitation_frequency")])
-        limits = np.where(shaken & (frequency * longest > 0.125), 0.125 / np.maximum(frequency, 1e-300), longest)
+        limits = np.full(copies, longest)
+        shaken = np.flatnonzero(rows[:, self.slot("base", "excitation_amplitude")])
+        if len(shaken):
+            frequency = np.abs(rows[shaken, self.slot("base", "excitation_frequency")])
+            limits[shaken] = np.minimum(longest, 0.125 / np.maximum(frequency, 1e-300))
         # A sampled effort cuts the motion into pieces; where a step or two of order 5 span a piece, it is the cheaper one.
         order = 5 if driven and np.median(np.diff(time)) < 7e-3 * (tolerance / 1e-10) ** (1.0 / 6.0) else 8
         law = self.user  # compiled here, and not by several threads

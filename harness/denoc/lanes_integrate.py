@@ -344,7 +344,12 @@ def run_group(
                 continue
             t = ledger[CLOCK * 8 + lane]
             k = next_sample[lane]
-            if driven and k < counts[first_lane + lane] - 1 and t >= time[k] and (k == 0 or ledger[UNTIL * 8 + lane] <= t):
+            if (
+                driven
+                and k < counts[first_lane + lane] - 1
+                and t >= time[k]
+                and (k == 0 or ledger[UNTIL * 8 + lane] <= t)
+            ):
                 source = first_lane + lane if driven == 2 else 0
                 ws[group + TAU_TIME * 8 + lane] = time[k]
                 ledger[UNTIL * 8 + lane] = time[k + 1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,12 +35,21 @@ class Plane:
 
     def holds(self, rows: Array) -> NDArray[np.bool_]:
         """Which of the rows (B, P) keep to the plane: joints turned about N alone; no friction that feels what is across."""
-        at = len(BASE_SLOTS) + PER_JOINT * np.arange(len(self.normals))[:, None] + 3 + np.arange(3)
+        if not rows[:, self._leading_out].any():
+            return np.ones(len(rows), dtype=np.bool_)
         flat = (rows[:, self.loads] == 0.0).all(axis=1)
-        turns = rows[:, at]
-        if turns.any():
-            flat &= (np.abs(np.cross(turns, self.normals)) <= PARALLEL).all(axis=(1, 2))
+        flat &= (np.abs(np.cross(rows[:, self._turns], self.normals)) <= PARALLEL).all(axis=(1, 2))
         return np.asarray(flat)
+
+    @cached_property
+    def _turns(self) -> NDArray[np.int64]:
+        """Where in a row the turns of every joint stand, (joints, 3)."""
+        return len(BASE_SLOTS) + PER_JOINT * np.arange(len(self.normals))[:, None] + 3 + np.arange(3)
+
+    @cached_property
+    def _leading_out(self) -> NDArray[np.int64]:
+        """All places of a row where something other than zero may lead out of the plane."""
+        return np.concatenate([self._turns.ravel(), self.loads])
 
     def tables(self, tables: tuple[Any, ...]) -> tuple[Any, ...]:
         """The kernels' tables for motion in the plane."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,8 +19,9 @@ LARGEST = 1e6  # typical sizes that a parameter may have: beyond, what follows f
 CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
 
 
-def is_logarithmic(candidate: Candidate) -> Array:
-    """Which parameters are fitted as logarithms, shape (k,).
+@lru_cache(maxsize=1024)
+def is_logarithmic(candidate: Candidate) -> NDArray[np.bool_]:
+    """Which parameters are fitted as logarithms, shape (k,), not to be written to.
 
     Positive ones whose absence lies at infinity, that cannot be zero, or whose starting values span a decade.
     """
@@ -27,19 +30,23 @@ def is_logarithmic(candidate: Candidate) -> Array:
         positive = [s for s in parameter.starts if s > 0.0]
         return len(positive) > 1 and max(positive) >= DECADE * min(positive)
 
-    return np.array(
+    out = np.array(
         [
             p.lower >= 0.0 and (not np.isfinite(p.neutral) or p.lower > 0.0 or (k > 0 and spans(p)))
             for k, p in enumerate(candidate.effect.parameters)
         ],
         dtype=bool,
     )
+    out.setflags(write=False)
+    return out
 
 
 def from_internal(candidate: Candidate, u: Array) -> Array:
     """SI values from the fit's own coordinates: in units of the typical scale, or its logarithm."""
     log = is_logarithmic(candidate)
     scales = candidate.scales
+    if not log.any():
+        return np.asarray(scales * u)
     # What is fitted as a logarithm may run away before a bound stops it; e^±40 is far beyond either.
     return np.where(log, scales * np.exp(np.clip(np.where(log, u, 0.0), -40.0, 40.0)), scales * u)
 
@@ -51,8 +58,9 @@ def to_internal(candidate: Candidate, values: Array) -> Array:
     return np.where(log, np.log(np.maximum(ratio, 1e-300)), ratio)
 
 
+@lru_cache(maxsize=1024)
 def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
-    """Physical bounds in the fit's own coordinates."""
+    """Physical bounds in the fit's own coordinates, not to be written to."""
     log = is_logarithmic(candidate)
     with np.errstate(divide="ignore"):
         lower = np.where(
@@ -78,7 +86,10 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
         -1, 2
     )
     lower = np.maximum(lower, np.where(log, reach[:, 0], -LARGEST))
-    return lower, np.minimum(upper, np.where(log, reach[:, 1], LARGEST))
+    upper = np.minimum(upper, np.where(log, reach[:, 1], LARGEST))
+    lower.setflags(write=False)
+    upper.setflags(write=False)
+    return lower, upper
 
 
 def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:

@@ -21,11 +21,13 @@ EVENLY = 8  # points of a grid are a multiple of this
 class Grid:
     """Even times at which lanes hand over states, and how a window's samples lie among them.
 
-    time: [s] from the window's first sample, shape (G,); index, weight: sample = grid[index] + weight · step, shape (T,).
+    time, stamps: of the grid's points (G,) and of the samples (T,) [s] from the window's first sample; index, weight: sample =
+    grid[index] + weight · step, (T,).
     exact: every sample is a grid point; stride: and they are this many points apart, from the first point on (0 if not).
     """
 
     time: Array
+    stamps: Array
     index: NDArray[np.intp]
     weight: Array
     exact: bool
@@ -41,7 +43,7 @@ class Grid:
         return self.time[: int(self.index[-1]) + 2]
 
 
-def window_stamps(run: Run, window: Window, margin: float) -> Array:
+def _stamps(run: Run, window: Window, margin: float) -> Array:
     """Times of the window's samples from its first one [s], carried on beyond its end by ``margin`` seconds."""
     stamps = run.time[window.first : window.last] - run.time[window.first]
     beyond = int(np.ceil(margin * stamps[-1] / run.interval)) if margin > 0.0 else 0
@@ -50,7 +52,7 @@ def window_stamps(run: Run, window: Window, margin: float) -> Array:
 
 def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> Grid:
     """The coarsest even grid of at most ``finest`` seconds that samples of the window can be taken from."""
-    stamps = window_stamps(run, window, margin)
+    stamps = _stamps(run, window, margin)
     spacing = np.diff(stamps)
     even = bool(np.all(np.abs(spacing - run.interval) < 1e-6 * run.interval + 2e-7))
     step = run.interval / max(1, int(np.ceil(run.interval / finest - 1e-9))) if even else min(finest, run.interval)
@@ -67,7 +69,7 @@ def make_grid(run: Run, window: Window, finest: float, margin: float = 0.0) -> G
         stride = int(index[1] - index[0]) if len(index) > 1 else 1
         if stride <= 0 or not np.array_equal(index, stride * np.arange(len(index))):
             stride = 0
-    return Grid(np.asarray(time, dtype=np.float64), index, weight, exact, stride)
+    return Grid(np.asarray(time, dtype=np.float64), stamps, index, weight, exact, stride)
 
 
 def hermite(grid: Grid, position: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:

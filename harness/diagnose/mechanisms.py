@@ -121,7 +121,8 @@ class Mechanisms:
                 self._made[key] = found
             rows[place], system = found
             systems.append(system)
-        rows[:, [model.slot("base", f"excitation_{a}") for a in "xyz"]] = self._shaking
+        first = model.slot("base", "excitation_x")
+        rows[:, first : first + 3] = self._shaking
         for member, own in zip(hypothesis.members, values, strict=True):
             if member.effect.law is not None:
                 write_law(rows, model, member, own)

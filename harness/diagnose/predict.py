@@ -13,7 +13,7 @@ from harness.denoc.hold import kept
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.coordinates import CLOCK_MARGIN
 from harness.diagnose.drive import Drive
-from harness.diagnose.grid import Grid, hermite, make_grid, window_stamps
+from harness.diagnose.grid import Grid, hermite, make_grid
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.mechanisms import Mechanism, Mechanisms
 from harness.diagnose.problem import ChannelInfo, Problem, Run
@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 
 FINEST_STEP = 0.004  # s between the states that a free run hands over, unless the recording itself is coarser or finer
 ABREAST = 8  # lanes that run at the price of one
+UNEQUAL = 4  # times as long as another may a lane be that runs beside it: room is kept for the longest
 TOLERANCE = 1e-10  # error of a free run in one step [rad, rad/s]; thousands of steps stay far below any sensor's noise
 
 
@@ -147,7 +148,12 @@ class Predictor(Mechanisms):
                 key = (id(ready.mechanism), length, grid.step, free, start, request.tolerance)
                 groups.setdefault(key, []).append((k, lane))
         for (_, _, _, free, start, _), members in groups.items():
-            self._run(requests, asked, members, free, start, out)
+            left = [(len(self.grid(requests[k].lanes[lane][1], asked[k].margin).time), (k, lane)) for k, lane in members]
+            while left:
+                longest = max(length for length, _ in left)
+                together = [member for length, member in left if UNEQUAL * length >= longest]
+                self._run(requests, asked, together, free, start, out)
+                left = [(length, member) for length, member in left if UNEQUAL * length < longest]
         return out
 
     def _prepare(self, request: Request) -> Prepared:
@@ -192,11 +198,8 @@ class Predictor(Mechanisms):
         every_tau = np.concatenate(efforts) if efforts else None
         first, again = _distinct(every_row, every_state, every_tau, counts)
         self.lanes_run += len(first)
-        alone = len(first) == len(members) and (len(first) <= ABREAST or bool(np.all(np.diff(counts) <= 0)))
+        alone = np.array_equal(first, np.arange(len(members)))
         if not alone:
-            # The longest first, so that those that run abreast take equally long.
-            order = np.argsort(-counts[first], kind="stable")
-            first, again = np.array(first)[order], np.argsort(order)[again]
             every_row, every_state = every_row[first], every_state[first]
             every_tau = None if every_tau is None else every_tau[first]
         tolerance = requests[members[0][0]].tolerance
@@ -218,7 +221,7 @@ class Predictor(Mechanisms):
                 same.append(j)
             for places in alike.values():
                 window = request.lanes[own[places[0]]][1]
-                where = [place + j for j in places] if alone else [again[place + j] for j in places]
+                where = [place + j for j in places] if alone else again[[place + j for j in places]].tolist()
                 sampled = hermite(self.grid(window, ready.margin), *(taken(array, where) for array in (q, qd, qdd)))
                 which = [request.lanes[own[j]][0] for j in places]
                 channels = self._observe(
@@ -247,12 +250,8 @@ class Predictor(Mechanisms):
         """
         model, n = mechanism.model, len(mechanism.names)
         tolerance = max(self.tolerance, tolerance)
-        if counts is None:
-            counts = np.full(len(rows), len(time))
         if self._stiff is not None and n > len(self.system.movable_joints):
-            return self._stiff.run(
-                model, rows, states, time, tau, requests, tolerance, counts, self.hold, self.threads
-            )
+            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.hold, self.threads, counts)
         q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
         return model.simulate(
             rows, q, qd, time, tau=tau, hold=self.hold, tolerance=tolerance, counts=counts, threads=self.threads
@@ -355,13 +354,16 @@ class Predictor(Mechanisms):
         margin: float,
     ) -> Array:
         """Channels (B, C, T) of the window from the states at its samples."""
-        local = window_stamps(run, window, margin)
+        local = self.grid(window, margin).stamps
         stamps = local + (run.time[window.first] - run.time[0])
         out = np.empty((len(x), len(self.problem.channels), window.size))
         for c, channel in enumerate(self.problem.channels):
             signal = observe(mechanism.model, rows, channel.site, channel.quantity, sampled, systems).copy()
             acting = self._sensing(hypothesis, x, channel.name)
-            if run.averaged > 1 and channel.quantity == "position" and acting:
+            if not acting:
+                out[:, c] = _averaged(signal, run, channel, mechanism, sampled)[:, : window.size]
+                continue
+            if run.averaged > 1 and channel.quantity == "position":
                 column = mechanism.names.index(channel.site)
                 rate, bend = sampled[1][:, :, column], sampled[2][:, :, column]
                 parts = [
@@ -485,8 +487,11 @@ def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
 
 def _distinct(
     rows: Array, states: Array, tau: Array | None, counts: NDArray[np.int64]
-) -> tuple[list[int], list[int]]:
-    """Lanes that differ from all earlier ones, and for every lane which of those it equals (sensors share a motion)."""
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Lanes that differ from all others, and for every lane which of those it equals (sensors share a motion).
+
+    Of more than run abreast the longest come first, so that those that do take equally long.
+    """
     seen: dict[tuple[int, bytes], int] = {}
     first: list[int] = []
     again: list[int] = []
@@ -496,4 +501,7 @@ def _distinct(
             seen[key] = len(first)
             first.append(k)
         again.append(seen[key])
-    return first, again
+    order = np.arange(len(first))
+    if len(first) > ABREAST:
+        order = np.argsort(-counts[first], kind="stable")
+    return np.array(first)[order], np.argsort(order)[again]

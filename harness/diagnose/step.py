@@ -102,14 +102,15 @@ def following(
     rss = np.array([t[0] for t in triangles])
     size = rss.shape[2]
     scale = np.linalg.norm(rss, axis=1) + 1e-9
-    held = np.zeros((len(rss), 2 * size, size))
-    held[:, :size] = (np.sqrt(damping * 1e-3) * scale + 1e-9)[:, :, None] * np.eye(size)
-    held[:, size:] = np.diag(stiff)
-    right = -np.array([t[2] for t in triangles]) - np.array([t[1] for t in triangles]) @ step
-    right = np.concatenate([right, np.zeros_like(right), -stiff * begun], axis=1)
+    held = [(np.sqrt(damping * 1e-3) * scale + 1e-9)[:, :, None] * np.eye(size)]
+    wanted = -np.array([t[2] for t in triangles]) - np.array([t[1] for t in triangles]) @ step
+    right = [wanted, np.zeros_like(wanted)]
+    if stiff.any():
+        held.append(np.broadcast_to(np.diag(stiff), rss.shape))
+        right.append(-stiff * begun)
     # Least squares by singular values, of all windows at once.
-    u, s, vt = np.linalg.svd(np.concatenate([rss, held], axis=1), full_matrices=False)
-    along = np.einsum("wij,wi->wj", u, right)
+    u, s, vt = np.linalg.svd(np.concatenate([rss, *held], axis=1), full_matrices=False)
+    along = np.einsum("wij,wi->wj", u, np.concatenate(right, axis=1))
     least = np.finfo(np.float64).eps * 2 * size * s[:, :1]
     along = np.where(s > least, along / np.where(s > least, s, 1.0), 0.0)
     return np.asarray(np.einsum("wji,wj->wi", vt, along))

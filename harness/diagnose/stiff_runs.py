@@ -45,12 +45,13 @@ class StiffRuns:
 
     def run(
         self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
-        tolerance: float, counts: NDArray[np.int64], hold: str, threads: int,
+        tolerance: float, hold: str, threads: int, counts: NDArray[np.int64] | None = None,
     ) -> Motion:  # fmt: skip
         """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
 
         See ``LaneModel.simulate``. requests: which request a run belongs to, (B,).
         """
+        counts = np.full(len(rows), len(time)) if counts is None else counts
         shape = (len(rows), len(time), model.n)
         out = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
         slow = np.ones(len(rows), dtype=bool)
@@ -58,7 +59,9 @@ class StiffRuns:
         for count in np.unique(counts).tolist():
             which = np.flatnonzero(counts == count)
             forces = None if straight is None else straight[which, :count]
-            motion, fits = self._smooth(model, rows[which], states[which], time[:count], forces, requests[which], threads)
+            motion, fits = self._smooth(
+                model, rows[which], states[which], time[:count], forces, requests[which], threads
+            )
             for array, part in zip(out, motion, strict=True):
                 array[which[fits], :count] = part[fits]
             slow[which[fits]] = False
@@ -73,7 +76,14 @@ class StiffRuns:
         return out
 
     def _smooth(
-        self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array, threads: int
+        self,
+        model: LaneModel,
+        rows: Array,
+        states: Array,
+        time: Array,
+        tau: Array | None,
+        requests: Array,
+        threads: int,
     ) -> tuple[Motion, NDArray[np.bool_]]:
         """Runs in steps that are longer than the vibration, and which of them may be taken, (B,)."""
         shape = (len(rows), len(time), model.n)

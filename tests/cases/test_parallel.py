@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import threading
 
+import numpy as np
 import pytest
 
 from harness.errors import InputError
-from harness.parallel import parallel_map
+from harness.parallel import meanwhile, parallel_map
 
 
 def square(x: int) -> int:
@@ -79,3 +81,23 @@ def test_a_word_that_is_no_address_is_one_line():
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match="no Dask scheduler answers"):
         parallel_map(square, ITEMS, dask="nonsense")
+
+
+def ident(_: int) -> int:
+    return threading.get_ident()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_runs_meanwhile_returns_and_raises_the_same(threads):
+    assert meanwhile(threads, square, 7)() == 49
+    assert (meanwhile(threads, ident, 0)() == threading.get_ident()) == (threads == 1)
+    waiting = meanwhile(threads, fails, 3)
+    with pytest.raises(InputError, match="three"):
+        waiting()
+
+
+def test_floating_point_warnings_are_taken_meanwhile_as_they_are_here():
+    with np.errstate(over="raise"):
+        waiting = meanwhile(2, np.square, np.array([1e300]))
+    with pytest.raises(FloatingPointError):
+        waiting()

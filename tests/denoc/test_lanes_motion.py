@@ -687,3 +687,32 @@ def test_what_does_not_fit_is_named():
         model.row(double_pendulum())
     with pytest.raises(UnsupportedError, match="two planes"):
         LaneModel(random_chain(2, flexible=1.0, bending2=True))
+
+
+@pytest.mark.parametrize("driven", [False, True])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_copies_followed_for_unequally_long_are_those_followed_alone(driven, threads):
+    # Bit for bit: a copy depends on no other, and its last step ends at its own last time.
+    model = LaneModel(random_chain(3, seed=4))
+    copies, time = 19, np.linspace(0.0, 2.0, 201)
+    rng = np.random.default_rng(3)
+    rows = rows_with(model, copies, damping=0.02)
+    rows[:, model.slot(model.names[1], "coulomb_torque")] = rng.uniform(0.0, 0.3, copies)
+    q, qd = rng.uniform(-1.0, 1.0, (2, copies, 3))
+    tau = np.cumsum(rng.normal(size=(copies, len(time), 3)), axis=1) * 0.1 if driven else None
+    counts = rng.integers(1, len(time) + 1, copies)
+    counts[:2] = 1, len(time)
+    together = model.simulate(rows, q, qd, time, tau=tau, counts=counts, threads=threads)
+    for k, count in enumerate(counts):
+        forces = None if tau is None else tau[k, :count]
+        alone = model.simulate(rows[k], q[k], qd[k], time[:count], tau=forces)
+        for array, wanted in zip(together, alone, strict=True):
+            assert np.array_equal(array[k, :count], wanted[0])
+            assert np.isnan(array[k, count:]).all()
+
+
+@pytest.mark.parametrize("counts", [[3, 4], [3, 4, 0], [3, 4, 12]])
+def test_counts_that_do_not_fit_are_told(counts):
+    model = LaneModel(pendulum())
+    with pytest.raises(InputError, match="counts"):
+        model.simulate(rows_with(model, 3), np.ones((3, 1)), np.zeros((3, 1)), np.arange(11.0), counts=np.array(counts))

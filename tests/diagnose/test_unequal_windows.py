@@ -1,0 +1,57 @@
+"""Windows of unequal length run together, and predict what they predict apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from simulated_recordings import Rig, nominal, releases
+
+from harness.denoc.lanes import LaneModel
+from harness.diagnose.candidates import candidates
+from harness.diagnose.coordinates import to_internal
+from harness.diagnose.hypothesis import Hypothesis
+from harness.diagnose.predict import ABREAST, UNEQUAL, Predictor
+from harness.diagnose.problem import pose
+from harness.diagnose.screen import carry_state
+from harness.diagnose.windows import Window
+
+# Samples of a recording of 1000: in no order, the last one too short to run beside the longest.
+WINDOWS = [Window(0, 0, 300), Window(1, 0, 1000), Window(0, 300, 900), Window(1, 200, 900), Window(0, 900, 1000)]
+
+
+def lanes(moved: int) -> list[tuple[int, Window, np.ndarray]]:
+    """Every window from several states, so that more run than fit abreast."""
+    return [(0, window, np.array([0.3 + 0.1 * k, 0.2 * w])) for w, window in enumerate(WINDOWS) for k in range(moved)]
+
+
+@pytest.mark.parametrize(
+    "names", [[], ["coulomb_friction"], ["coulomb_friction", "sensor_lowpass"], ["base_compliance"]]
+)
+def test_together_as_apart(names: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    system = nominal()
+    recordings = releases(Rig(viscous=0.002), (0.6, -0.4), 1e-3, seed=2, duration=10.0, rate=100.0)
+    predictor = Predictor(pose(system, recordings))
+    known = candidates(system, recordings)
+    members = tuple(next(c for c in known if c.effect.name == name) for name in names)
+    hypothesis = Hypothesis(members)
+    starts = [to_internal(m, np.array([p.start_values(m.references)[0] for p in m.effect.parameters])) for m in members]
+    x = np.concatenate([np.zeros(len(predictor.nominal)), *starts])[None]
+    asked = [(0, window, carry_state(predictor, Hypothesis(), hypothesis, state)) for _, window, state in lanes(3)]
+    runs: list[int] = []
+    simulate = LaneModel.simulate
+
+    def counted(self: LaneModel, rows: np.ndarray, *how: object, **options: object):
+        runs.append(len(rows))
+        return simulate(self, rows, *how, **options)
+
+    monkeypatch.setattr(LaneModel, "simulate", counted)
+    together = predictor.predict(hypothesis, x, asked)
+    assert len(asked) > ABREAST
+    assert max(w.size for w in WINDOWS) > UNEQUAL * min(w.size for w in WINDOWS)
+    if predictor.state_size(hypothesis) == 2:
+        assert sorted(runs) == [3, 12]  # those that are too short run by themselves
+    for lane, found in zip(asked, together, strict=True):
+        (alone,) = predictor.predict(hypothesis, x, [lane])
+        assert found.shape == (len(predictor.problem.channels), lane[1].size)
+        # Motions are the same to the last bit; what sensors make of several at once is rounded otherwise.
+        assert np.allclose(found, alone, rtol=0.0, atol=1e-12 if "sensor_lowpass" in names else 0.0)
