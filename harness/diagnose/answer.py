@@ -16,6 +16,7 @@ from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, number, plainest, summary
 from harness.diagnose.fit import Fit
 from harness.diagnose.held_only import held_names
+from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, judge, trained
 from harness.diagnose.locate import Mismatch, locate, rmse
 from harness.diagnose.lost import why_lost
@@ -24,6 +25,7 @@ from harness.diagnose.remainder import JUMP, WANDERS, Remains
 from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.rivals import with_the_same
+from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import Estimate, across, estimates
 from harness.diagnose.zeros import Zero, zeros_of
 from harness.recording import Recording
@@ -128,9 +130,20 @@ def _finding(
         },
         "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
         "indistinguishable_from": [_short(key, claim.candidate.site) for key in claim.rivals],
+        **(
+            {"only_beside": {_short(k, claim.candidate.site): list(m) for k, m in claim.beside.items()}}
+            if claim.beside
+            else {}
+        ),
         **({"zeros": zeros} if zeros else {}),
         **({"shows_only_in": held_names(outcome)} if claim.candidate.key in only_held else {}),
     }
+
+
+def _rival(claim: Claim, key: str) -> str:
+    """A rival in words, with what it would stand beside if only there the recordings do not tell."""
+    partners = claim.beside.get(key, ())
+    return _short(key, claim.candidate.site) + (f" (beside {' or '.join(partners)})" if partners else "")
 
 
 def _short(key: str, site: str) -> str:
@@ -180,7 +193,7 @@ def _summary(
     ]
     rivals = [
         f"{c.candidate.effect.title.capitalize()} cannot be told here from "
-        + ", ".join(_short(k, c.candidate.site) for k in c.rivals)
+        + ", ".join(_rival(c, k) for k in c.rivals)
         + "."
         for c in conclusion.claims
         if c.rivals
@@ -265,16 +278,29 @@ def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) 
     return Opening(run.name, position, velocity, time, tau, noise, outcome.predictor.hold)
 
 
+def _told_apart_by(study: Study, best: Fit, claim: Claim, rival: Candidate) -> tuple[Fit, Fit | None]:
+    """Two fits that differ by a claim and its rival alone: of the best set, or of one with another effect beside both."""
+    kept = best.hypothesis.identity - {claim.candidate.key}
+    if rival.key not in claim.beside:
+        return best, study.fits.get(kept | {rival.key})
+    for key in kept:
+        for partner in claim.beside[rival.key]:
+            rest = (kept - {key}) | {partner}
+            first, other = study.fits.get(rest | {claim.candidate.key}), study.fits.get(rest | {rival.key})
+            if first is not None and other is not None:
+                return first, other
+    return best, None
+
+
 def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
     """The experiment that would part what these recordings cannot."""
     study = outcome.study
     pairs: list[tuple[Fit, Fit, tuple[str, ...]]] = []
     for claim in conclusion.claims:
-        smaller = study.reduce(conclusion.best, claim.index)
         for rival in claim.rival_candidates:
-            other = study.fits.get(smaller.hypothesis.with_(rival).identity)
+            first, other = _told_apart_by(study, conclusion.best, claim, rival)
             if other is not None:
-                pairs.append((conclusion.best, other, (claim.candidate.effect.name, rival.effect.name)))
+                pairs.append((first, other, (claim.candidate.effect.name, rival.effect.name)))
     if not pairs and conclusion.best.hypothesis.members:
         # Nothing is left open; the runner-up would still be the first to doubt.
         for other in outcome.ordered:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,7 +29,7 @@ from harness.diagnose.held_only import held_out_repeats, with_all
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, trained, training_gain
 from harness.diagnose.remainder import Remains, Test
-from harness.diagnose.rivals import APART, near, preferred
+from harness.diagnose.rivals import APART, beside_another, near, preferred
 from harness.diagnose.starts import FOLLOWS
 from harness.diagnose.stretches import by_channel, follows_itself
 from harness.diagnose.study import BEGUN, STRETCHED, Study
@@ -57,8 +58,8 @@ WORSE = 5.0  # standard deviations by which data held out may be left worse than
 class Claim:
     """One member of the best set, weighed. gain: of the training cost; heldout_z: see ``investigate.heldout_z``.
 
-    delta_bic: how much worse the set is without it; rivals: candidates that could stand in its place; probability: its share
-    of the posterior over all sets fitted.
+    delta_bic: how much worse the set is without it; rivals: candidates that could stand in its place; beside: keys of what other
+    members would then have to be, of rivals that only could so; probability: its share of the posterior over all sets fitted.
     """
 
     candidate: Candidate
@@ -68,6 +69,7 @@ class Claim:
     delta_bic: float
     rivals: tuple[str, ...]
     rival_candidates: tuple[Candidate, ...]
+    beside: Mapping[str, tuple[str, ...]]
     probability: float
 
 
@@ -354,11 +356,14 @@ def _claims(outcome: Outcome, best: Fit, remains: Remains) -> tuple[Claim, ...]:
         others = [m for other in near(outcome, best, k) for m in other.hypothesis.members]
         others += unparted(outcome, best, k, remains)
         others = [m for m in others if m.key not in best.hypothesis.keys] + _out_of_step(study, best, k)
-        rivals = list({m.key: m for m in others}.values())
+        known = {m.key for m in others}
+        crossed = {c.key: (c, m) for c, m in beside_another(outcome, best, k).items() if c.key not in known}
+        rivals = list({m.key: m for m in [*others, *(c for c, _ in crossed.values())]}.values())
+        beside = {key: tuple(m.key for m in partners) for key, (_, partners) in crossed.items()}
         claims.append(
             Claim(
                 member, k, gain, heldout_z(outcome, smaller, best), gain - study.numbers(member) * float(np.log(study.samples)),
-                tuple(r.key for r in rivals), tuple(rivals), min(1.0, probabilities.get(member.key, 0.0)),
+                tuple(r.key for r in rivals), tuple(rivals), beside, min(1.0, probabilities.get(member.key, 0.0)),
             )
         )  # fmt: skip
     return tuple(claims)

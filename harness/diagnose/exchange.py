@@ -315,7 +315,7 @@ class Swap:
     fit: Fit
 
 
-def _swaps(study: Study, best: Fit) -> list[Swap]:
+def swaps(study: Study, best: Fit) -> list[Swap]:
     """All known fits that differ from the best one by one member, likeliest first."""
     own = study.criterion(best)
     found = [
@@ -331,7 +331,7 @@ def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
 
     Two wrong members may make up for one another, so that putting one of them right looks like a step back.
     """
-    pairs = [(a, b) for a, b in combinations(_swaps(study, best), 2) if a.k != b.k and a.worse + b.worse < NEAR]
+    pairs = [(a, b) for a, b in combinations(swaps(study, best), 2) if a.k != b.k and a.worse + b.worse < NEAR]
     found = []
     slow = 0
     for one, two in sorted(pairs, key=lambda p: p[0].worse + p[1].worse)[:MOST_TOGETHER]:
@@ -339,17 +339,23 @@ def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
             slow += 1
             if slow > MOST_SLOW:
                 continue
-        place = one.fit.hypothesis.keys.index(best.hypothesis.keys[two.k])
-        rest = one.fit.hypothesis.without(place)
-        if not compatible(rest, two.candidate) or study.known(rest.with_(two.candidate)) is not None:
-            continue
         if len(study.fits) >= most_fits:
             break
-        span = two.fit.hypothesis.span(two.fit.hypothesis.keys.index(two.candidate.key))
-        own = two.fit.x[len(study.predictor.nominal) :][span]
-        start = np.concatenate([study.without(one.fit, place), own])
-        found.append(study.fit(rest.with_(two.candidate), [start], one.fit))
+        both = exchanged(study, best, one, two)
+        found += [] if both is None else [both]
     return found
+
+
+def exchanged(study: Study, best: Fit, one: Swap, two: Swap, target: float = -np.inf) -> Fit | None:
+    """A fit with both swaps of a set made at once, begun from the first one's; None if that is known, or no set."""
+    place = one.fit.hypothesis.keys.index(best.hypothesis.keys[two.k])
+    rest = one.fit.hypothesis.without(place)
+    if not compatible(rest, two.candidate) or study.known(rest.with_(two.candidate)) is not None:
+        return None
+    span = two.fit.hypothesis.span(two.fit.hypothesis.keys.index(two.candidate.key))
+    own = two.fit.x[len(study.predictor.nominal) :][span]
+    start = np.concatenate([study.without(one.fit, place), own])
+    return study.fit(rest.with_(two.candidate), [start], one.fit, target=target)
 
 
 def second(study: Study, best: Fit, most_fits: int) -> list[Fit]:
@@ -358,7 +364,7 @@ def second(study: Study, best: Fit, most_fits: int) -> list[Fit]:
     What looks like a step back may open the way to a relative of what the best set does not even need.
     """
     found = []
-    for swap in _swaps(study, best)[:MOST_SECOND]:
+    for swap in swaps(study, best)[:MOST_SECOND]:
         keys = swap.fit.hypothesis.keys
         if swap.worse > NEAR or any(map(dear, swap.fit.hypothesis.members)):
             continue
@@ -374,7 +380,7 @@ def reduced(study: Study, best: Fit) -> list[Fit]:
     What stands in a member's place may do without the others; none that the best set cannot do without are tried.
     """
     base, found = best.hypothesis, []
-    for swap in _swaps(study, best)[:MOST_REDUCED]:
+    for swap in swaps(study, best)[:MOST_REDUCED]:
         if swap.worse > NEARLY_BEST:
             break
         for k, key in enumerate(base.keys):

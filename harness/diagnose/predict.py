@@ -148,7 +148,9 @@ class Predictor(Mechanisms):
                 key = (id(ready.mechanism), length, grid.step, free, start, request.tolerance)
                 groups.setdefault(key, []).append((k, lane))
         for (_, _, _, free, start, _), members in groups.items():
-            left = [(len(self.grid(requests[k].lanes[lane][1], asked[k].margin).time), (k, lane)) for k, lane in members]
+            left = [
+                (len(self.grid(requests[k].lanes[lane][1], asked[k].margin).time), (k, lane)) for k, lane in members
+            ]
             while left:
                 longest = max(length for length, _ in left)
                 together = [member for length, member in left if UNEQUAL * length >= longest]

@@ -6,10 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import emptied, generalized, known_in_place_of, pruned, reduced, related, relatives
+from harness.diagnose.exchange import (
+    Swap,
+    emptied,
+    exchanged,
+    generalized,
+    known_in_place_of,
+    pruned,
+    reduced,
+    related,
+    relatives,
+    swaps,
+)
 from harness.diagnose.falling import fit_falling
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import compatible, dear
+from harness.diagnose.hypothesis import Candidate, compatible, dear
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
 from harness.diagnose.places import replaced
@@ -30,6 +41,10 @@ MOST_WIDENED = 3
 MOST_PLACED = 4  # rivals whose forces over the angle are tried at other places
 MOST_GENERAL = 4  # rivals whose more general laws are tried at typical values
 FEWEST_TOLD = 2  # rivals, however far from the best set
+MOST_CROSSED, CROSSED = (
+    6,
+    30.0,
+)  # pairs of exchanges fitted, and how much worse one of them may be alone, in the criterion
 FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
 APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
 LIKELY = 6.0  # the same for odds of twenty, beyond which a set has no say in an interval of 95 %
@@ -90,6 +105,44 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
         known = {f.hypothesis.identity for f in found} | {best.hypothesis.identity}
         wider = (f for f in unseen(outcome, base, own) if f.score < best.score + APART)
         found += [f for f in wider if f.hypothesis.identity not in known]
+    return found
+
+
+def beside_another(outcome: Outcome, best: Fit, k: int) -> dict[Candidate, tuple[Candidate, ...]]:
+    """Candidates that the recordings do not part from member ``k`` beside what another member could as well be, and beside what.
+
+    What is told apart beside one of two effects that look alike need not be beside the other.
+    """
+    study, limit = outcome.study, _limit(outcome, best, APART)
+    found: dict[Candidate, tuple[Candidate, ...]] = {}
+    for swap in swaps(study, best):
+        if swap.k == k or study.evidence(swap.fit) > limit:
+            continue
+        own = swap.fit.hypothesis.keys.index(best.hypothesis.keys[k])
+        for candidate, other in known_in_place_of(study, swap.fit, own):
+            if other.score < LOST and study.evidence(other) < study.evidence(swap.fit) + APART:
+                found[candidate] = (*found.get(candidate, ()), swap.candidate)
+    return found
+
+
+def _crossed(outcome: Outcome, best: Fit) -> list[Fit]:
+    """Fits with a member exchanged beside what another one could as well be: see ``beside_another``."""
+    study, limit = outcome.study, _limit(outcome, best, APART)
+    if len(best.hypothesis.members) > FEW and exhausted(study, best):
+        return []
+    every = [swap for swap in swaps(study, best) if swap.fit.score < LOST]
+    aside = [swap for swap in every if study.evidence(swap.fit) < limit]
+    pairs: dict[frozenset[str], tuple[Swap, Swap]] = {}
+    for one in aside:
+        for two in every:
+            if one.k != two.k and two.worse < CROSSED:
+                pairs.setdefault(frozenset({one.candidate.key, two.candidate.key}), (one, two))
+    found: list[Fit] = []
+    for one, two in sorted(pairs.values(), key=lambda pair: pair[0].worse + pair[1].worse):
+        if len(found) >= MOST_CROSSED or len(study.fits) >= ENOUGH_FITS:
+            break
+        both = exchanged(study, best, one, two, target=one.fit.score + APART)
+        found += [] if both is None else [both]
     return found
 
 
@@ -183,6 +236,7 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
         close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
         others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED]]
+        others += _crossed(outcome, best)
         better = min([*others, *reduced(study, best), *emptied(study, best)], key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break
