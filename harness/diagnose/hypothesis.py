@@ -140,6 +140,7 @@ def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[floa
     """
     joints: dict[str, Joint] = {joint.name: joint for joint in system.joints}
     links: dict[str, Link] = {link.name: link for link in _with_ends(system)}
+    rigid: dict[str, dict[str, float]] = {}
     for quantity, factor in zip(quantities, factors, strict=True):
         kind, name = quantity.kind, quantity.name
         if factor == 1.0:
@@ -147,20 +148,16 @@ def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[floa
         if name in joints and kind in ("armature", "damping", "stiffness"):
             joints[name] = replace(joints[name], **{kind: getattr(joints[name], kind) * factor})
             continue
-        link = links[name]
-        if link.beam is not None:
-            links[name] = _scaled_beam(link, kind, factor)
-        elif kind == "mass":
-            links[name] = replace(link, mass=link.mass * factor, inertia=constant(link.inertia * factor))
-        elif kind == "inertia":
-            links[name] = replace(link, inertia=constant(link.inertia * factor))
+        if links[name].beam is not None:
+            links[name] = _scaled_beam(links[name], kind, factor)
         else:
-            end = None if link.end is None else constant(link.end * factor)
-            links[name] = replace(link, com=constant(link.com * factor), end=end)
+            rigid.setdefault(name, {})[kind] = factor
         if kind == "length":
             for key, joint in joints.items():
                 if joint.parent == name:
                     joints[key] = replace(joint, xyz=constant(joint.xyz * factor))
+    for name, own in rigid.items():
+        links[name] = _scaled_rigid(links[name], own.get("mass", 1.0), own.get("length", 1.0), own.get("inertia", 1.0))
     return replace(
         system,
         joints=tuple(joints[joint.name] for joint in system.joints),
@@ -177,6 +174,17 @@ def _with_ends(system: System) -> tuple[Link, ...]:
         return link if link.beam is not None or not end.any() else replace(link, end=constant(end))
 
     return tuple(with_end(link) for link in system.links)
+
+
+def _scaled_rigid(link: Link, mass: float, length: float, inertia: float) -> Link:
+    """A rigid link with mass, length and inertia about its centre of mass scaled; a heavier one has as much more inertia."""
+    return replace(
+        link,
+        mass=link.mass * mass,
+        com=constant(link.com * length),
+        inertia=constant(link.inertia * mass * inertia),
+        end=None if link.end is None else constant(link.end * length),
+    )
 
 
 def _scaled_beam(link: Link, kind: str, factor: float) -> Link:

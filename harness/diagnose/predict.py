@@ -129,33 +129,27 @@ class Predictor(Mechanisms):
         """The same for several requests at once: lanes of one mechanism run together, whatever is asked of them."""
         asked = [self._prepare(request) for request in requests]
         out: list[list[Array]] = [[np.empty(0)] * len(request.lanes) for request in requests]
-        groups: dict[tuple[int, int, float, bool, float, float], list[tuple[int, int]]] = {}
-        key = (0, 0, 0.0, False, 0.0, 0.0)
+        groups: dict[tuple[int, int, float, bool, float, float], list[tuple[int, int, int]]] = {}
         for k, (request, ready) in enumerate(zip(requests, asked, strict=True)):
             before: Window | None = None
+            length, members = 0, list[tuple[int, int, int]]()
             for lane, (_, window, _) in enumerate(request.lanes):
-                if window is before:
-                    groups[key].append((k, lane))
-                    continue
-                before = window
-                grid = self.grid(window, ready.margin)
-                run = self.runs[window.run]
-                # A law that knows the time needs the time of the recording, not of the window.
-                start = float(run.time[window.first] - run.time[0]) if ready.dated else 0.0
-                free = run.effort is None
-                # Further forces come on the grid of their window.
-                length = 0 if request.extra is None else len(grid.time)
-                key = (id(ready.mechanism), length, grid.step, free, start, request.tolerance)
-                groups.setdefault(key, []).append((k, lane))
-        for (_, _, _, free, start, _), members in groups.items():
-            left = [
-                (len(self.grid(requests[k].lanes[lane][1], asked[k].margin).time), (k, lane)) for k, lane in members
-            ]
+                if window is not before:
+                    before, grid, run = window, self.grid(window, ready.margin), self.runs[window.run]
+                    # A law that knows the time needs the time of the recording, not of the window.
+                    start = float(run.time[window.first] - run.time[0]) if ready.dated else 0.0
+                    length = len(grid.time)
+                    # Further forces come on the grid of their window.
+                    own = 0 if request.extra is None else length
+                    key = (id(ready.mechanism), own, grid.step, run.effort is None, start, request.tolerance)
+                    members = groups.setdefault(key, [])
+                members.append((k, lane, length))
+        for (_, _, _, free, start, _), left in groups.items():
             while left:
-                longest = max(length for length, _ in left)
-                together = [member for length, member in left if UNEQUAL * length >= longest]
+                longest = max(length for _, _, length in left)
+                together = [member for member in left if UNEQUAL * member[2] >= longest]
                 self._run(requests, asked, together, free, start, out)
-                left = [(length, member) for length, member in left if UNEQUAL * length < longest]
+                left = [member for member in left if UNEQUAL * member[2] < longest]
         return out
 
     def _prepare(self, request: Request) -> Prepared:
@@ -169,19 +163,20 @@ class Predictor(Mechanisms):
         self,
         requests: Sequence[Request],
         asked: Sequence[Prepared],
-        members: Sequence[tuple[int, int]],
+        members: Sequence[tuple[int, int, int]],
         free: bool,
         start: float,
         out: list[list[Array]],
     ) -> None:
-        """Run lanes (request, lane) of one mechanism and equal steps of the grid together and hand their channels to ``out``."""
+        """Run lanes (request, lane, points of the grid) of one mechanism and equal steps together and hand their channels to
+        ``out``."""
         mechanism = asked[members[0][0]].mechanism
         by_request: dict[int, list[int]] = {}
-        for k, lane in members:
+        for k, lane, _ in members:
             by_request.setdefault(k, []).append(lane)
-        grids = [self.grid(requests[k].lanes[lane][1], asked[k].margin).time for k, lane in members]
-        counts = np.array([len(grid) for grid in grids])
-        grid_time = grids[int(np.argmax(counts))]
+        asking, _, counts = np.array(members).T
+        k, lane, _ = members[int(np.argmax(counts))]
+        grid_time = self.grid(requests[k].lanes[lane][1], asked[k].margin).time
         rows, states, efforts = [], [], []
         for k, own in by_request.items():
             request, lanes = requests[k], [requests[k].lanes[i] for i in own]
@@ -198,16 +193,17 @@ class Predictor(Mechanisms):
                 efforts.append(tau)
         every_row, every_state = np.concatenate(rows), np.concatenate(states)
         every_tau = np.concatenate(efforts) if efforts else None
-        first, again = _distinct(every_row, every_state, every_tau, counts)
+        # Sensors share a motion.
+        shared = len(requests) > 1 or any(m.effect.sensor is not None for m in requests[0].hypothesis.members)
+        first, again = _distinct(every_row, every_state, every_tau, counts, shared)
         self.lanes_run += len(first)
         alone = np.array_equal(first, np.arange(len(members)))
         if not alone:
             every_row, every_state = every_row[first], every_state[first]
             every_tau = None if every_tau is None else every_tau[first]
         tolerance = requests[members[0][0]].tolerance
-        asking = np.array([k for k, _ in members])[first]
         q, qd, qdd = self.motions(
-            mechanism, every_row, every_state, grid_time + start, every_tau, asking, tolerance, counts[first]
+            mechanism, every_row, every_state, grid_time + start, every_tau, asking[first], tolerance, counts[first]
         )
         place = 0
         for k, own in by_request.items():
@@ -488,22 +484,21 @@ def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
 
 
 def _distinct(
-    rows: Array, states: Array, tau: Array | None, counts: NDArray[np.int64]
+    rows: Array, states: Array, tau: Array | None, counts: NDArray[np.int64], shared: bool
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Lanes that differ from all others, and for every lane which of those it equals (sensors share a motion).
+    """Lanes that differ from all others, if some may not, and for every lane which of those it equals.
 
     Of more than run abreast the longest come first, so that those that do take equally long.
     """
-    seen: dict[tuple[int, bytes], int] = {}
-    first: list[int] = []
-    again: list[int] = []
-    for k in range(len(rows)):
-        key = int(counts[k]), rows[k].tobytes() + states[k].tobytes() + (b"" if tau is None else tau[k].tobytes())
-        if key not in seen:
-            seen[key] = len(first)
-            first.append(k)
-        again.append(seen[key])
-    order = np.arange(len(first))
-    if len(first) > ABREAST:
-        order = np.argsort(-counts[first], kind="stable")
-    return np.array(first)[order], np.argsort(order)[again]
+    first = again = np.arange(len(rows))
+    if shared:
+        seen: dict[tuple[int, bytes], int] = {}
+        efforts = [b""] * len(rows) if tau is None else [own.tobytes() for own in tau]
+        keys = zip(counts.tolist(), rows, states, efforts, strict=True)
+        places = [seen.setdefault((n, r.tobytes() + s.tobytes() + e), len(seen)) for n, r, s, e in keys]
+        _, first = np.unique(places, return_index=True)
+        again = np.array(places)
+    if len(first) <= ABREAST:
+        return first, again
+    order = np.argsort(-counts[first], kind="stable")
+    return first[order], np.argsort(order)[again]
