@@ -124,7 +124,8 @@ def _lanes() -> None:
     from harness.denoc.lanes_integrate import run_groups
 
     _compile(
-        run_groups, 1, 1, _MATRIX, _MATRIX, 1, *_LANES, 1, _VECTOR, _WHOLE, _CUBE, 1, 1, _VECTOR, 1.0, *step_method(8),
+        run_groups, 1, 1, _MATRIX, _MATRIX, 1, *_LANES, 1, _VECTOR, _WHOLE, _CUBE, _WHOLE, 1, 1, _VECTOR, 1.0,
+        *step_method(8),
         _CUBE, _CUBE, _CUBE,
     )  # fmt: skip
 

@@ -287,6 +287,7 @@ class LaneModel:
         time: Array,
         *,
         tau: Array | None = None,
+        source: NDArray[np.intp] | None = None,
         hold: str = "linear",
         method: str = "adaptive",
         step: float | None = None,
@@ -300,6 +301,7 @@ class LaneModel:
         time: sample times [s], increasing, not necessarily even, (T,); the motion starts at time[0].
         tau: applied generalized forces at the sample times, (T, n) or (B, T, n); between samples they run
             straight (``hold="linear"``) or keep the earlier value (``hold="zero"``).
+        source: which of the forces, then (E, T, n), act on each copy, (B,).
         method: "adaptive" locates sudden changes and keeps to ``tolerance``; "exponential" is for smooth free motion of
             flexible links at evenly spaced times, with the fixed ``step`` (1 ms by default) that the swing needs and the
             vibration does not (``harness.denoc.lanes_exponential``). Halve the step to see what is left of its error.
@@ -345,19 +347,15 @@ class LaneModel:
             if tau is not None:
                 raise UnsupportedError("the exponential method is for free motion", mend="leave method out")
             return simulate(self, rows, start, time, longest)
-        driven, effort = 0, np.zeros((1, 1, n))
+        driven, effort, acting = 0, np.zeros((1, 1, n)), np.zeros(copies, dtype=np.int64)
         if tau is not None:
-            effort = np.array(tau, dtype=np.float64, order="C")
-            if effort.ndim == 2:
-                effort = effort[None]
-            if effort.shape not in ((1, len(time), n), (copies, len(time), n)):
-                raise InputError(f"tau has shape {np.shape(tau)}", mend=f"expected ({len(time)}, {n}) or ({copies}, …)")
-            driven = 2 if len(effort) > 1 else 1
+            effort, acting = _forces(tau, source, copies, len(time), n)
+            driven = 1
         if method == "rk4":
             from harness.denoc import lanes_fixed_step
 
             return lanes_fixed_step.simulate(
-                self, rows, start, time, longest, tau=effort, hold=int(hold == "linear"), threads=threads
+                self, rows, start, time, longest, tau=effort[acting], hold=int(hold == "linear"), threads=threads
             )
         # The shaking of the base bounds a copy's step: the error estimate could step over whole periods.
         limits = np.full(copies, longest)
@@ -375,17 +373,16 @@ class LaneModel:
             """Advance some of the copies by the equations that the tables stand for."""
             whole = len(which) == copies
             out = [position, velocity, acceleration]
-            mine, initial, longest_steps, forces, asked = rows, start, limits, effort, counts
+            mine, initial, longest_steps, pushed, asked = rows, start, limits, acting, counts
             if not whole:
                 out = [array[which] for array in out]
                 mine, initial, longest_steps = rows[which], start[which], limits[which]
-                asked = counts[which]
-                forces = effort[which] if driven == 2 else effort
+                pushed, asked = acting[which], counts[which]
 
             def part(first: int, last: int) -> None:
                 run(
                     first, last, mine, initial, recursion, *tables, law,
-                    time, asked, forces, driven, int(hold == "linear"), longest_steps, tolerance, *step_method(order),
+                    time, asked, effort, pushed, driven, int(hold == "linear"), longest_steps, tolerance, *step_method(order),
                     *out,
                 )  # fmt: skip
 
@@ -406,6 +403,25 @@ class LaneModel:
         for tables, recursion, which in self.parts(rows):
             advance(tables, recursion, which)
         return position, velocity, acceleration
+
+
+def _forces(
+    tau: Array, source: NDArray[np.intp] | None, copies: int, samples: int, n: int
+) -> tuple[Array, NDArray[np.int64]]:
+    """Forces (E, T, n) as the kernels want them, and which of them act on each copy, (B,)."""
+    effort = np.require(tau, np.float64, ["C", "W"])
+    effort = effort[None] if effort.ndim == 2 else effort
+    if source is not None:
+        if (
+            effort.shape[1:] != (samples, n)
+            or source.shape != (copies,)
+            or not 0 <= source.min() <= source.max() < len(effort)
+        ):
+            raise InputError(f"source does not tell forces {np.shape(tau)} of {copies} copies", mend="0 … E − 1, (B,)")
+        return effort, np.asarray(source, dtype=np.int64)
+    if effort.shape not in ((1, samples, n), (copies, samples, n)):
+        raise InputError(f"tau has shape {np.shape(tau)}", mend=f"expected ({samples}, {n}) or ({copies}, …)")
+    return effort, np.arange(copies) if len(effort) > 1 else np.zeros(copies, dtype=np.int64)
 
 
 def _rotation_vector(rotation: Array) -> Array:

@@ -274,7 +274,7 @@ def _first_event(
 def run_group(
     recursion: int, tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, width: int,
     user: int, shaken: int, loaded: int,
-    time: Any, counts: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
+    time: Any, counts: Any, effort: Any, acting: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
     weights: Any, weighed: Any, exponent: float,
     state: Any, after: Any, slopes: Any, dense: Any, ledger: Any, next_sample: Any,
@@ -282,8 +282,8 @@ def run_group(
 ) -> None:  # fmt: skip
     """Advance a group of up to eight lanes over the times asked of each, the first ``counts`` (B,), and write the samples.
 
-    state: initial state, lane-contiguous, rows positions, velocities; effort: (1 or B, T, n);
-    driven: 0 none, 1 one effort for all, 2 one a lane; hold: 1 linear between samples, 0 held.
+    state: initial state, lane-contiguous, rows positions, velocities; effort: (E, T, n), if ``driven``; acting: which of them
+    on each lane, (B,); hold: 1 linear between samples, 0 held.
     """
     group = n * JOINT * 8
     stages = table.shape[0] - 1
@@ -350,7 +350,7 @@ def run_group(
                 and t >= time[k]
                 and (k == 0 or ledger[UNTIL * 8 + lane] <= t)
             ):
-                source = first_lane + lane if driven == 2 else 0
+                source = acting[first_lane + lane]
                 ws[group + TAU_TIME * 8 + lane] = time[k]
                 ledger[UNTIL * 8 + lane] = time[k + 1]
                 for i in range(n):
@@ -808,7 +808,7 @@ def present_nodes(tree: Any, constants: Any, present: Any) -> None:
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
     recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
-    user: int, time: Any, counts: Any, effort: Any, driven: int, hold: int, longest: Any, tolerance: float,
+    user: int, time: Any, counts: Any, effort: Any, acting: Any, driven: int, hold: int, longest: Any, tolerance: float,
     table: Any, tabled: Any, fractions: Any, errors_5: Any, errors_3: Any, extra: Any, extras: Any, extra_fractions: Any,
     weights: Any, weighed: Any, exponent: float,
     position: Any, velocity: Any, acceleration: Any,
@@ -857,7 +857,7 @@ def run_groups(
                 loaded = 1
         run_group(
             recursion, present, flags, constants, beams, laws, ws, n, width, user, shaken, loaded,
-            time, counts, effort, driven, hold, longest, tolerance,
+            time, counts, effort, acting, driven, hold, longest, tolerance,
             table, tabled, fractions, errors_5, errors_3, extra, extras, extra_fractions, weights, weighed, exponent,
             state, after, slopes, dense, ledger, next_sample,
             lanes, 8 * g, position, velocity, acceleration,

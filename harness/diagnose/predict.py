@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from harness.denoc.hold import kept
 from harness.denoc.lanes import LaneModel
 from harness.diagnose.coordinates import CLOCK_MARGIN
-from harness.diagnose.drive import Drive
 from harness.diagnose.grid import Grid, hermite, make_grid
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.mechanisms import Mechanism, Mechanisms
 from harness.diagnose.problem import ChannelInfo, Problem, Run
+from harness.diagnose.recorded_efforts import RecordedEfforts
 from harness.diagnose.stiff_runs import StiffRuns
 from harness.diagnose.windows import Window
-from harness.effects.attach import input_chain, sensor_chain
+from harness.effects.attach import sensor_chain
 from harness.effects.effect import Sensor
 from harness.effects.measurement import within
 from harness.parallel import threads_allowed
@@ -75,7 +75,7 @@ class Predictor(Mechanisms):
         self.finest_step = finest_step
         self.tolerance = TOLERANCE
         self._grids: dict[tuple[Window, float], Grid] = {}
-        self._drives: dict[tuple[int, int], Drive | None] = {}
+        self._recorded = RecordedEfforts(problem, self)
         self.threads = threads_allowed()
         self.lanes_run = 0
         self._stiff: StiffRuns | None = None
@@ -92,7 +92,7 @@ class Predictor(Mechanisms):
     def taking(self, problem: Problem) -> Predictor:
         """The same for a problem that takes the efforts of the same runs otherwise; what else is kept is shared."""
         other = copy(self)
-        other.problem, other.runs, other._drives = problem, problem.runs, {}
+        other.problem, other.runs, other._recorded = problem, problem.runs, RecordedEfforts(problem, other)
         return other
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
@@ -177,34 +177,33 @@ class Predictor(Mechanisms):
         asking, _, counts = np.array(members).T
         k, lane, _ = members[int(np.argmax(counts))]
         grid_time = self.grid(requests[k].lanes[lane][1], asked[k].margin).time
-        rows, states, efforts = [], [], []
-        for k, own in by_request.items():
-            request, lanes = requests[k], [requests[k].lanes[i] for i in own]
+        rows, states = [], []
+        lanes_of = {k: [requests[k].lanes[i] for i in own] for k, own in by_request.items()}
+        for k, lanes in lanes_of.items():
             mine = asked[k].rows[[row for row, _, _ in lanes]]
             if start == 0.0:
                 self._shift_shaking(mechanism.model, mine, [window for _, window, _ in lanes])
             rows.append(mine)
             states.append(np.array([state for _, _, state in lanes]))
-            tau = None if free else self.efforts(request.hypothesis, request.x, mechanism, lanes, grid_time)
-            if request.extra is not None:
-                extra = kept(request.extra[own]) if self.problem.held else request.extra[own]
-                tau = extra if tau is None else tau + extra
-            if tau is not None:
-                efforts.append(tau)
         every_row, every_state = np.concatenate(rows), np.concatenate(states)
-        every_tau = np.concatenate(efforts) if efforts else None
+        tau, source = None, np.zeros(len(members), dtype=np.intp)
+        if not free:
+            needed = [(requests[k].hypothesis, requests[k].x, lanes) for k, lanes in lanes_of.items()]
+            tau, source = self._recorded.on(mechanism.names, grid_time, needed)
+        extra = [np.asarray(requests[k].extra)[own] for k, own in by_request.items() if requests[k].extra is not None]
+        if extra:
+            pushed = np.concatenate(extra)
+            pushed = kept(pushed) if self.problem.held else pushed
+            tau, source = pushed if tau is None else tau[source] + pushed, np.arange(len(members))
         # Sensors share a motion.
         shared = len(requests) > 1 or any(m.effect.sensor is not None for m in requests[0].hypothesis.members)
-        first, again = _distinct(every_row, every_state, every_tau, counts, shared)
+        first, again = _distinct(every_row, every_state, source, counts, shared)
         self.lanes_run += len(first)
         alone = np.array_equal(first, np.arange(len(members)))
-        if not alone:
-            every_row, every_state = every_row[first], every_state[first]
-            every_tau = None if every_tau is None else every_tau[first]
-        tolerance = requests[members[0][0]].tolerance
         q, qd, qdd = self.motions(
-            mechanism, every_row, every_state, grid_time + start, every_tau, asking[first], tolerance, counts[first]
-        )
+            mechanism, every_row[first], every_state[first], grid_time + start, tau, asking[first],
+            requests[members[0][0]].tolerance, counts[first], source[first],
+        )  # fmt: skip
         place = 0
         for k, own in by_request.items():
             request, ready = requests[k], asked[k]
@@ -239,21 +238,24 @@ class Predictor(Mechanisms):
 
     def motions(
         self, mechanism: Mechanism, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
-        tolerance: float = 0.0, counts: NDArray[np.int64] | None = None,
+        tolerance: float = 0.0, counts: NDArray[np.int64] | None = None, source: NDArray[np.intp] | None = None,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
-        """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
+        """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (E, T, n).
 
         requests: what belongs together, (B,), and so is run by one method. tolerance: error of one step, if it may be larger than
-        the predictor's own. counts: of the times that each is asked for, (B,), by default all.
+        the predictor's own. counts: of the times that each is asked for, (B,), by default all. source: which of the efforts acts
+        on each, (B,), by default each its own.
         """
         model, n = mechanism.model, len(mechanism.names)
         tolerance = max(self.tolerance, tolerance)
         if self._stiff is not None and n > len(self.system.movable_joints):
-            return self._stiff.run(model, rows, states, time, tau, requests, tolerance, self.hold, self.threads, counts)
+            own = tau if tau is None or source is None else tau[source]
+            return self._stiff.run(model, rows, states, time, own, requests, tolerance, self.hold, self.threads, counts)
         q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
         return model.simulate(
-            rows, q, qd, time, tau=tau, hold=self.hold, tolerance=tolerance, counts=counts, threads=self.threads
-        )
+            rows, q, qd, time, tau=tau, source=source, hold=self.hold, tolerance=tolerance, counts=counts,
+            threads=self.threads,
+        )  # fmt: skip
 
     def _sampling(self, hypothesis: Hypothesis, window: Window, margin: float) -> object:
         """What lanes must have in common to be read by the sensors together: the window itself where sensors know the time."""
@@ -280,64 +282,8 @@ class Predictor(Mechanisms):
         grid_time: Array,
     ) -> Array:
         """Generalized forces on the grid, shape (B, G, n), after the effects of the input side."""
-        tau = np.zeros((len(lanes), len(grid_time), len(mechanism.names)))
-        inputs = [(k, m) for k, m in enumerate(hypothesis.members) if m.effect.input is not None]
-        inputs.sort(key=lambda item: item[1].effect.input.stage if item[1].effect.input else 0)
-        # A clock that is off stamped the efforts as well: what acts at a true time stands in the file at the clock's.
-        pace = np.ones(len(lanes))
-        for k, member in enumerate(hypothesis.members):
-            if member.effect.sensor is not None and member.effect.sensor.clock:
-                pace *= self.effect_values(hypothesis, k, x[[lane for lane, _, _ in lanes]])[:, 0]
-        by_run: dict[int, list[int]] = {}
-        for lane, (_, window, _) in enumerate(lanes):
-            by_run.setdefault(window.run, []).append(lane)
-        for j, joint in enumerate(self.system.joint_names):
-            column = mechanism.names.index(joint)
-            modified = [(k, m) for k, m in inputs if m.site == joint or m.site.split(".")[0] == joint]
-            for run_index, places in by_run.items():
-                run = self.runs[run_index]
-                stated = self._stated_drive(run_index, j)
-                if stated is None:
-                    continue
-                stamps = run.time - run.time[0]
-                if not modified:
-                    known: dict[tuple[int, float], Array] = {}
-                    for i in places:
-                        key = (lanes[i][1].first, float(pace[i]))
-                        if key not in known:
-                            known[key] = stated.at(stamps[key[0]] + key[1] * grid_time)
-                        tau[i, :, column] = known[key]
-                    continue
-                signal = np.broadcast_to(self._stated_effort(run_index, j), (len(places), len(stamps)))
-                for k, member in modified:
-                    params = np.array([self.effect_values(hypothesis, k, x[lanes[i][0]]) for i in places])
-                    assert member.effect.input is not None
-                    signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, params)
-                drive = Drive(run, signal, held=self.problem.held)
-                for row, i in enumerate(places):
-                    tau[i, :, column] = drive.at(stamps[lanes[i][1].first] + pace[i] * grid_time, row)
-        return tau
-
-    def _stated_effort(self, run_index: int, j: int) -> Array:
-        """A run's effort at joint ``j`` after the effects of the input side that the model states, (1, T)."""
-        run, joint = self.runs[run_index], self.system.joint_names[j]
-        assert run.effort is not None
-        signal = run.effort[None, :, j]
-        for effect, attachment in input_chain(self.system.attachments, joint):
-            assert effect.input is not None
-            fixed = effect.values(attachment.parameters)[None, :]
-            signal = effect.input.apply(np.ascontiguousarray(signal), run.time - run.time[0], fixed)
-        return signal
-
-    def _stated_drive(self, run_index: int, j: int) -> Drive | None:
-        """The same as it acts; None if nothing was recorded to act there."""
-        if (run_index, j) not in self._drives:
-            run = self.runs[run_index]
-            assert run.effort is not None
-            driven = np.any(run.effort[:, j])
-            signal = self._stated_effort(run_index, j)
-            self._drives[run_index, j] = Drive(run, signal, held=self.problem.held) if driven else None
-        return self._drives[run_index, j]
+        forces, source = self._recorded.on(mechanism.names, grid_time, [(hypothesis, x, lanes)])
+        return np.asarray(forces[source])
 
     def _observe(
         self,
@@ -484,7 +430,7 @@ def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
 
 
 def _distinct(
-    rows: Array, states: Array, tau: Array | None, counts: NDArray[np.int64], shared: bool
+    rows: Array, states: Array, source: NDArray[np.intp], counts: NDArray[np.int64], shared: bool
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Lanes that differ from all others, if some may not, and for every lane which of those it equals.
 
@@ -492,10 +438,9 @@ def _distinct(
     """
     first = again = np.arange(len(rows))
     if shared:
-        seen: dict[tuple[int, bytes], int] = {}
-        efforts = [b""] * len(rows) if tau is None else [own.tobytes() for own in tau]
-        keys = zip(counts.tolist(), rows, states, efforts, strict=True)
-        places = [seen.setdefault((n, r.tobytes() + s.tobytes() + e), len(seen)) for n, r, s, e in keys]
+        seen: dict[tuple[int, int, bytes], int] = {}
+        keys = zip(counts.tolist(), source.tolist(), rows, states, strict=True)
+        places = [seen.setdefault((n, e, r.tobytes() + s.tobytes()), len(seen)) for n, e, r, s in keys]
         _, first = np.unique(places, return_index=True)
         again = np.array(places)
     if len(first) <= ABREAST:

@@ -716,3 +716,18 @@ def test_counts_that_do_not_fit_are_told(counts):
     model = LaneModel(pendulum())
     with pytest.raises(InputError, match="counts"):
         model.simulate(rows_with(model, 3), np.ones((3, 1)), np.zeros((3, 1)), np.arange(11.0), counts=np.array(counts))
+
+
+def test_copies_may_share_forces():
+    model = LaneModel(random_chain(2, seed=5))
+    copies, time = 11, np.linspace(0.0, 0.5, 51)
+    rng = np.random.default_rng(8)
+    rows, (q, qd) = rows_with(model, copies, damping=0.05), rng.uniform(-1.0, 1.0, (2, copies, 2))
+    tau, source = rng.normal(size=(3, len(time), 2)), rng.integers(0, 3, copies)
+    for method in ("adaptive", "rk4"):
+        shared = model.simulate(rows, q, qd, time, tau=tau, source=source, method=method)
+        own = model.simulate(rows, q, qd, time, tau=tau[source], method=method)
+        assert all(np.array_equal(a, b) for a, b in zip(shared, own, strict=True))
+    for wrong in (source[:-1], np.full(copies, 3), np.full(copies, -1)):
+        with pytest.raises(InputError, match="source"):
+            model.simulate(rows, q, qd, time, tau=tau, source=wrong)
