@@ -26,7 +26,7 @@ from harness.diagnose.replay import LONGEST, Opening
 from harness.diagnose.rivals import ranking as likeliest
 from harness.diagnose.rivals import with_the_same
 from harness.diagnose.study import Study
-from harness.diagnose.uncertainty import Estimate, across, estimates
+from harness.diagnose.uncertainty import Estimate, across, estimates, no_more_exact_than_the_law
 from harness.diagnose.zeros import Zero, zeros_of
 from harness.recording import Recording
 from harness.system import System
@@ -167,11 +167,12 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
         sharp |= {f.hypothesis.identity: study.sharpened(f) for f in likely if f.hypothesis.identity not in sharp}
         others = (sharp[f.hypothesis.identity] for f in likely)
         alone = profiled(source, own, k, estimates(predictor, own, k))
-        values[key] = across(
+        reached = across(
             claim.candidate,
             spanning(claim.candidate, alone, as_likely(study, best, k) if same else []),
             [estimates(predictor, f, f.hypothesis.keys.index(key)) for f in others],
         )
+        values[key] = no_more_exact_than_the_law(claim.candidate, reached)
     return values
 
 

@@ -59,8 +59,11 @@ def to_internal(candidate: Candidate, values: Array) -> Array:
 
 
 @lru_cache(maxsize=1024)
-def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
-    """Physical bounds in the fit's own coordinates, not to be written to."""
+def internal_bounds(candidate: Candidate, reach: float = REACH) -> tuple[Array, Array]:
+    """Physical bounds in the fit's own coordinates, and how far it is searched within them; not to be written to.
+
+    reach: times its starting values, either way, that a logarithm may lie.
+    """
     log = is_logarithmic(candidate)
     with np.errstate(divide="ignore"):
         lower = np.where(
@@ -79,27 +82,26 @@ def internal_bounds(candidate: Candidate) -> tuple[Array, Array]:
     if candidate.effect.adds_coordinates or any(p.search == "size" for p in candidate.effect.parameters):
         # Play or give of next to nothing is none at all, but its equations would be endlessly stiff.
         least = np.array(
-            [min((s for s in p.starts if s > 0.0), default=0.0) / REACH**2 for p in candidate.effect.parameters]
+            [min((s for s in p.starts if s > 0.0), default=0.0) / reach**2 for p in candidate.effect.parameters]
         )
         lower = np.where(candidate.effect.lower >= 0.0, np.maximum(lower, np.where(log, lower, least)), lower)
-    reach = np.array([_log_reach(p, bool(candidate.effect.simpler)) for p in candidate.effect.parameters]).reshape(
-        -1, 2
-    )
-    lower = np.maximum(lower, np.where(log, reach[:, 0], -LARGEST))
-    upper = np.minimum(upper, np.where(log, reach[:, 1], LARGEST))
+    nested = bool(candidate.effect.simpler)
+    ends = np.array([_log_reach(p, nested, reach) for p in candidate.effect.parameters]).reshape(-1, 2)
+    lower = np.maximum(lower, np.where(log, ends[:, 0], -LARGEST))
+    upper = np.minimum(upper, np.where(log, ends[:, 1], LARGEST))
     lower.setflags(write=False)
     upper.setflags(write=False)
     return lower, upper
 
 
-def _log_reach(parameter: Parameter, nested: bool) -> tuple[float, float]:
+def _log_reach(parameter: Parameter, nested: bool, reach: float) -> tuple[float, float]:
     """How far a logarithm may go from the starting values: beyond, the effect is as good as absent or as good as rigid."""
     if np.isfinite(parameter.neutral) and parameter.neutral != 0.0:
         return -np.inf, np.inf  # starting values are counted from there, and physics sets the bounds
     if parameter.unit == "1/rev":
         return -np.inf, np.inf  # scanned, so where its effect lists starting values says nothing about how far it goes
     positive = [s for s in parameter.starts if s > 0.0] or [1.0]
-    lowest, highest = min(positive) / REACH, max(positive) * REACH
+    lowest, highest = min(positive) / reach, max(positive) * reach
     if nested and parameter.name == "stiffness":
         # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff. Contacts give over a
         # way of their own, so that a weak friction has as weak a stiffness.

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.coordinates import internal_bounds
+from harness.diagnose.coordinates import REACH, internal_bounds
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
@@ -54,7 +54,7 @@ class Objective:
         k = self.nominal
         lower, upper = [np.full(k, -np.inf)], [np.full(k, np.inf)]
         for member in self.hypothesis.members:
-            low, high = internal_bounds(member)
+            low, high = internal_bounds(member, self.predictor.reach.get(member.key, REACH))
             lower.append(low)
             upper.append(high)
         return np.concatenate(lower), np.concatenate(upper)

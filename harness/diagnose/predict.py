@@ -78,6 +78,8 @@ class Predictor(Mechanisms):
         self._recorded = RecordedEfforts(problem, self)
         self.threads = threads_allowed()
         self.lanes_run = 0
+        # Of candidates by key, where it is another one than usual; see ``search_ends``.
+        self.reach: dict[str, float] = {}
         self._stiff: StiffRuns | None = None
 
     @property

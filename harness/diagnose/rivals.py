@@ -26,6 +26,7 @@ from harness.diagnose.objective import LOST
 from harness.diagnose.places import replaced
 from harness.diagnose.profile_likelihood import VALLEYS
 from harness.diagnose.search import NEAR, exhausted, finished
+from harness.diagnose.search_ends import beyond_the_ends
 from harness.diagnose.standing_in import standing_in
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, Study
@@ -231,11 +232,12 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         shaken = _shaken(outcome, best)
         if shaken:
             best = study.fit(best.hypothesis, shaken, best, most_steps=40, target=best.score)
-        best = replaced(study, best)
+        best = beyond_the_ends(study, replaced(study, best))
         others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
         # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
         close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
         others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED]]
+        others += [beyond_the_ends(study, f) for f in close]
         others += _crossed(outcome, best)
         better = min([*others, *reduced(study, best), *emptied(study, best)], key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:

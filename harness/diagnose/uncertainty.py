@@ -121,6 +121,19 @@ def across(
     return out
 
 
+def no_more_exact_than_the_law(member: Candidate, own: Mapping[str, Estimate]) -> dict[str, Estimate]:
+    """Estimates with the error of the effect's own model in them: it lies anywhere within its limits."""
+    out = dict(own)
+    for parameter in member.effect.parameters:
+        found, share = own[parameter.name], parameter.inexact
+        if share > 0.0:
+            off = share * abs(found.value)
+            std = None if found.std is None else float(np.hypot(found.std, off / np.sqrt(3.0)))
+            low, high = max(found.low - off, parameter.lower), min(found.high + off, parameter.upper)
+            out[parameter.name] = Estimate(found.value, std, low, high)
+    return out
+
+
 def _present(member: Candidate, values: Mapping[str, Estimate]) -> bool:
     """Whether an interval of how strongly an effect acts leaves out that it does not act."""
     if not member.effect.parameters:

@@ -58,6 +58,7 @@ class Parameter:
     search: "gradient" where a start near the truth is not needed, "spectrum" where the residual's spectrum must give the start,
         "line" where steady lines of the channel must, "range" where the motion's range must (the misfit has no slope far from the
         truth), "size" where the starts are tried as they are, because equations are stiff near absence.
+    inexact: relative error at most of what the effect's model makes of it, whatever the recording.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Parameter:
     neutral: float = 0.0
     search: str = "gradient"
     linear_unit: str = ""
+    inexact: float = 0.0
 
     @property
     def positive(self) -> bool:

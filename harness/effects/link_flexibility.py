@@ -23,6 +23,7 @@ EFFECT = Effect(
             scale=Scale(2.0, frequency=1),
             starts=(0.5, 1.5, 5.0),
             search="spectrum",
+            inexact=0.01,  # see ``bend``
         ),
         Parameter(
             "damping_ratio",

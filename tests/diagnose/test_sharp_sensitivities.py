@@ -19,7 +19,7 @@ from harness.diagnose.predict import Predictor
 from harness.diagnose.problem import pose
 from harness.diagnose.profile_likelihood import profiled
 from harness.diagnose.study import Study
-from harness.diagnose.uncertainty import Estimate, across, estimates
+from harness.diagnose.uncertainty import Estimate, across, estimates, no_more_exact_than_the_law
 from harness.diagnose.windows import whole
 
 NOISE, RATE, TOLERANCE, SHIFT = 1e-4, 100.0, 0.02, -0.09
@@ -66,3 +66,13 @@ def test_intervals_reach_over_sets_that_are_not_parted() -> None:
     # Beside something that does the same, it may as well be absent: that says nothing of its size.
     made_up_for = {"amplitude": Estimate(1.5, 40.0, -80.0, 80.0), "phase": Estimate(0.0, 0.1, -0.2, 0.2)}
     assert across(wave, own, [made_up_for]) == own
+
+
+def test_no_interval_is_narrower_than_what_the_model_of_the_effect_is_good_for() -> None:
+    (bends,) = candidates(nominal(), releases(Rig(), (0.5,), 1e-3, seed=1, duration=2.0), only=["link_flexibility"])
+    sharp = {"frequency": Estimate(50.0, 0.01, 49.98, 50.02), "damping_ratio": Estimate(0.02, 1e-4, 0.0198, 0.0202)}
+    told = no_more_exact_than_the_law(bends, sharp)
+    # A uniform error of up to a hundredth has 1/√3 of it as its standard deviation.
+    assert told["frequency"].std == pytest.approx(np.hypot(0.01, 0.5 / np.sqrt(3.0)))
+    assert (told["frequency"].low, told["frequency"].high) == pytest.approx((49.48, 50.52))
+    assert told["damping_ratio"] == sharp["damping_ratio"]

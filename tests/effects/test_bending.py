@@ -1,10 +1,15 @@
 """A link made to bend, against the closed forms of a uniform beam."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from harness import effects
 from harness.denoc.beam import beam_data
+from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes_exponential import linearization
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.starts import foretold as foretold_start
 from harness.effects.bending import add_mode, mounted_frequency, next_mode
@@ -48,6 +53,32 @@ def test_it_gives_what_a_clamped_beam_gives_under_slow_loads(bent: System, power
     sunk = data.tip.s @ np.linalg.solve(data.K, load)
     stiffness = bent.link("rod").beam.bending_stiffness
     assert sunk == pytest.approx(tip * LENGTH**4 / stiffness, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.2, 1.0, 5.0])
+def test_beside_a_motor_its_frequency_is_a_beams_within_what_is_stated(bent: System, share: float) -> None:
+    # A beam on a hub of inertia J, free to turn: w = A (cos βx − cosh βx) + B sin βx + C sinh βx with EI w''(0) = −J ω² w'(0), no
+    # moment and no force at the end (Meirovitch, Fundamentals of Vibrations, 2001, ch. 8).
+    motor = share * MASS * LENGTH**2 / 3.0
+
+    def conditions(x: float, hub: float) -> float:
+        held = hub * x**3 / (MASS * LENGTH**2)
+        c, s, ch, sh = np.cos(x), np.sin(x), np.cosh(x), np.sinh(x)
+        rows = [[-2.0, held, held], [-c - ch, -s, sh], [s - sh, -c, ch]]
+        return float(np.linalg.det(np.array(rows)))
+
+    # Between that of a clamped beam and that of a pinned one.
+    free = brentq(conditions, 3.5, 4.2, args=(0.0,))
+    with_motor = brentq(conditions, 1.8752, free + 1e-3, args=(motor,))
+    exact = FREQUENCY * (with_motor / free) ** 2
+    hub = bent.joints[0]
+    model = LaneModel(replace(bent.replace_joint(replace(hub, armature=motor)), gravity=constant([0.0, 0.0, 0.0])))
+    # What moves slowest turns as a whole.
+    own = np.abs(np.linalg.eigvals(linearization(model, model.row()[None], np.zeros((1, 2 * model.n)))[0]))
+    ringing = float(np.sort(own)[2]) / (2.0 * np.pi)
+    stated = effects.effect("link_flexibility").parameters[0].inexact
+    assert 0.0 < stated <= 0.01
+    assert ringing == pytest.approx(exact, rel=stated)
 
 
 def test_the_next_mode_is_where_beam_theory_has_it() -> None:
