@@ -279,7 +279,7 @@ def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) 
     return Opening(run.name, position, velocity, time, tau, noise, outcome.predictor.hold)
 
 
-def _told_apart_by(study: Study, best: Fit, claim: Claim, rival: Candidate) -> tuple[Fit, Fit | None]:
+def _differing_in(study: Study, best: Fit, claim: Claim, rival: Candidate) -> tuple[Fit, Fit | None]:
     """Two fits that differ by a claim and its rival alone: of the best set, or of one with another effect beside both."""
     kept = best.hypothesis.identity - {claim.candidate.key}
     if rival.key not in claim.beside:
@@ -299,7 +299,7 @@ def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
     pairs: list[tuple[Fit, Fit, tuple[str, ...]]] = []
     for claim in conclusion.claims:
         for rival in claim.rival_candidates:
-            first, other = _told_apart_by(study, conclusion.best, claim, rival)
+            first, other = _differing_in(study, conclusion.best, claim, rival)
             if other is not None:
                 pairs.append((first, other, (claim.candidate.effect.name, rival.effect.name)))
     if not pairs and conclusion.best.hypothesis.members:

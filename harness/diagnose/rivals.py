@@ -42,10 +42,8 @@ MOST_WIDENED = 3
 MOST_PLACED = 4  # rivals whose forces over the angle are tried at other places
 MOST_GENERAL = 4  # rivals whose more general laws are tried at typical values
 FEWEST_TOLD = 2  # rivals, however far from the best set
-MOST_CROSSED, CROSSED = (
-    6,
-    30.0,
-)  # pairs of exchanges fitted, and how much worse one of them may be alone, in the criterion
+MOST_CROSSED = 6  # pairs of exchanges fitted
+CROSSED = 30.0  # by how much one of them may be worse alone, in the criterion
 FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
 APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
 LIKELY = 6.0  # the same for odds of twenty, beyond which a set has no say in an interval of 95 %
@@ -117,7 +115,7 @@ def beside_another(outcome: Outcome, best: Fit, k: int) -> dict[Candidate, tuple
     study, limit = outcome.study, _limit(outcome, best, APART)
     found: dict[Candidate, tuple[Candidate, ...]] = {}
     for swap in swaps(study, best):
-        if swap.k == k or study.evidence(swap.fit) > limit:
+        if swap.k == k or swap.fit.score >= LOST or study.evidence(swap.fit) > limit:
             continue
         own = swap.fit.hypothesis.keys.index(best.hypothesis.keys[k])
         for candidate, other in known_in_place_of(study, swap.fit, own):
