@@ -4,11 +4,25 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
 from typing import Any
 
 
 class Interrupted(BaseException):
     """Ctrl-C, with what is to be said; click would put an empty line before it."""
+
+
+_lost = threading.Event()
+
+
+def swallowed() -> bool:
+    """Whether Python had to swallow an interrupt, so that an error since then may be what that has left half done.
+
+    From then on it does not come again.
+    """
+    if _lost.is_set() and hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    return _lost.is_set()
 
 
 def hear_at_once() -> None:
@@ -17,12 +31,14 @@ def hear_at_once() -> None:
     Compiling a kernel calls back into Python from C; what is raised in there is printed and ignored, so that a Ctrl-C of
     that moment would be lost.
     """
+    _lost.clear()
     if not hasattr(signal, "setitimer"):  # Windows
         return
     usual = sys.unraisablehook
 
-    def swallowed(lost: Any) -> None:
+    def hook(lost: Any) -> None:
         if lost.exc_type is KeyboardInterrupt:
+            _lost.set()
             signal.setitimer(signal.ITIMER_REAL, 0.05)
         else:
             usual(lost)
@@ -31,4 +47,4 @@ def hear_at_once() -> None:
         raise KeyboardInterrupt
 
     signal.signal(signal.SIGALRM, again)
-    sys.unraisablehook = swallowed
+    sys.unraisablehook = hook

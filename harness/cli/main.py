@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import click
 
-from harness.cli.interrupt import Interrupted, hear_at_once
+from harness.cli.interrupt import Interrupted, hear_at_once, swallowed
 from harness.errors import EngineUnavailableError, InputError
 
 # Verb to its one line of help; the verb's own module is imported when it is run.
@@ -110,6 +110,8 @@ def status_of(arguments: list[str] | None = None) -> int:
     except MemoryError:
         return _say("not enough memory (fewer samples or a smaller mechanism will do)", UNUSABLE)
     except Exception as error:
+        if swallowed():
+            return _say("stopped; nothing was written", INTERRUPTED)
         if os.environ.get("DENOC_TRACEBACK"):
             raise
         text = _one_line(str(error)) or "no message"

@@ -40,3 +40,43 @@ def test_an_interrupt_inside_a_callback_comes_again(call, outcome):
     )
     assert child.stdout.strip() == outcome
     assert ("Traceback" in child.stderr) == (outcome == "lost")
+
+
+HALF_DONE = """
+import ctypes, os, signal, sys, time
+from harness.cli import main
+from harness.cli.interrupt import hear_at_once
+@ctypes.CFUNCTYPE(None)
+def called_from_c():
+    os.kill(os.getpid(), signal.{number})
+    for _ in range(1000):
+        pass
+def broken(**_):
+    hear_at_once()
+    called_from_c()
+    raise RuntimeError("nothing was compiled")
+signal.signal(signal.SIGUSR1, lambda *_: None)
+main.denoc.main = broken
+status = main.status_of([])
+time.sleep(0.2)  # nothing comes after it
+sys.exit(status)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no timer signals")
+@pytest.mark.parametrize(
+    ("number", "status", "said"),
+    [("SIGINT", 130, "denoc: stopped; nothing was written"), ("SIGUSR1", 2, "denoc: a defect in denoc: RuntimeError")],
+)
+def test_an_error_that_a_lost_interrupt_left_is_no_defect(number, status, said):
+    child = subprocess.run(
+        [sys.executable, "-c", HALF_DONE.format(number=number)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    assert child.returncode == status
+    assert child.stderr.startswith(said)
+    assert len(child.stderr.splitlines()) == 1
