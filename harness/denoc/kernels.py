@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -168,11 +169,30 @@ TASKS = {
 }
 
 
+@lru_cache(maxsize=1)
+def without_stale() -> None:
+    """Remove, once, the indices of kernels that earlier processes left on disk if any of their sources is newer.
+
+    The compiler's own cache looks at the file of a function only, not at the files of the functions it calls.
+    """
+    from harness.denoc.lanes_rows import prepare_lane
+
+    patterns = ("lanes*", "laws*", "batch*")
+    try:
+        newest = max(path.stat().st_mtime for name in patterns for path in Path(__file__).parent.glob(f"{name}.py"))
+        for path in (path for name in patterns for path in Path(prepare_lane.stats.cache_path).glob(f"{name}.nbi")):
+            if path.stat().st_mtime < newest:
+                path.unlink(missing_ok=True)
+    except OSError:
+        return
+
+
 def missing(tasks: Sequence[str]) -> list[str]:
     """Those of the tasks that have left nothing in the cache yet."""
     from harness.denoc.lanes_rows import prepare_lane
 
     try:
+        without_stale()
         kept = [path.name for path in Path(prepare_lane.stats.cache_path).glob("*.nbi")]
     except OSError:
         return []

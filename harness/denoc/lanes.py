@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc import ahead, laws
+from harness.denoc.kernels import without_stale
 from harness.denoc.lanes_beams import beam_block_size, most_points, write_beams
 from harness.denoc.lanes_plane import plane_of
 from harness.denoc.lanes_rows import (
@@ -132,26 +132,6 @@ def _say_once(recursion: str) -> None:
     ahead.announce(("lanes", recursion))
 
 
-@lru_cache(maxsize=1)
-def _kept_kernels() -> tuple[Path, ...]:
-    """Indices of the kernels that earlier processes left on disk; those older than any of their sources are removed.
-
-    The compiler's own cache looks at the file of a function only, not at the files of the functions it calls.
-    """
-    from harness.denoc.lanes_rows import prepare_lane
-
-    patterns = ("lanes*", "laws*", "batch*")
-    try:
-        newest = max(path.stat().st_mtime for name in patterns for path in Path(__file__).parent.glob(f"{name}.py"))
-        found = [path for name in patterns for path in Path(prepare_lane.stats.cache_path).glob(f"{name}.nbi")]
-        for path in found:
-            if path.stat().st_mtime < newest:
-                path.unlink(missing_ok=True)
-        return tuple(path for path in found if path.exists())
-    except OSError:
-        return ()
-
-
 class LaneModel:
     """One topology, compiled for many copies at once.
 
@@ -223,7 +203,7 @@ class LaneModel:
         self.tables = _topology(system, slots)
         self.plane = plane_of(system, self.tables[0], self.tables[1]) if planar else None
         self._law = law
-        _kept_kernels()
+        without_stale()
 
     @cached_property
     def user(self) -> int:

@@ -17,6 +17,7 @@ import numpy as np
 from harness.compare.bench.measure import in_child
 from harness.compare.bench.peers import Options, or_skipped, peer_model
 from harness.compare.bench.row import Row
+from harness.denoc.ahead import everything
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
 from harness.system.write import write
@@ -128,6 +129,8 @@ def run(options: Options) -> Iterator[Row]:
 def _rows(options: Options) -> Iterable[Row]:
     with tempfile.TemporaryDirectory() as name:
         recordings(Path(name))
+        # Compiling is a row of its own.
+        everything()
         for what, runs, case in CASES:
             options.tell(f"{what}: mujoco.sysid fits, up to a minute")
             theirs = in_child(_THEIRS.format(folder=name, runs=runs), patience=LONGEST).answer
