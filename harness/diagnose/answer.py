@@ -10,7 +10,7 @@ import numpy as np
 from harness.diagnose.augmented import augmented
 from harness.diagnose.conclude import Claim, Conclusion
 from harness.diagnose.curves import curves
-from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis
+from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
 from harness.diagnose.differing_levels import Differing
 from harness.diagnose.experiment import propose
 from harness.diagnose.explain import finding_words, number, plainest, summary
@@ -129,21 +129,18 @@ def _finding(
             for name, e in values.items()
         },
         "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
-        "indistinguishable_from": [_short(key, claim.candidate.site) for key in claim.rivals],
-        **(
-            {"only_beside": {_short(k, claim.candidate.site): list(m) for k, m in claim.beside.items()}}
-            if claim.beside
-            else {}
-        ),
+        **_rivals(claim),
         **({"zeros": zeros} if zeros else {}),
         **({"shows_only_in": held_names(outcome)} if claim.candidate.key in only_held else {}),
     }
 
 
-def _rival(claim: Claim, key: str) -> str:
-    """A rival in words, with what it would stand beside if only there the recordings do not tell."""
-    partners = claim.beside.get(key, ())
-    return _short(key, claim.candidate.site) + (f" (beside {' or '.join(partners)})" if partners else "")
+def _rivals(claim: Claim) -> dict[str, Any]:
+    """What a claim cannot be told from, as it stands in its finding."""
+    site = claim.candidate.site
+    beside = {_short(key, site): list(partners) for key, partners in claim.beside.items()}
+    told = [_short(key, site) for key in claim.rivals]
+    return {"indistinguishable_from": told, **({"only_beside": beside} if beside else {})}
 
 
 def _short(key: str, site: str) -> str:
@@ -193,9 +190,7 @@ def _summary(
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
     ]
     rivals = [
-        f"{c.candidate.effect.title.capitalize()} cannot be told here from "
-        + ", ".join(_rival(c, k) for k in c.rivals)
-        + "."
+        f"{c.candidate.effect.title.capitalize()} cannot be told here from " + ", ".join(rivals_of(_rivals(c))) + "."
         for c in conclusion.claims
         if c.rivals
     ]

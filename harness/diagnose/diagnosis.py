@@ -31,6 +31,15 @@ def numbers_of(finding: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     return {**finding["parameters"], **zeros}
 
 
+def rivals_of(finding: Mapping[str, Any]) -> list[str]:
+    """What a finding cannot be told from, with what would have to stand beside it if it could only so."""
+    beside = finding.get("only_beside", {})
+    return [
+        f"{rival} (beside {' or '.join(beside[rival])})" if rival in beside else str(rival)
+        for rival in finding.get("indistinguishable_from", ())
+    ]
+
+
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What a diagnosis found; fields as in ``denoc.diagnosis/1``.

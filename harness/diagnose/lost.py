@@ -33,10 +33,12 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
         best, least = leading, np.inf
     further = other.hypothesis.size - best.hypothesis.size
     price = further * float(np.log(study.samples))
+    gained = best.cost - other.cost
+    better = f"better (χ² by {gained:.0f}), too little for" if gained >= 1.0 else "no better with"
     parts = {
         _bent(study, other): other.prior - best.prior,
-        f"fits the recordings worse (χ² by {other.cost - best.cost:.0f})": other.cost - best.cost,
-        f"fits no better with {further} more parameter{'s' * (further > 1)}": price,
+        f"fits the recordings worse (χ² by {-gained:.0f})": -gained,
+        f"fits {better} {further} more parameter{'s' * (further > 1)}": price,
     }
     said = max(parts, key=lambda words: parts[words])
     if parts[said] <= 0.0:

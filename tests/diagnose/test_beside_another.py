@@ -12,9 +12,11 @@ from simulated_recordings import Rig, nominal, releases
 
 from harness.diagnose import rivals
 from harness.diagnose.candidates import candidates
+from harness.diagnose.diagnosis import rivals_of
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.linearisation import Linearisation
+from harness.diagnose.lost import why_lost
 from harness.diagnose.rivals import APART, CROSSED, beside_another
 
 RUB, LOAD, SLOW, SOFT = "viscous_damping", "load_dependent_friction", "sensor_lowpass", "base_compliance"
@@ -72,3 +74,29 @@ def test_both_exchanges_are_fitted_where_either_alone_is_not_hopeless(
     monkeypatch.setattr(rivals, "exchanged", exchanged)
     rivals._crossed(outcome, fits[0])
     assert asked == ([(SOFT, LOAD, 105.0 + APART)] if tried else [])
+
+
+def test_what_would_stand_beside_a_rival_is_told_with_it() -> None:
+    finding = {
+        "indistinguishable_from": [LOAD, "dahl_friction"],
+        "only_beside": {LOAD: ["base_compliance@base", "x@y"]},
+    }
+    assert rivals_of(finding) == [f"{LOAD} (beside base_compliance@base or x@y)", "dahl_friction"]
+    assert rivals_of({"indistinguishable_from": [LOAD]}) == [LOAD]
+    assert rivals_of({}) == []
+
+
+@pytest.mark.parametrize(
+    ("score", "said"),
+    [
+        (85.0, "fits better (χ² by 15), too little for 2 more parameters"),
+        (99.9, "fits no better with 2 more parameters"),
+        (130.0, "fits the recordings worse (χ² by 30)"),
+    ],
+)
+def test_why_a_set_of_more_numbers_lost(known: dict[str, Candidate], score: float, said: str) -> None:
+    outcome, (best, other) = outcome_of(known, {(RUB, SLOW): 100.0, (RUB, SOFT): score})
+    study = outcome.study
+    study.samples, study.predictor = 4000.0, SimpleNamespace(nominal=())
+    study.criterion = lambda f: f.score + np.log(study.samples) * f.hypothesis.size
+    assert why_lost(study, best, other, 1.0, 1.0) == said

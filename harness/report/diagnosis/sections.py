@@ -9,7 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from harness.diagnose.curves import Curves
-from harness.diagnose.diagnosis import numbers_of, one_by_one
+from harness.diagnose.diagnosis import numbers_of, one_by_one, rivals_of
 from harness.diagnose.resolved import ends, resolved, width_of
 from harness.report.diagnosis.curves import pictures
 from harness.report.diagnosis.figures import errors, windows
@@ -33,7 +33,9 @@ class Answer:
             "verdict": document["verdict"].replace("_", " "),
             "good": document["verdict"] in ("consistent", "explained"),
             "summary": document["summary"],
-            "findings": [{**f, "numbers": numbers_of(f)} for f in one_by_one(document["findings"])],
+            "findings": [
+                {**f, "numbers": numbers_of(f), "rivals": rivals_of(f)} for f in one_by_one(document["findings"])
+            ],
             "next_experiment": document.get("next_experiment") or {},
             "figure": figure,
             "resolved": resolved,

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from harness.diagnose.diagnosis import numbers_of, one_by_one
+from harness.diagnose.diagnosis import numbers_of, one_by_one, rivals_of
 from harness.diagnose.resolved import resolved
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
@@ -51,7 +51,7 @@ def _findings(findings: list[Mapping[str, Any]]) -> Table:
             + ("" if value["unit"] == "1" else f" {value['unit']}")
             for name, value in numbers_of(finding).items()
         )
-        others = ", ".join(str(other) for other in finding.get("indistinguishable_from", ()))
+        others = ", ".join(rivals_of(finding))
         bic = finding.get("evidence", {}).get("delta_bic")
         table.add_row(finding["effect"], finding["site"], parameters, "" if bic is None else f"{bic:.0f}", others)
     return table
