@@ -57,13 +57,13 @@ def meanwhile(threads: int, function: Callable[..., R], *arguments: Any) -> Call
     """
     if threads < 2:
         return lambda: function(*arguments)
-    return _aside(os.getpid()).submit(copy_context().run, function, *arguments).result
+    return kept_threads("meanwhile", 1, os.getpid()).submit(copy_context().run, function, *arguments).result
 
 
-@lru_cache(maxsize=1)
-def _aside(process: int) -> ThreadPoolExecutor:
-    """One thread of this process; a forked one has none of its parent's."""
-    return ThreadPoolExecutor(1, thread_name_prefix="meanwhile")
+@lru_cache(maxsize=8)
+def kept_threads(what: str, count: int, process: int) -> ThreadPoolExecutor:
+    """So many threads of this process for one kind of work, kept from call to call; a forked one has none of its parent's."""
+    return ThreadPoolExecutor(count, thread_name_prefix=what)
 
 
 def parallel_map(

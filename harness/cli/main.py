@@ -25,6 +25,7 @@ VERBS = {
     "doctor": "List the engines, their versions, and a tiny run of each.",
 }
 OK, NOT_WELL, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
+STOPPED = "stopped; nothing was written"
 
 
 class Verbs(click.Group):
@@ -34,7 +35,7 @@ class Verbs(click.Group):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            raise Interrupted("stopped; nothing was written") from None
+            raise Interrupted(STOPPED) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(VERBS)
@@ -98,7 +99,7 @@ def status_of(arguments: list[str] | None = None) -> int:
     except click.exceptions.Exit as error:
         return error.exit_code
     except (KeyboardInterrupt, click.Abort):
-        return _say("stopped; nothing was written", INTERRUPTED)
+        return _say(STOPPED, INTERRUPTED)
     except Interrupted as told:
         if sys.stderr.isatty():
             print(file=sys.stderr)  # after the ^C that the terminal has just echoed
@@ -111,7 +112,7 @@ def status_of(arguments: list[str] | None = None) -> int:
         return _say("not enough memory (fewer samples or a smaller mechanism will do)", UNUSABLE)
     except Exception as error:
         if swallowed():
-            return _say("stopped; nothing was written", INTERRUPTED)
+            return _say(STOPPED, INTERRUPTED)
         if os.environ.get("DENOC_TRACEBACK"):
             raise
         text = _one_line(str(error)) or "no message"

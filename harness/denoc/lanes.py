@@ -344,11 +344,8 @@ class LaneModel:
             frequency = np.abs(rows[shaken, self.slot("base", "excitation_frequency")])
             limits[shaken] = np.minimum(longest, 0.125 / np.maximum(frequency, 1e-300))
         # A sampled effort cuts the motion into pieces; where a step or two of order 5 span a piece, it is the cheaper one.
-        order = (
-            5
-            if driven and len(time) > 1 and np.median(np.diff(time)) < 7e-3 * (tolerance / 1e-10) ** (1.0 / 6.0)
-            else 8
-        )
+        piece = np.median(np.diff(time)) if driven and len(time) > 1 else np.inf
+        order = 5 if piece < 7e-3 * (tolerance / 1e-10) ** (1.0 / 6.0) else 8
         law = self.user  # compiled here, and not by several threads
         shape = (copies, len(time), n)
         position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
-from functools import lru_cache
+from concurrent.futures import wait
+
+from harness.parallel import kept_threads
 
 
 def share(part: Callable[[int, int], None], pieces: Sequence[tuple[int, int]], threads: int) -> None:
@@ -21,16 +22,10 @@ def share(part: Callable[[int, int], None], pieces: Sequence[tuple[int, int]], t
                 return
             part(first, last)
 
-    helpers = [_helpers(threads - 1, os.getpid()).submit(work) for _ in range(threads - 1)]
+    helpers = [kept_threads("lanes", threads - 1, os.getpid()).submit(work) for _ in range(threads - 1)]
     try:
         work()
     finally:
         wait(helpers)
     for helper in helpers:
         helper.result()
-
-
-@lru_cache(maxsize=4)
-def _helpers(count: int, process: int) -> ThreadPoolExecutor:
-    """So many threads of this process; a forked one has none of its parent's."""
-    return ThreadPoolExecutor(count, thread_name_prefix="lanes")

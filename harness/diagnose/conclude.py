@@ -357,9 +357,9 @@ def _claims(outcome: Outcome, best: Fit, remains: Remains) -> tuple[Claim, ...]:
         others += unparted(outcome, best, k, remains)
         others = [m for m in others if m.key not in best.hypothesis.keys] + _out_of_step(study, best, k)
         known = {m.key for m in others}
-        crossed = {c.key: (c, m) for c, m in beside_another(outcome, best, k).items() if c.key not in known}
-        rivals = list({m.key: m for m in [*others, *(c for c, _ in crossed.values())]}.values())
-        beside = {key: tuple(m.key for m in partners) for key, (_, partners) in crossed.items()}
+        further = {c: partners for c, partners in beside_another(outcome, best, k).items() if c.key not in known}
+        rivals = list({m.key: m for m in [*others, *further]}.values())
+        beside = {c.key: tuple(m.key for m in partners) for c, partners in further.items()}
         claims.append(
             Claim(
                 member, k, gain, heldout_z(outcome, smaller, best), gain - study.numbers(member) * float(np.log(study.samples)),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.linearisation import Linearisation, eliminated, linearise, vibrating
 from harness.diagnose.objective import LOST, Objective, Residuals, States
+from harness.diagnose.predict import ABREAST
 from harness.diagnose.step import Stepping, Trial
 from harness.diagnose.window_states import best_states, loosely_held, settled, suspects
 from harness.diagnose.windows import Window
@@ -25,7 +26,6 @@ UNCHANGED = 3e-3  # a last step no longer than this (relative, at least to one) 
 ROUNDS = 3  # of bringing windows to better states and going on from there
 SLOW = 1e-3  # of the cost, below which a step's gain by mixing states is not worth going on
 CLEARLY = 0.8  # times its cost, below which a window is brought to another initial state
-LANES = 8  # that run together at the price of one
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +159,7 @@ def _descend(
     free = ~held
     # A step that fails is tried again with more damping, from the same place: as many such trials as fit beside the first
     # one into lanes that run anyway are made at once.
-    together = max(1, LANES * -(-len(windows) // LANES) // len(windows))
+    together = max(1, ABREAST * -(-len(windows) // ABREAST) // len(windows))
     tried: dict[float, tuple[Trial, Residuals]] = {}
     mended, loosened = False, False
 

@@ -13,6 +13,7 @@ from simulated_recordings import Rig, nominal, releases
 from harness.diagnose import rivals
 from harness.diagnose.candidates import candidates
 from harness.diagnose.diagnosis import rivals_of
+from harness.diagnose.exchange import Swap
 from harness.diagnose.fit import Fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.linearisation import Linearisation
@@ -67,8 +68,8 @@ def test_both_exchanges_are_fitted_where_either_alone_is_not_hopeless(
     outcome, fits = outcome_of(known, {(RUB, SLOW): 100.0, (RUB, SOFT): 105.0, (LOAD, SLOW): 100.0 + alone})
     asked = []
 
-    def exchanged(study: object, best: Fit, one: object, two: object, target: float) -> Fit:
-        asked.append((one.candidate.effect.name, two.candidate.effect.name, target))  # type: ignore[attr-defined]
+    def exchanged(study: object, best: Fit, one: Swap, two: Swap, target: float) -> Fit:
+        asked.append((one.candidate.effect.name, two.candidate.effect.name, target))
         return replace(best)
 
     monkeypatch.setattr(rivals, "exchanged", exchanged)
