@@ -5,7 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -112,34 +113,35 @@ class BatchModel:
         size: numbers in its workspace; own: what else of the model it needs; each: shape of the result of one row.
         """
         count = len(arrays[0])
-        for array in arrays:
-            if len(array) != count:
-                rows = ", ".join(str(len(a)) for a in arrays)
-                raise InputError(f"arrays of {rows} rows", mend="give as many rows in each")
+        if any(len(array) != count for array in arrays[1:]):
+            rows = ", ".join(str(len(a)) for a in arrays)
+            raise InputError(f"arrays of {rows} rows", mend="give as many rows in each")
         result = place_for((count, *each), out)
         if count < _EIGHT:
             if count:
                 padded = [np.concatenate([array, np.repeat(array[-1:], _EIGHT - count, axis=0)]) for array in arrays]
                 result[:] = self._spread(kernel, size, own, each, None, *padded)[:count]
             return result
-        flat = [*(apart(array, out).reshape(-1) for array in arrays), np.asarray(result).reshape(-1)]
-
-        def part(first: int, last: int) -> None:
-            ws = self._workspace(size)
-            kernel(first, last, self._tree, self._constants, ws, own, *flat)
-            self._rooms.append(ws)
-
-        groups, rest = divmod(count, _EIGHT)
+        flat = [own, *[apart(array, out).reshape(-1) for array in arrays], np.asarray(result).reshape(-1)]
+        rest = count % _EIGHT
+        groups = count // _EIGHT
         threads = min(self.threads, groups)
         if threads <= 1:
-            part(0, groups * _EIGHT)
+            self._part(kernel, size, 0, groups * _EIGHT, flat)
         else:
             # Several pieces a thread, since other work may hold one of them up.
             edges = (np.linspace(0, groups, min(groups, 8 * threads) + 1).astype(int) * _EIGHT).tolist()
+            part = partial(self._part, kernel, size, flat=flat)
             share(part, list(pairwise(edges)), threads)
         if rest:
-            part(count - _EIGHT, count)
+            self._part(kernel, size, count - _EIGHT, count, flat)
         return result
+
+    def _part(self, kernel: Callable[..., None], size: int, first: int, last: int, flat: Sequence[Array]) -> None:
+        """Run a kernel over rows whose number is a multiple of eight, in a workspace that nobody else has meanwhile."""
+        ws = self._workspace(size)
+        kernel(first, last, self._tree, self._constants, ws, *flat)
+        self._rooms.append(ws)
 
     def _workspace(self, size: int) -> Array:
         """Room for so many numbers that no other thread has: one that a call gave back, since fresh memory is slow at first."""

@@ -28,6 +28,7 @@ from harness.diagnose.rivals import with_the_same
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import Estimate, across, estimates, no_more_exact_than_the_law
 from harness.diagnose.zeros import Zero, zeros_of
+from harness.parallel import meanwhile
 from harness.recording import Recording
 from harness.system import System
 
@@ -39,6 +40,8 @@ def answer(
 ) -> Diagnosis:
     """The answer; recordings: all of them, the one held out too, for what was found of their quality."""
     problem, study = outcome.problem, outcome.study
+    # Nearly all of it in compiled code: on another thread, if there is one, beside all that follows.
+    next_experiment = meanwhile(outcome.predictor.threads, _next, outcome, conclusion)
     noise = [
         {"channel": c.name, "std": colour.std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
         for c, colour in zip(problem.channels, study.likelihood.colours, strict=True)
@@ -56,7 +59,7 @@ def answer(
         ranking=_ranking(outcome, conclusion),
         fit=_fit_rows(outcome, conclusion),
         remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
-        next_experiment=_next(outcome, conclusion),
+        next_experiment=next_experiment(),
         quality=[
             {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
             for r in recordings

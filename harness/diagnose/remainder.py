@@ -26,6 +26,7 @@ from harness.diagnose.response import Response, respond, responsive, to_channels
 from harness.diagnose.screen import Nuisance, Projected, nuisance
 from harness.diagnose.stretches import louder_stretch
 from harness.diagnose.windows import Window
+from harness.parallel import meanwhile
 
 Array = NDArray[np.float64]
 
@@ -247,6 +248,8 @@ def examine(
         fast = max(float(np.quantile(speeds, 0.98)), 1e-9)
         if high - low < 1e-9:
             continue
+        # A third of the time, most of it in compiled code: on another thread, if there is one.
+        of_local = meanwhile(predictor.threads, _local, own, space, joint, (low, high, fast), noise)
         names, _ = state_shapes(pooled[:2], pooled[:2] * 0.0, low, high, fast)
         shapes = partial(_shape_values, low=low, high=high, fast=fast)
         seen = space.measure(own.changes(joint, shapes))
@@ -269,7 +272,7 @@ def examine(
         tests.append(_few_terms(forms[joint], noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
-        tests.append(_local(own, space, joint, (low, high, fast), noise))
+        tests.append(of_local())
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
         tests.append(_pulses(own, space, joint, period, noise))

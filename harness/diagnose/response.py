@@ -62,7 +62,7 @@ class Response:
         return np.asarray(_propagate(self.transition.copy(), gain.copy(), mean))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _propagate(transition: Any, gain: Any, mean: Any) -> Any:
     """State deviations (G, S, K) from rest under the mean inputs (G − 1, K) of every step; gain: (G − 1, S)."""
     steps, size = gain.shape
