@@ -28,7 +28,8 @@ from harness.diagnose.fit import Fit
 from harness.diagnose.held_only import held_out_repeats, with_all
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, heldout_z, judge, trained, training_gain
-from harness.diagnose.remainder import Remains, Test
+from harness.diagnose.probe import Test
+from harness.diagnose.remainder import Remains
 from harness.diagnose.rivals import APART, beside_another, near, preferred
 from harness.diagnose.starts import FOLLOWS
 from harness.diagnose.stretches import by_channel, follows_itself

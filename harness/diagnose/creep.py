@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.fit import Fit
 from harness.diagnose.investigate import Outcome
-from harness.diagnose.remainder import Test
+from harness.diagnose.probe import Test
 from harness.diagnose.windows import Window
 from harness.effects.effect import Family
 

@@ -13,7 +13,9 @@ from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate
 from harness.diagnose.investigate import Outcome, judge, judge_straight, trained
 from harness.diagnose.locate import rmse
-from harness.diagnose.remainder import SETS_IN, Remains, Test, examine, jump, wandering
+from harness.diagnose.probe import Test
+from harness.diagnose.relaxation import RELAXES
+from harness.diagnose.remainder import SETS_IN, Remains, examine, jump, wandering
 from harness.diagnose.screen import scanned
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import estimates
@@ -38,6 +40,9 @@ UNSURE = 3.0  # standard deviations that separate estimates may always be apart
 LEVEL = (
     1e-5  # chance at which a test of the remainder counts; all recordings are tested at once, a dozen questions each
 )
+# What would have to be tuned to look like a force that relaxes at a joint. Any spring, inertia or damping there is one, at a single
+# frequency.
+SELDOM_RELAX = (Family.BASE, Family.ELASTICITY, Family.SENSOR, Family.INPUT)
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
 
 
@@ -61,11 +66,14 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *,
         tests += wandering(outcome.predictor, study.likelihood, smaller, outcome.period)
     else:
         tests = examined(outcome, smaller).tests
+    missing = [m.effect for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys]
+    barred: list[str] = []
     # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
-    lasting = any(
-        m.effect.family is Family.DISSIPATION for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys
-    )
-    named = [t for t in tests if t.places >= 0 and not (lasting and t.name.startswith(SETS_IN))]
+    if any(effect.family is Family.DISSIPATION for effect in missing):
+        barred.append(SETS_IN)
+    if not any(effect.family in SELDOM_RELAX for effect in missing):
+        barred.append(RELAXES)
+    named = [t for t in tests if t.places >= 0 and not t.name.startswith(tuple(barred))]
 
     own = smaller.score - best.score
     there = max(smaller.score - study.samples, own)
@@ -191,18 +199,23 @@ def _nowhere(outcome: Outcome, best: Fit, k: int) -> bool:
 
 
 def a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
-    """Whether what member ``k``, of a sensor or of a drive, explains is also explained by a force that nobody has named.
+    """Whether what member ``k``, of a sensor or of a drive, explains is also explained by a force that nobody has named; what a
+    base does, or a link that bends, by one that relaxes.
 
     The force may act on both sides of the comparison, so that what it explains of a remainder says nothing about the member.
     """
-    if best.hypothesis.members[k].effect.side == "dynamics":
+    effect = best.hypothesis.members[k].effect
+    if effect.family not in SELDOM_RELAX:
         return False
     study = outcome.study
     smaller = study.below(best, k)
 
+    def asked(test: Test) -> bool:
+        return test.name.startswith(RELAXES) or (effect.side != "dynamics" and test.places == 0 and not test.exact)
+
     def left(fitted: Fit) -> dict[tuple[str, str], float]:
         there = max(fitted.score - study.samples, 0.0)
-        forces = (t for t in examined(outcome, fitted).tests if t.places == 0 and not t.exact)
+        forces = (t for t in examined(outcome, fitted).tests if asked(t))
         return {(t.name, t.where[0]): max(there - t.gain, 0.0) for t in forces}
 
     without, with_ = left(smaller), left(best)

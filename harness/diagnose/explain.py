@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from harness.diagnose.conclude import Conclusion
 from harness.diagnose.creep import WHERE_HELD
 from harness.diagnose.doubt import LEVEL
-from harness.diagnose.remainder import Test
+from harness.diagnose.probe import Test
 from harness.diagnose.resolved import resolved
 from harness.diagnose.uncertainty import Estimate
 

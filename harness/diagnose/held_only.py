@@ -14,7 +14,7 @@ from harness.diagnose.fit import Fit, fit
 from harness.diagnose.investigate import SWINGS, Outcome
 from harness.diagnose.objective import States
 from harness.diagnose.response import begun, motions
-from harness.diagnose.windows import Window, cut
+from harness.diagnose.windows import Window, equal_parts
 
 
 def held_names(outcome: Outcome) -> list[str]:
@@ -29,12 +29,19 @@ def _held_runs(outcome: Outcome) -> list[int]:
 def held_out_repeats(outcome: Outcome, smaller: Fit, larger: Fit, price: float) -> bool:
     """Whether either half of the stretches held out gains more than ``price`` by the larger set, and so does the other half as the
     fit to the first one, and to the training data, predicts it from initial states of its own."""
-    pieces = cut(outcome.problem.runs, _held_runs(outcome), SWINGS * outcome.period)
+    # Within the windows, whose motion is known: where a motion is wild, they are short themselves.
+    pieces = [piece for window in outcome.held_windows for piece in _pieces(outcome, window)]
     halves = pieces[::2], pieces[1::2]
     # A single stretch has nothing to predict.
     return len(pieces) > 1 and all(
         _gains(outcome, smaller, larger, fitted, predicted) > price for fitted, predicted in (halves, halves[::-1])
     )
+
+
+def _pieces(outcome: Outcome, window: Window) -> tuple[Window, ...]:
+    """A window cut into stretches of a swing and a half, or as it is if it is no longer than that."""
+    duration = window.size * outcome.problem.runs[window.run].interval
+    return equal_parts(window, max(1, round(duration / (SWINGS * outcome.period))))
 
 
 def _gains(outcome: Outcome, smaller: Fit, larger: Fit, fitted: Sequence[Window], predicted: Sequence[Window]) -> float:

@@ -22,7 +22,7 @@ from harness.diagnose.hypothesis import Hypothesis
 from harness.diagnose.investigate import SWINGS, Outcome
 from harness.diagnose.levels import SLOTS
 from harness.diagnose.linearisation import linearise
-from harness.diagnose.remainder import Probe, probe
+from harness.diagnose.probe import Probe, probe
 from harness.diagnose.response import Response, to_channels
 from harness.diagnose.screen import carry_state
 from harness.diagnose.window_states import measured_state

@@ -4,11 +4,15 @@ Recordings by SciPy. Small swings do not reach a stop that the large one held ou
 that nothing confirmed it, and all was unexplained.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, recording, releases, swing
 
 from harness import diagnose
+from harness.diagnose.held_only import _pieces
+from harness.diagnose.windows import Window, contains
 from harness.report.diagnosis.page import diagnosis_html
 
 NOISE = 1e-3
@@ -66,3 +70,15 @@ def test_a_blow_that_only_they_had_is_no_finding():
     found = diagnose([*runs, recording("bumped", time, {"pivot.position": held})], model=nominal())
     assert found.verdict == "unexplained"
     assert not found.findings
+
+
+def test_pieces_lie_within_windows_that_are_short_themselves():
+    # A motion so wild that its windows are short, and of another length than the pieces: none may lie across two of them.
+    runs = [SimpleNamespace(interval=0.01)]
+    windows = (Window(0, 0, 700), Window(0, 700, 1100), Window(0, 1100, 1150))
+    outcome = SimpleNamespace(problem=SimpleNamespace(runs=runs), period=1.0)
+    pieces = [piece for window in windows for piece in _pieces(outcome, window)]
+    assert all(any(contains(window, piece) for window in windows) for piece in pieces)
+    assert sum(piece.size for piece in pieces) == 1150
+    # A swing and a half each, or all there is.
+    assert [piece.size for piece in pieces] == [140] * 5 + [133, 133, 134] + [50]
