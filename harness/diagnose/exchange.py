@@ -34,7 +34,6 @@ NEAR = 60.0  # in the score
 BEYOND = 30.0  # times the cost of noise alone; what is left there is phases that have slipped, and tests say nothing
 MOST_TOGETHER, MOST_SLOW = 6, 1  # pairs of exchanges fitted, and those of them that are dear beside a set that is not
 NOTHING = 1e-3  # of an effect's typical size, below which it is absent
-ALIKE = 0.01  # of the noise's variance, by which predictions differ that are the same
 
 
 def generalized(study: Study, base: Fit) -> list[Fit]:
@@ -327,14 +326,6 @@ def swaps(study: Study, best: Fit) -> list[Swap]:
     return sorted(found, key=lambda s: s.worse)
 
 
-def alike(one: Fit, other: Fit) -> bool:
-    """Whether two fits predict the same but for a small part of the noise, so that neither can be improved if the other cannot."""
-    if one.windows != other.windows:
-        return False
-    pairs = zip(one.linear.residuals, other.linear.residuals, strict=True)
-    return sum(float(np.sum((a - b) ** 2)) for a, b in pairs) < ALIKE * sum(len(r) for r in one.linear.residuals)
-
-
 def together(study: Study, best: Fit, most_fits: int) -> list[Fit]:
     """Fits with two members exchanged at once, for what either exchange alone leaves nearly as good.
 
@@ -370,15 +361,11 @@ def exchanged(study: Study, best: Fit, one: Swap, two: Swap, target: float = -np
 def second(study: Study, best: Fit, most_fits: int) -> list[Fit]:
     """Fits of nearly as good sets with another one of their members exchanged for a relative too.
 
-    What looks like a step back may open the way to a relative of what the best set does not even need. A more general law that
-    predicts what its special case does, behind which there is nothing but noise, opens none.
+    What looks like a step back may open the way to a relative of what the best set does not even need.
     """
     found = []
-    enough = study.only_noise(best)
     for swap in swaps(study, best)[:MOST_SECOND]:
         keys = swap.fit.hypothesis.keys
-        if enough and alike(best, swap.fit):
-            continue
         if swap.worse > NEAR or any(map(dear, swap.fit.hypothesis.members)):
             continue
         for k, key in enumerate(keys):

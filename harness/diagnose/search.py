@@ -10,7 +10,6 @@ import numpy as np
 from harness.diagnose.bent import straightened
 from harness.diagnose.exchange import (
     FLOOR,
-    alike,
     alternatives,
     emptied,
     generalized,
@@ -30,6 +29,7 @@ NEAR = 60.0  # in the criterion
 AS_WELL = 10.0  # in the criterion
 MOST_CARRIED = 4
 CARRIED_STEPS = 40
+ALIKE = 0.01  # of the noise's variance
 STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least
 WORTHY = 0.05  # the same that an effect which is dear to fit must promise
 GENEROUS = 2.0  # times what the linear view promises
@@ -189,7 +189,7 @@ class Growth:
         if any(study.criterion(f) < study.criterion(base) + AS_WELL for f in smaller):
             return True
         full = base.hypothesis.things >= self.effort.largest and not self._modifiable(base)
-        return full or _needless(study, base) or any(alike(base, other) for other in self.complete)
+        return full or _needless(study, base) or any(_alike(base, other) for other in self.complete)
 
     def _modifiable(self, base: Fit) -> bool:
         """Whether there is another form of what is in a set."""
@@ -285,6 +285,14 @@ def exhausted(study: Study, fitted: Fit) -> bool:
     """Whether a set leaves more than noise and growing does not make it leave less: then the catalogue has no explanation in few
     effects, and what else could stand in a member's place is idle to ask."""
     return study.spent and fitted.score > FLOOR * study.samples
+
+
+def _alike(one: Fit, other: Fit) -> bool:
+    """Whether two fits predict the same but for a small part of the noise, so that neither can be improved if the other cannot."""
+    if one.windows != other.windows:
+        return False
+    pairs = zip(one.linear.residuals, other.linear.residuals, strict=True)
+    return sum(float(np.sum((a - b) ** 2)) for a, b in pairs) < ALIKE * sum(len(r) for r in one.linear.residuals)
 
 
 def _needless(study: Study, fitted: Fit) -> bool:
