@@ -34,6 +34,7 @@ from harness.diagnose.rivals import APART, beside_another, near, preferred
 from harness.diagnose.starts import FOLLOWS
 from harness.diagnose.stretches import by_channel, follows_itself
 from harness.diagnose.study import BEGUN, STRETCHED, Study
+from harness.diagnose.vertical_shaking import shaken_up_and_down
 
 Array = NDArray[np.float64]
 
@@ -333,9 +334,9 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     for test in (bent, _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))
-    crept = motion_where_held(outcome, best) if remains.significant else None
-    if crept is not None:
-        remains = replace(remains, tests=(*remains.tests, crept))
+    if remains.significant:
+        further = (motion_where_held(outcome, best), shaken_up_and_down(outcome, best))
+        remains = replace(remains, tests=(*remains.tests, *(test for test in further if test is not None)))
     # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
     floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)
     above = _level(outcome, held) > floor and follows_itself(by_channel(held, held.windows)) < LEVEL

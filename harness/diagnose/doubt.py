@@ -19,7 +19,8 @@ from harness.diagnose.remainder import SETS_IN, Remains, examine, jump, wanderin
 from harness.diagnose.screen import scanned
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import estimates
-from harness.effects.effect import Family
+from harness.diagnose.vertical_shaking import shaken_up_and_down
+from harness.effects.effect import Effect, Family
 from harness.effects.scale import references
 
 FAKED = (
@@ -40,9 +41,6 @@ UNSURE = 3.0  # standard deviations that separate estimates may always be apart
 LEVEL = (
     1e-5  # chance at which a test of the remainder counts; all recordings are tested at once, a dozen questions each
 )
-# What would have to be tuned to look like a force that relaxes at a joint. Any spring, inertia or damping there is one, at a single
-# frequency.
-SELDOM_RELAX = (Family.BASE, Family.ELASTICITY, Family.SENSOR, Family.INPUT)
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
 
 
@@ -71,7 +69,7 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *,
     # A friction or drag that sets in soon after the start is hardly another thing than one that always acts.
     if any(effect.family is Family.DISSIPATION for effect in missing):
         barred.append(SETS_IN)
-    if not any(effect.family in SELDOM_RELAX for effect in missing):
+    if not any(_tuned_to_relax(effect) for effect in missing):
         barred.append(RELAXES)
     named = [t for t in tests if t.places >= 0 and not t.name.startswith(tuple(barred))]
 
@@ -166,13 +164,25 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     smaller = study.below(best, k)
     if _nowhere(outcome, best, k) or creeps(outcome, best, k):
         return True
-    if _shakes(best.hypothesis.members[k]) and event_as_well(outcome, best, smaller):
+    if _shakes(best.hypothesis.members[k]) and (
+        event_as_well(outcome, best, smaller) or _up_and_down_as_well(outcome, best, smaller)
+    ):
         return True
     if not remains.significant:
         return _imitated(outcome, best, smaller, BETTER)
     if smaller.score - best.score >= FAKED * _excess(study, best, remains) and not _imitated(outcome, best, smaller):
         return False
     return not firm(outcome, best, k)
+
+
+def _up_and_down_as_well(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
+    """Whether a support that moves up and down does as well as what shakes in the way that ``best`` has it: either is as likely."""
+    study, test = outcome.study, shaken_up_and_down(outcome, smaller)
+    own = smaller.score - best.score
+    there = max(smaller.score - study.samples, own)
+    alike, apart = (gain if gain < there else own for gain in (test.gain, test.together[0]))
+    worth = max(alike - test.price(study.samples), apart - test.price_together(study.samples))
+    return study.criterion(smaller) - worth < study.criterion(best)
 
 
 def firm(outcome: Outcome, best: Fit, k: int) -> bool:
@@ -205,7 +215,7 @@ def a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
     The force may act on both sides of the comparison, so that what it explains of a remainder says nothing about the member.
     """
     effect = best.hypothesis.members[k].effect
-    if effect.family not in SELDOM_RELAX:
+    if effect.side == "dynamics" and not _tuned_to_relax(effect):
         return False
     study = outcome.study
     smaller = study.below(best, k)
@@ -221,6 +231,16 @@ def a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
     without, with_ = left(smaller), left(best)
     least = NEEDED * (smaller.score - best.score)
     return any(without[key] < max(FAKED * with_[key], least) for key in without.keys() & with_.keys())
+
+
+def _tuned_to_relax(effect: Effect) -> bool:
+    """Whether it would be a coincidence if an effect looked like a force that relaxes at a joint.
+
+    Any spring, inertia or damping there is one, at a single frequency. What acts at certain times is another thing.
+    """
+    if effect.family is Family.BASE:
+        return effect.adds_coordinates
+    return effect.family in (Family.ELASTICITY, Family.SENSOR, Family.INPUT)
 
 
 def _shakes(member: Candidate) -> bool:

@@ -1,0 +1,96 @@
+"""A support that moves up and down, put to what a fit leaves: gravity that comes and goes with time at one frequency.
+
+It pumps a swing or brakes it (Mathieu's equation), and in a few swings looks much like a base that shakes sideways, at the sum or
+the difference of its frequency and the swing's; the catalogue's shakes sideways only.
+
+Source: A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations (1979), chapter 5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from harness.denoc.model import Denoc
+from harness.diagnose.fit import Fit
+from harness.diagnose.investigate import Outcome
+from harness.diagnose.probe import Probe, Test, probe
+from harness.diagnose.screen import MOST_TOGETHER, Projected, nuisance
+from harness.diagnose.windows import Window
+from harness.effects.scale import references
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+UP_AND_DOWN = "a support that moves up and down"
+LOWEST, HIGHEST = 0.2, 4.0  # frequencies, over the swing's
+FINENESS = 2.0  # frequencies in one over the longest window
+MOST = 240  # frequencies
+AT_ONCE = MOST_TOGETHER // 2  # two waves each
+DEPENDENT = 1e-9  # share of the largest column's square, below which the area of two is rounding
+
+
+def shaken_up_and_down(outcome: Outcome, fitted: Fit) -> Test:
+    """Gain by gravity that comes and goes at one frequency.
+
+    In one phase, counted from the first sample of every recording; ``together``: with an amplitude and a phase of its own in every
+    window.
+    """
+    system = outcome.problem.system
+    torque = references(system, system.joint_names[0]).torque
+    own = probe(outcome.predictor, outcome.study.likelihood, fitted, torque)
+    space = nuisance(fitted, outcome.predictor)
+    swing = 1.0 / outcome.period
+    longest = max(float(m.time[-1]) for m in own.motions.values())
+    count = int(np.clip((HIGHEST - LOWEST) * swing * longest * FINENESS, 2, MOST))
+    frequencies = np.linspace(LOWEST * swing, HIGHEST * swing, count)
+    weights = {window: _gravity(own, system, found.q) / own.torque for window, found in own.motions.items()}
+    alike, apart = np.zeros(count), np.zeros(count)
+    for k in range(0, count, AT_ONCE):
+        part = slice(k, k + AT_ONCE)
+        changes = [_changes(own, system, window, frequencies[part], weights[window]) for window in own.motions]
+        alike[part] = _gains(space.measure(changes))
+        for window, own_changes in zip(own.motions, changes, strict=True):
+            apart[part] += _gains(space.measure([own_changes], only=fitted.windows.index(window)))
+    best, windows = int(np.argmax(apart)), len(own.motions)
+    loudness = outcome.study.loudness(fitted)
+    chances = (chi2.sf(alike.max() / loudness, 2), chi2.sf(apart[best] / loudness, 2 * windows))
+    chance = min(1.0, count * float(min(chances)))
+    where = f"at {frequencies[best]:.3g} Hz"
+    # An amplitude and a phase for every window; that they share a frequency is paid for at once.
+    together = (float(apart[best]) - float(np.log(outcome.study.samples)), windows)
+    return Test(UP_AND_DOWN, float(alike.max()), 2, chance, (where,), 1, together)
+
+
+def _changes(own: Probe, system: System, window: Window, frequencies: Array, weights: Array) -> Array:
+    """Whitened changes of one window by cosines, then sines, of every frequency (2K, M); weights: gravity's forces (G, n)."""
+    angle = 2.0 * np.pi * frequencies[:, None] * own.motions[window].time
+    waves = np.concatenate([np.cos(angle), np.sin(angle)])
+    names = enumerate(system.joint_names)
+    return np.asarray(np.sum([own.pulses(name, window, waves * weights[:, j]) for j, name in names], axis=0))
+
+
+def _gains(seen: Projected) -> Array:
+    """Gain by a cosine and a sine of each frequency (K,)."""
+    assert seen.gram is not None
+    k = len(seen.along) // 2
+    a, b, c = np.diag(seen.gram)[:k], np.diag(seen.gram)[k:], np.diag(seen.gram[:k, k:])
+    p, q = seen.along[:k], seen.along[k:]
+    # Of two columns by Cramer's rule; those of which nothing is left outside the adjustable gain nothing.
+    area = a * b - c**2
+    open_ones = area > DEPENDENT * np.maximum(a, b).max(initial=0.0) ** 2
+    return np.where(open_ones, (b * p**2 - 2.0 * c * p * q + a * q**2) / np.where(open_ones, area, 1.0), 0.0)
+
+
+def _gravity(own: Probe, system: System, positions: Array) -> Array:
+    """Generalized forces of gravity (G, n) of the joints along a motion (G, coordinates)."""
+    joints = [own.names.index(name) for name in system.joint_names]
+    model, weightless = Denoc(system.rigid()), Denoc(replace(system.rigid(), gravity=np.zeros(3)))
+    q = np.ascontiguousarray(positions[:, joints])
+    still = np.zeros_like(q)
+    return np.asarray(
+        weightless.inverse_dynamics_batch(q, still, still) - model.inverse_dynamics_batch(q, still, still)
+    )
