@@ -123,8 +123,7 @@ class BatchModel:
                 result[:] = self._spread(kernel, size, own, each, None, *padded)[:count]
             return result
         flat = [own, *[apart(array, out).reshape(-1) for array in arrays], np.asarray(result).reshape(-1)]
-        rest = count % _EIGHT
-        groups = count // _EIGHT
+        groups, rest = divmod(count, _EIGHT)
         threads = min(self.threads, groups)
         if threads <= 1:
             self._part(kernel, size, 0, groups * _EIGHT, flat)

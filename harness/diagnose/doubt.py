@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -72,7 +73,11 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *,
     if not any(_tuned_to_relax(effect) for effect in missing):
         barred.append(RELAXES)
     named = [t for t in tests if t.places >= 0 and not t.name.startswith(tuple(barred))]
+    return _do_better(study, best, smaller, named, margin)
 
+
+def _do_better(study: Study, best: Fit, smaller: Fit, tests: Sequence[Test], margin: float = 0.0) -> bool:
+    """Whether what one of the tests names, beside ``smaller``, does better by ``margin`` than what ``best`` has more."""
     own = smaller.score - best.score
     there = max(smaller.score - study.samples, own)
 
@@ -80,9 +85,9 @@ def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *,
         # A linear gain that promises more than there is says only that it might do as well.
         return gain if exact or gain < there else own
 
-    prices = [worth(t.gain, t.exact) - t.price(study.samples) for t in named]
-    prices += [worth(t.together[0], t.exact) - t.price_together(study.samples) for t in named]
-    return bool(study.criterion(smaller) - max(prices, default=0.0) < study.criterion(best) - margin)
+    worths = [worth(t.gain, t.exact) - t.price(study.samples) for t in tests]
+    worths += [worth(t.together[0], t.exact) - t.price_together(study.samples) for t in tests]
+    return bool(study.criterion(smaller) - max(worths, default=0.0) < study.criterion(best) - margin)
 
 
 def imitated_together(outcome: Outcome, best: Fit, remains: Remains) -> list[str]:
@@ -177,12 +182,7 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
 
 def _up_and_down_as_well(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
     """Whether a support that moves up and down does as well as what shakes in the way that ``best`` has it: either is as likely."""
-    study, test = outcome.study, shaken_up_and_down(outcome, smaller)
-    own = smaller.score - best.score
-    there = max(smaller.score - study.samples, own)
-    alike, apart = (gain if gain < there else own for gain in (test.gain, test.together[0]))
-    worth = max(alike - test.price(study.samples), apart - test.price_together(study.samples))
-    return study.criterion(smaller) - worth < study.criterion(best)
+    return _do_better(outcome.study, best, smaller, [shaken_up_and_down(outcome, smaller)])
 
 
 def firm(outcome: Outcome, best: Fit, k: int) -> bool:

@@ -8,6 +8,7 @@ Source: A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations (1979), chapter 5.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -47,11 +48,13 @@ def shaken_up_and_down(outcome: Outcome, fitted: Fit) -> Test:
     longest = max(float(m.time[-1]) for m in own.motions.values())
     count = int(np.clip((HIGHEST - LOWEST) * swing * longest * FINENESS, 2, MOST))
     frequencies = np.linspace(LOWEST * swing, HIGHEST * swing, count)
-    weights = {window: _gravity(own, system, found.q) / own.torque for window, found in own.motions.items()}
+    found = own.motions.values()
+    weights = _gravity(own.names, system, np.concatenate([m.q for m in found])) / own.torque
+    by_window = dict(zip(own.motions, np.split(weights, np.cumsum([len(m.q) for m in found])[:-1]), strict=True))
     alike, apart = np.zeros(count), np.zeros(count)
     for k in range(0, count, AT_ONCE):
         part = slice(k, k + AT_ONCE)
-        changes = [_changes(own, system, window, frequencies[part], weights[window]) for window in own.motions]
+        changes = [_changes(own, system, window, frequencies[part], by_window[window]) for window in own.motions]
         alike[part] = _gains(space.measure(changes))
         for window, own_changes in zip(own.motions, changes, strict=True):
             apart[part] += _gains(space.measure([own_changes], only=fitted.windows.index(window)))
@@ -85,9 +88,9 @@ def _gains(seen: Projected) -> Array:
     return np.where(open_ones, (b * p**2 - 2.0 * c * p * q + a * q**2) / np.where(open_ones, area, 1.0), 0.0)
 
 
-def _gravity(own: Probe, system: System, positions: Array) -> Array:
-    """Generalized forces of gravity (G, n) of the joints along a motion (G, coordinates)."""
-    joints = [own.names.index(name) for name in system.joint_names]
+def _gravity(names: Sequence[str], system: System, positions: Array) -> Array:
+    """Generalized forces of gravity (G, n) of the joints at positions (G, coordinates) of so many names."""
+    joints = [names.index(name) for name in system.joint_names]
     model, weightless = Denoc(system.rigid()), Denoc(replace(system.rigid(), gravity=np.zeros(3)))
     q = np.ascontiguousarray(positions[:, joints])
     still = np.zeros_like(q)
