@@ -28,7 +28,7 @@ from harness.denoc.batch_kernels import (
     turn_of,
 )
 from harness.denoc.batch_tree_mass import composite_inward
-from harness.denoc.lanes_shuffle import mirrored, store_rows, transposed
+from harness.denoc.lanes_shuffle import mirrored, scatter_pairs, store_rows, transposed
 from harness.denoc.lanes_vector import (
     address_of,
     gather,
@@ -36,7 +36,6 @@ from harness.denoc.lanes_vector import (
     inner,
     load,
     load_run,
-    scatter,
     settle,
     spread,
     spread_from,
@@ -243,19 +242,29 @@ def _multiply(row: int, n: int, ws: Any, out: Any) -> None:
             for j in range(rest):
                 matrices[corner + i * n + j] = ws[left + (i * 7 + j) * 8 + s]
         # Places in the result are counted on, since the compiler makes too many pointers of products.
-        for j in range(rest):
+        # Two at a time: beside the last of an odd number stands one of the tile before, whose elements the tiles write over.
+        for j in range(0, rest, 2):
             motion = j * 8 + s
             ax, ay, az = spread_from(ws, motion), spread_from(ws, motion + 64), spread_from(ws, motion + 128)
             bx, by, bz = spread_from(ws, motion + 192), spread_from(ws, motion + 256), spread_from(ws, motion + 320)
+            motion += 8
+            cx, cy, cz = spread_from(ws, motion), spread_from(ws, motion + 64), spread_from(ws, motion + 128)
+            dx, dy, dz = spread_from(ws, motion + 192), spread_from(ws, motion + 256), spread_from(ws, motion + 320)
             x, y, z, lx, ly, lz = zero, zero, zero, bx, by, bz
+            u, v, w, mx, my, mz = zero, zero, zero, dx, dy, dz
+            # Places in the result are counted on, since the compiler makes too many pointers of products.
             beside = corner + j * n + rest
             below = corner + rest * n + j
             for outer in range(tiles):
                 if (tiles - outer) % GROUP == 0:
                     x, y, z, lx, ly, lz = _further(ws, ways + outer * 24, x, y, z, ax, ay, az, bx, by, bz)
-                elements = _product(ws, state + outer * TILE + WRENCH * 8, 8, ax, ay, az, lx, ly, lz)
-                store(matrices, beside, elements)
-                scatter(matrices, below, n, elements)
+                    u, v, w, mx, my, mz = _further(ws, ways + outer * 24, u, v, w, cx, cy, cz, dx, dy, dz)
+                wrench = state + outer * TILE + WRENCH * 8
+                first = _product(ws, wrench, 8, ax, ay, az, lx, ly, lz)
+                second = _product(ws, wrench, 8, cx, cy, cz, mx, my, mz)
+                store(matrices, beside, first)
+                store(matrices, beside + n, second)
+                scatter_pairs(matrices, below, n, first, second)
                 beside += 8
                 below += 8 * n
         for t in range(tiles):

@@ -162,6 +162,25 @@ def _store_rows_code(typingctx: Any, array: Any, index: Any, stride: Any, values
 store_rows: Any = intrinsic(_store_rows_code)
 
 
+def _scatter_pairs_code(typingctx: Any, array: Any, index: Any, stride: Any, first: Any, second: Any) -> Any:
+    """Write eight pairs of numbers to a one-dimensional array, lane by lane of two vectors, ``stride`` apart from an index on."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = builder.gep(context.make_array(sig.args[0])(context, builder, args[0]).data, [args[1]])
+        sides = [_shuffled(builder, args[3], args[4], lanes) for lanes in (_LEFT, _RIGHT)]
+        for lane in range(LANES):
+            chosen = ir.Constant(ir.VectorType(_INDEX, 2), [lane // 2 * 2, lane // 2 * 2 + 1])
+            pair = builder.shuffle_vector(sides[lane % 2], sides[lane % 2], chosen)
+            builder.store(pair, builder.bitcast(place, pair.type.as_pointer()), align=8)
+            place = builder.gep(place, [args[2]])
+        return context.get_dummy_value()
+
+    return types.void(array, index, stride, lane_vector, lane_vector), codegen
+
+
+scatter_pairs: Any = intrinsic(_scatter_pairs_code)
+
+
 def _first_lane_code(typingctx: Any, value: Any) -> Any:
     """The number in lane 0."""
 

@@ -101,17 +101,9 @@ def turn_forward(c: Any, s: Any, x: Any, y: Any) -> Any:
 @in_place
 def turn_symmetric(c: Any, s: Any, xx: Any, yy: Any, zz: Any, xy: Any, xz: Any, yz: Any) -> Any:
     """A symmetric tensor turned back about z (child to parent)."""
-    cross = (c * s) * (xy + xy)
-    cc = c * c
-    ss = s * s
-    return (
-        cc * xx + ss * yy - cross,
-        ss * xx + cc * yy + cross,
-        zz,
-        (c * s) * (xx - yy) + (cc - ss) * xy,
-        c * xz - s * yz,
-        s * xz + c * yz,
-    )
+    # The trace stays, so that five multiplications are enough for three elements.
+    h = s * (xx - yy) + c * (xy + xy)
+    return xx - s * h, yy + s * h, zz, c * h - xy, c * xz - s * yz, s * xz + c * yz
 
 
 @in_place
