@@ -108,9 +108,27 @@ def imitated_together(outcome: Outcome, best: Fit, remains: Remains) -> list[str
                     if key in smaller.hypothesis.keys
                     else smaller
                 )
-            if _imitated(outcome, best, smaller, BETTER, exact=remains.significant):
+            if _imitated(outcome, best, smaller, BETTER, exact=remains.significant) or _filtered(
+                outcome, best, smaller
+            ):
                 found += [key for key in keys if key not in found]
     return found
+
+
+def _filtered(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
+    """Whether what ``best`` has more are filters of sensors, several of them, and one force that relaxes might do as well.
+
+    Where the swing is nearly linear any force with a memory looks like some filters. One such force is likelier than two filters
+    that come together, whatever its elements cost.
+    """
+    missing = [m.effect for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys]
+    if len(missing) < 2 or any(effect.sensor is None or effect.sensor.memory is None for effect in missing):
+        return False
+    own = smaller.score - best.score
+    tests = examined(outcome, smaller).tests
+    return any(
+        t.gain >= min(own, smaller.score - outcome.study.samples) - BETTER for t in tests if t.name.startswith(RELAXES)
+    )
 
 
 def _excess(study: Study, best: Fit, remains: Remains) -> float:
