@@ -348,7 +348,7 @@ class LaneModel:
         order = 5 if piece < 7e-3 * (tolerance / 1e-10) ** (1.0 / 6.0) else 8
         law = self.user  # compiled here, and not by several threads
         shape = (copies, len(time), n)
-        position, velocity, acceleration = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
+        position, velocity, acceleration = np.empty(shape), np.empty(shape), np.empty(shape)
 
         def advance(tables: tuple[Any, ...], recursion: int, which: Any) -> None:
             """Advance some of the copies by the equations that the tables stand for."""

@@ -862,3 +862,10 @@ def run_groups(
             state, after, slopes, dense, ledger, next_sample,
             lanes, 8 * g, position, velocity, acceleration,
         )  # fmt: skip
+        # What could not be followed, and what nobody asked for.
+        for lane in range(lanes):
+            for k in range(next_sample[lane], len(time)):
+                for i in range(n):
+                    position[8 * g + lane, k, i] = np.nan
+                    velocity[8 * g + lane, k, i] = np.nan
+                    acceleration[8 * g + lane, k, i] = np.nan

@@ -7,8 +7,10 @@ it. That way a misfit is not taken for noise.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,20 +142,22 @@ def estimate_colour(segments: list[Array], interval: float, motion_band_hz: floa
     scale = float(np.median(level[~inside]))
     longest = float(np.exp(-2.0 * np.pi * swing_hz * interval))
 
-    def loss(x: Array, weights: Array | None = None) -> float:
-        white, coloured = np.exp(np.clip(x[0], -30, 30)), np.exp(np.clip(x[1], -30, 30))
-        phi = longest / (1.0 + np.exp(-np.clip(x[2], -12, 9)))
-        shape = (1.0 - phi**2) / np.abs(1.0 - phi * np.exp(-1j * centre)) ** 2
-        ratio = level / scale / (white + coloured * shape)
+    relative, cosine = level / scale, np.cos(centre)
+
+    def loss(x: Sequence[float] | Array, weights: Array | None = None) -> float:
+        white, coloured, memory = map(float, x)
+        phi = longest / (1.0 + exp(-min(max(memory, -12.0), 9.0)))
+        shape = (1.0 - phi**2) / (1.0 + phi**2 - 2.0 * phi * cosine)
+        ratio = relative / (exp(min(max(white, -30.0), 30.0)) + exp(min(max(coloured, -30.0), 30.0)) * shape)
         # Whittle: log S + I/S, zero at its best value; bounded where a misfit may stand far above the noise.
         cost = ratio - 1.0 - np.log(ratio)
         cost = np.where(inside & (ratio > 1.0), np.minimum(cost, MISFIT_COST), cost)
         return float(np.sum((bins if weights is None else weights) * cost))
 
-    white_only = minimize(lambda y: loss(np.array([y[0], -40.0, 0.0])), [0.0], method="Nelder-Mead")
+    white_only = minimize(lambda y: loss((y[0], -40.0, 0.0)), [0.0], method="Nelder-Mead")
     best, best_x = float(white_only.fun), np.array([white_only.x[0], -40.0, 0.0])
     beyond = np.where(inside, 0.0, bins)
-    bare = minimize(lambda y: loss(np.array([y[0], -40.0, 0.0]), beyond), [0.0], method="Nelder-Mead")
+    bare = minimize(lambda y: loss((y[0], -40.0, 0.0), beyond), [0.0], method="Nelder-Mead")
     for start in ([-2.0, 0.0, 0.0], [-2.0, 1.0, 3.0], [0.0, 2.0, 4.5], [-4.0, 1.0, 1.5]):
         trial = minimize(loss, start, method="Nelder-Mead", options={"maxiter": 600, "xatol": 1e-3, "fatol": 1e-3})
         if trial.fun < best:

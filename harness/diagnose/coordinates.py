@@ -45,10 +45,11 @@ def from_internal(candidate: Candidate, u: Array) -> Array:
     """SI values from the fit's own coordinates: in units of the typical scale, or its logarithm."""
     log = is_logarithmic(candidate)
     scales = candidate.scales
-    if not log.any():
-        return np.asarray(scales * u)
-    # What is fitted as a logarithm may run away before a bound stops it; e^±40 is far beyond either.
-    return np.where(log, scales * np.exp(np.clip(np.where(log, u, 0.0), -40.0, 40.0)), scales * u)
+    values = np.asarray(scales * u)
+    if log.any():
+        # What is fitted as a logarithm may run away before a bound stops it; e^±40 is far beyond either.
+        values[..., log] = scales[log] * np.exp(np.minimum(np.maximum(u[..., log], -40.0), 40.0))
+    return values
 
 
 def to_internal(candidate: Candidate, values: Array) -> Array:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.denoc.pipeline import fewer_collections
 from harness.diagnose import effort_hold
 from harness.diagnose.answer import answer
 from harness.diagnose.candidates import candidates
@@ -33,6 +34,7 @@ Progress = Callable[[int, int, str], None]
 
 
 @one_blas_thread()
+@fewer_collections()
 def diagnose(
     recordings: Sequence[str | Path | Recording],
     model: str | Path | System,

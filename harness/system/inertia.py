@@ -14,7 +14,10 @@ MOVED = 1e-9
 
 def point_inertia(mass: float, offset: Array) -> Array:
     """Inertia tensor of a point mass at ``offset`` about the origin (Steiner's term) [kg·m²], shape (3, 3)."""
-    return mass * (float(offset @ offset) * np.eye(3) - np.outer(offset, offset))
+    x, y, z = offset.tolist()
+    return mass * np.array(
+        [[y * y + z * z, -x * y, -x * z], [-x * y, z * z + x * x, -y * z], [-x * z, -y * z, x * x + y * y]]
+    )
 
 
 def about_origin(link: Link) -> Array:
