@@ -125,6 +125,7 @@ def _free_part(recording: Recording, start: Carried | None, end: Carried | None)
         )
         recording = recording.only(recording.time <= end.time, note)
     if start is not None:
+        keep = recording.time >= start.time
         note = QualityNote(
             "carried_start",
             start.joint,
@@ -132,9 +133,9 @@ def _free_part(recording: Recording, start: Carried | None, end: Carried | None)
             f"{100.0 * start.share:.0f} % of the largest force that the model has there, or a slow sensor has yet to catch up",
             "left out",
             where=((0.0, start.time),),
-            size=start.time,
+            size=float(recording.time[keep][0]),
         )
-        recording = recording.only(recording.time >= start.time, note)
+        recording = recording.only(keep, note)
     return recording
 
 

@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.problem import Run
 from harness.diagnose.windows import Window
 from harness.effects.effect import BY_MODEL, Effect
 from harness.effects.scale import References, tip_of
@@ -39,12 +40,13 @@ class Candidate:
     def size(self) -> int:
         return len(self.effect.parameters)
 
-    def own_numbers(self, windows: Sequence[Window]) -> int:
+    def own_numbers(self, windows: Sequence[Window], runs: Sequence[Run]) -> int:
         """How many numbers it has that are every window's own: constants, what is remembered of the time before."""
         sensor = self.effect.sensor
         if sensor is None:
             return 0
-        return sensor.own_zero * len(windows) + sensor.remembers * sum(window.first > 0 for window in windows)
+        inside = sum(runs[window.run].date(window.first) > 0.0 for window in windows)
+        return sensor.own_zero * len(windows) + sensor.remembers * inside
 
     @property
     def out_of_step(self) -> int:
@@ -76,9 +78,9 @@ class Hypothesis:
         """Number of effect parameters."""
         return sum(member.size for member in self.members)
 
-    def own_numbers(self, windows: Sequence[Window]) -> int:
+    def own_numbers(self, windows: Sequence[Window], runs: Sequence[Run]) -> int:
         """How many numbers the members have that are every window's own."""
-        return sum(m.own_numbers(windows) for m in self.members)
+        return sum(m.own_numbers(windows, runs) for m in self.members)
 
     @property
     def out_of_step(self) -> int:

@@ -139,7 +139,7 @@ class Predictor(Mechanisms):
                 if window is not before:
                     before, grid, run = window, self.grid(window, ready.margin), self.runs[window.run]
                     # A law that knows the time needs the time of the recording, not of the window.
-                    start = float(run.time[window.first] - run.time[0]) if ready.dated else 0.0
+                    start = run.date(window.first) if ready.dated else 0.0
                     length = len(grid.time)
                     # Further forces come on the grid of their window.
                     own = 0 if request.extra is None else length
@@ -270,8 +270,7 @@ class Predictor(Mechanisms):
     def _shift_shaking(self, model: LaneModel, rows: Array, windows: Sequence[Window]) -> None:
         """Let the shaking of the base begin at the windows' places in their recordings, in place."""
         for lane in np.flatnonzero(rows[:, model.slot("base", "excitation_amplitude")]).tolist():
-            run = self.runs[windows[lane].run]
-            start = float(run.time[windows[lane].first] - run.time[0])
+            start = self.runs[windows[lane].run].date(windows[lane].first)
             frequency = rows[lane, model.slot("base", "excitation_frequency")]
             rows[lane, model.slot("base", "excitation_phase")] += 2.0 * np.pi * frequency * start
 
@@ -301,7 +300,7 @@ class Predictor(Mechanisms):
     ) -> Array:
         """Channels (B, C, T) of the window from the states at its samples."""
         local = self.grid(window, margin).stamps
-        stamps = local + (run.time[window.first] - run.time[0])
+        stamps = local + run.date(window.first)
         out = np.empty((len(x), len(self.problem.channels), window.size))
         for c, channel in enumerate(self.problem.channels):
             signal = observe(mechanism.model, rows, channel.site, channel.quantity, sampled, systems).copy()
@@ -362,20 +361,19 @@ def _remembered(
 
     Filters that begin in motion stand somewhere, and that is nothing to the other windows, like the state of the mechanism.
     """
-    total = np.zeros_like(reading)
     record = run.values[c, window.first : window.last]
     seen = np.isfinite(record)
-    for sensor, values in acting:
-        if sensor.memory is None or not seen.any():
-            continue
-        course, size = sensor.memory(signal, stamps, values)
-        course = course[:, : window.size]
-        left = (record - reading - total)[:, seen]
-        own = course[:, seen]
-        whole = size**2 * np.einsum("bt,bt->b", own, own) + run.roughness[c] ** 2
-        amount = size**2 * np.einsum("bt,bt->b", own, left) / np.where(whole > 0.0, whole, 1.0)
-        total += amount[:, None] * course
-    return total
+    known = [sensor.memory(signal, stamps, values) for sensor, values in acting if sensor.memory is not None]
+    if not known or not seen.any():
+        return np.zeros_like(reading)
+    # Of several filters all at once: the quick one would take for its own what the slow one still knows.
+    courses = np.array([size[:, None] * course[:, : window.size] for course, size in known])
+    own = courses[:, :, seen]
+    gram = np.einsum("ibt,jbt->bij", own, own)
+    noise = run.roughness[c] ** 2 + 1e-12 * np.trace(gram, axis1=1, axis2=2) + 1e-300
+    along = np.einsum("ibt,bt->bi", own, (record - reading)[:, seen])
+    amount = np.linalg.solve(gram + noise[:, None, None] * np.eye(len(known)), along[:, :, None])
+    return np.asarray(np.einsum("bi,ibt->bt", amount[:, :, 0], courses))
 
 
 def _of_its_own(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -47,6 +47,7 @@ class Run:
     time: [s], shape (T,), ascending. values: shape (C, T), nan where a channel has no sample.
     effort: known generalized forces at the movable joints [N·m or N], shape (T, joints), or None when free.
     interval: median sampling interval [s]. averaged: recorded samples behind each value.
+    since: how long before the first sample the recording had begun, with its sensors and whatever goes by the time [s].
     """
 
     name: str
@@ -55,6 +56,11 @@ class Run:
     effort: Array | None
     interval: float
     averaged: int = 1
+    since: float = 0.0
+
+    def date(self, sample: int) -> float:
+        """Time of a sample from the beginning of the recording, what is not part of this run included [s]."""
+        return float(self.time[sample] - self.time[0]) + self.since
 
     @property
     def duration(self) -> float:
@@ -242,13 +248,19 @@ def _run(system: System, infos: tuple[ChannelInfo, ...], recording: Measured, in
             f"the recording has {len(time)} usable samples", mend="at least 50 are needed to tell motion from noise"
         )
     name = str(getattr(recording, "name", "") or getattr(recording, "source", "") or f"recording {index + 1}")
-    return Run(name, time, values, effort, float(np.median(np.diff(time))))
+    since = sum(note.size for note in getattr(recording, "quality", ()) if note.kind == "carried_start")
+    return Run(name, time, values, effort, float(np.median(np.diff(time))), since=since)
 
 
 def _slice(run: Run, first: int, last: int, note: str) -> Run:
     effort = None if run.effort is None else run.effort[first:last]
-    return Run(
-        f"{run.name}, {note}", run.time[first:last], run.values[:, first:last], effort, run.interval, run.averaged
+    return replace(
+        run,
+        name=f"{run.name}, {note}",
+        time=run.time[first:last],
+        values=run.values[:, first:last],
+        effort=effort,
+        since=run.date(first),
     )
 
 
@@ -265,7 +277,9 @@ def _thin(run: Run, finest_rate: float) -> Run:
     time = run.time[index].mean(axis=1)
     values = run.values[:, index].mean(axis=2)
     effort = None if run.effort is None else run.effort[index].mean(axis=1)
-    return Run(run.name, time, values, effort, run.interval * step, run.averaged * step)
+    return replace(
+        run, time=time, values=values, effort=effort, interval=run.interval * step, averaged=run.averaged * step
+    )
 
 
 def _resolution(columns: list[Array]) -> float:

@@ -406,14 +406,14 @@ MOMENTS = 12  # in a recording at which a force is tried to set in
 def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: float) -> tuple[Test, Test]:
     """Largest gains by a push, friction, drag or spring that sets in or grows all along: in one recording, in all alike."""
     k = own.names.index(joint)
-    longest = max(float(run.time[-1] - run.time[0]) for run in own.predictor.runs)
+    longest = max(run.date(-1) for run in own.predictor.runs)
     moments = np.linspace(0.0, longest, MOMENTS + 2)[1:-1]
     best, count, where = 0.0, 0, ""
     chosen, columns = [], []
     for place, window in enumerate(own.fitted.windows):
         found = own.motions[window]
         run = own.predictor.runs[window.run]
-        time = found.time + float(run.time[window.first] - run.time[0])
+        time = found.time + run.date(window.first)
         speed = np.clip(found.qd[:, k] / fast, -1.5, 1.5)
         shapes = np.array([np.ones_like(speed), np.tanh(20.0 * speed), speed, np.sin(found.q[:, k])])
         later = (time[None, :] >= moments[:, None]).astype(np.float64)

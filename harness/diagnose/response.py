@@ -89,7 +89,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     row = predictor.row(fitted.hypothesis, fitted.x)
     state = fitted.states[window]
     run = predictor.runs[window.run]
-    offset = float(run.time[window.first] - run.time[0])
+    offset = run.date(window.first)
     tau = None
     if run.effort is not None:
         tau = predictor.efforts(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], time)

@@ -174,11 +174,12 @@ def score(
                 found += sorted(own, key=lambda s: -s.gain)[:1]
         return found
 
-    # What adds coordinates takes about as long as all others together, nearly all of it in compiled code.
-    slow = [one for one in asked if one[0].effect.adds_coordinates]
-    of_slow = meanwhile(predictor.threads, scored, slow)
-    found = scored([one for one in asked if not one[0].effect.adds_coordinates])
-    return sorted([*found, *of_slow()], key=lambda s: -s.gain)
+    # Two lots that take about as long, most of the first in compiled code.
+    first = [k for k, (candidate, _) in enumerate(asked) if candidate.effect.adds_coordinates]
+    first = first or [k for k, (candidate, _) in enumerate(asked) if scanned(candidate)]
+    of_first = meanwhile(predictor.threads, scored, [asked[k] for k in first])
+    found = scored([one for k, one in enumerate(asked) if k not in first])
+    return sorted([*found, *of_first()], key=lambda s: -s.gain)
 
 
 def _beyond_the_scan(fitted: Fit, predictor: Predictor, candidate: Candidate, problem: Problem) -> list[Ray]:
@@ -338,9 +339,8 @@ def scan(
         if window not in motions:
             motions[window] = respond(predictor, fitted, window, candidate.references.torque)
         found = motions[window]
-        run = predictor.runs[window.run]
         if candidate.effect.name == "base_excitation":
-            time = found.time + float(run.time[window.first] - run.time[0])
+            time = found.time + predictor.runs[window.run].date(window.first)
             phase = 2.0 * np.pi * parameters[:, 1:2] * time + parameters[:, 2:3]
             deviations = found.by_shaking(parameters[:, :1] * np.sin(phase))
         else:

@@ -100,7 +100,7 @@ class Study:
 
     def paid(self, fitted: Fit) -> float:
         """What the Bayesian criterion asks for a fit's numbers, those that are every window's own among them."""
-        own = fitted.hypothesis.own_numbers(fitted.windows)
+        own = fitted.hypothesis.own_numbers(fitted.windows, self.predictor.runs)
         return (fitted.hypothesis.size + own) * float(np.log(self.samples)) + BEGUN * fitted.vibrating
 
     def evidence(self, fitted: Fit) -> float:
@@ -122,7 +122,7 @@ class Study:
         volume = float(np.sum(np.log1p(np.maximum(np.linalg.eigvalsh(inner), 0.0) * WIDTH**2))) if own.any() else 0.0
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
         volume = min(volume, fitted.hypothesis.size * float(np.log(self.samples)))
-        every = fitted.hypothesis.own_numbers(fitted.windows) * float(np.log(self.samples))
+        every = fitted.hypothesis.own_numbers(fitted.windows, self.predictor.runs) * float(np.log(self.samples))
         return fitted.score + volume + every + BEGUN * fitted.vibrating + 2.0 * rare
 
     def price(self, candidate: Candidate, members: int = 0) -> float:
@@ -133,7 +133,7 @@ class Study:
 
     def numbers(self, candidate: Candidate) -> int:
         """How many numbers a candidate adds: its parameters, and what is every window's own."""
-        return candidate.size + candidate.own_numbers(self.windows)
+        return candidate.size + candidate.own_numbers(self.windows, self.predictor.runs)
 
     def states_for(self, hypothesis: Hypothesis, near: Fit | None = None) -> dict[Window, Array]:
         """Initial states to start a fit from: those of a fit nearby, or read off the recording."""
