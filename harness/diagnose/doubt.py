@@ -20,7 +20,7 @@ from harness.diagnose.remainder import SETS_IN, Remains, examine, jump, wanderin
 from harness.diagnose.screen import scanned
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import estimates
-from harness.diagnose.vertical_shaking import shaken_up_and_down
+from harness.diagnose.vertical_shaking import shaken_sideways, shaken_up_and_down
 from harness.effects.effect import Effect, Family
 from harness.effects.scale import references
 
@@ -188,7 +188,7 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     if _nowhere(outcome, best, k) or creeps(outcome, best, k):
         return True
     if _shakes(best.hypothesis.members[k]) and (
-        event_as_well(outcome, best, smaller) or _up_and_down_as_well(outcome, best, smaller)
+        event_as_well(outcome, best, smaller) or _up_and_down_as_well(outcome, best, smaller, remains)
     ):
         return True
     if not remains.significant:
@@ -198,9 +198,16 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     return not firm(outcome, best, k)
 
 
-def _up_and_down_as_well(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
+def _up_and_down_as_well(outcome: Outcome, best: Fit, smaller: Fit, remains: Remains) -> bool:
     """Whether a support that moves up and down does as well as what shakes in the way that ``best`` has it: either is as likely."""
-    return _do_better(outcome.study, best, smaller, [shaken_up_and_down(outcome, smaller)])
+    study, vertical = outcome.study, shaken_up_and_down(outcome, smaller)
+    if _do_better(study, best, smaller, [vertical]):
+        return True
+    if not remains.significant:
+        return False
+    # What does not explain all has only gained more by a fit than the other by a linear view, where the swing is changed much.
+    sideways = shaken_sideways(outcome, smaller)
+    return sideways is not None and vertical.worth(study.samples) > sideways.worth(study.samples)
 
 
 def firm(outcome: Outcome, best: Fit, k: int) -> bool:

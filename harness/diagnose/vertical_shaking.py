@@ -8,7 +8,7 @@ Source: A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations (1979), chapter 5.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from harness.denoc.model import Denoc
 from harness.diagnose.fit import Fit
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.probe import Probe, Test, probe
+from harness.diagnose.response import responsive, to_channels
 from harness.diagnose.screen import MOST_TOGETHER, Projected, nuisance
 from harness.diagnose.windows import Window
 from harness.effects.scale import references
@@ -26,7 +27,7 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-UP_AND_DOWN = "a support that moves up and down"
+UP_AND_DOWN, SIDEWAYS = "a support that moves up and down", "a support that moves sideways"
 LOWEST, HIGHEST = 0.2, 4.0  # frequencies, over the swing's
 FINENESS = 2.0  # frequencies in one over the longest window
 MOST = 240  # frequencies
@@ -40,40 +41,64 @@ def shaken_up_and_down(outcome: Outcome, fitted: Fit) -> Test:
     In one phase, counted from the first sample of every recording; ``together``: with an amplitude and a phase of its own in every
     window.
     """
+    own = _probe(outcome, fitted)
+    system = outcome.problem.system
+    found = own.motions.values()
+    weights = _gravity(own.names, system, np.concatenate([m.q for m in found])) / own.torque
+    by_window = dict(zip(own.motions, np.split(weights, np.cumsum([len(m.q) for m in found])[:-1]), strict=True))
+
+    def changes(window: Window, waves: Array) -> Array:
+        pulses = [
+            own.pulses(name, window, waves * by_window[window][:, j]) for j, name in enumerate(system.joint_names)
+        ]
+        return np.asarray(np.sum(pulses, axis=0))
+
+    return _at_one_frequency(outcome, own, changes, UP_AND_DOWN)
+
+
+def shaken_sideways(outcome: Outcome, fitted: Fit) -> Test | None:
+    """The same by a base that shakes sideways, as the catalogue's does; none where channels are not linear in the motion."""
+    if not responsive(outcome.predictor):
+        return None
+    own = _probe(outcome, fitted)
+
+    def changes(window: Window, waves: Array) -> Array:
+        found = own.motions[window]
+        moved = found.by_shaking(waves)
+        return np.nan_to_num(to_channels(own.predictor, own.likelihood, fitted, found, moved))
+
+    return _at_one_frequency(outcome, own, changes, SIDEWAYS)
+
+
+def _probe(outcome: Outcome, fitted: Fit) -> Probe:
     system = outcome.problem.system
     torque = references(system, system.joint_names[0]).torque
-    own = probe(outcome.predictor, outcome.study.likelihood, fitted, torque)
+    return probe(outcome.predictor, outcome.study.likelihood, fitted, torque)
+
+
+def _at_one_frequency(outcome: Outcome, own: Probe, changes: Callable[[Window, Array], Array], name: str) -> Test:
+    """Gain by what waves over time (2K, G) do to the channels of a window (2K, M), at the best of many frequencies."""
+    fitted = own.fitted
     space = nuisance(fitted, outcome.predictor)
     swing = 1.0 / outcome.period
     longest = max(float(m.time[-1]) for m in own.motions.values())
     count = int(np.clip((HIGHEST - LOWEST) * swing * longest * FINENESS, 2, MOST))
     frequencies = np.linspace(LOWEST * swing, HIGHEST * swing, count)
-    found = own.motions.values()
-    weights = _gravity(own.names, system, np.concatenate([m.q for m in found])) / own.torque
-    by_window = dict(zip(own.motions, np.split(weights, np.cumsum([len(m.q) for m in found])[:-1]), strict=True))
     alike, apart = np.zeros(count), np.zeros(count)
     for k in range(0, count, AT_ONCE):
         part = slice(k, k + AT_ONCE)
-        changes = [_changes(own, system, window, frequencies[part], by_window[window]) for window in own.motions]
-        alike[part] = _gains(space.measure(changes))
-        for window, own_changes in zip(own.motions, changes, strict=True):
-            apart[part] += _gains(space.measure([own_changes], only=fitted.windows.index(window)))
+        angles = {w: 2.0 * np.pi * frequencies[part, None] * m.time for w, m in own.motions.items()}
+        moved = [changes(w, np.concatenate([np.cos(angle), np.sin(angle)])) for w, angle in angles.items()]
+        alike[part] = _gains(space.measure(moved))
+        for window, one in zip(own.motions, moved, strict=True):
+            apart[part] += _gains(space.measure([one], only=fitted.windows.index(window)))
     best, windows = int(np.argmax(apart)), len(own.motions)
     loudness = outcome.study.loudness(fitted)
     chances = (chi2.sf(alike.max() / loudness, 2), chi2.sf(apart[best] / loudness, 2 * windows))
     chance = min(1.0, count * float(min(chances)))
-    where = f"at {frequencies[best]:.3g} Hz"
     # An amplitude and a phase for every window; that they share a frequency is paid for at once.
     together = (float(apart[best]) - float(np.log(outcome.study.samples)), windows)
-    return Test(UP_AND_DOWN, float(alike.max()), 2, chance, (where,), 1, together)
-
-
-def _changes(own: Probe, system: System, window: Window, frequencies: Array, weights: Array) -> Array:
-    """Whitened changes of one window by cosines, then sines, of every frequency (2K, M); weights: gravity's forces (G, n)."""
-    angle = 2.0 * np.pi * frequencies[:, None] * own.motions[window].time
-    waves = np.concatenate([np.cos(angle), np.sin(angle)])
-    names = enumerate(system.joint_names)
-    return np.asarray(np.sum([own.pulses(name, window, waves * weights[:, j]) for j, name in names], axis=0))
+    return Test(name, float(alike.max()), 2, chance, (f"at {frequencies[best]:.3g} Hz",), 1, together)
 
 
 def _gains(seen: Projected) -> Array:
