@@ -48,7 +48,7 @@ def test_it_is_not_told_as_shaking_sideways() -> None:
 
 
 def test_strong_pumping_of_a_single_recording_is_not_told_as_shaking_sideways() -> None:
-    # The swing is changed by many times what a linear view is good for, where a fit of a base that shakes sideways takes most of it.
+    # The swing is changed by more than a linear view is good for, and a fit of a base that shakes sideways takes most of it.
     found = diagnose([_run(1, 1.2, 0.4, 1.5)], model=nominal())
     assert found.verdict in ("unexplained", "partly_explained")
     assert "base_excitation" not in {finding["effect"] for finding in found.findings}
