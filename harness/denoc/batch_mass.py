@@ -241,7 +241,6 @@ def _multiply(row: int, n: int, ws: Any, out: Any) -> None:
         for i in range(rest):
             for j in range(rest):
                 matrices[corner + i * n + j] = ws[left + (i * 7 + j) * 8 + s]
-        # Places in the result are counted on, since the compiler makes too many pointers of products.
         # Two at a time: beside the last of an odd number stands one of the tile before, whose elements the tiles write over.
         for j in range(0, rest, 2):
             motion = j * 8 + s
