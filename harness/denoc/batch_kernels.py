@@ -84,7 +84,7 @@ def wrench_to_parent(
     return nx, ny, nz, fx, fy, fz
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
 def forward_dynamics(
     first: int,
     last: int,
@@ -437,7 +437,7 @@ def forward_dynamics(
 SPIN, SPIN_RATE, LINEAR, MOMENT, THRUST = 2, 5, 8, 11, 14
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
 def inverse_dynamics(
     first: int, last: int, tree: Any, c: Any, ws: Any, gravity: Any, q: Any, qd: Any, qdd: Any, out: Any
 ) -> None:
@@ -566,7 +566,15 @@ def inverse_dynamics(
             add_run(ws, a + THRUST * 8, (fx, fy, fz))
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel, fastmath={"reassoc"})
+@njit(
+    cache=True,
+    error_model="numpy",
+    no_cfunc_wrapper=True,
+    nogil=True,
+    _nrt=False,
+    pipeline_class=Kernel,
+    fastmath={"reassoc"},
+)
 def all_finite(x: Any) -> bool:
     """Whether all numbers of a flat array are finite: nothing else times zero is zero."""
     total = 0.0

@@ -287,7 +287,7 @@ def _multiply(row: int, n: int, ws: Any, out: Any) -> None:
             _send(ws, corner, square, out, (row + s) * square)
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
 def chain_mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, q: Any, out: Any) -> None:
     """As ``batch_tree_mass.mass_matrix``, of a serial chain."""
     n = tree.shape[0]

@@ -151,7 +151,7 @@ def _put(ws: Any, element: int, places: Any, out: Any, corner: int, n: int) -> N
         out[begin + places[k + np.uint64(1)]] = value
 
 
-@njit(cache=True, error_model="numpy", nogil=True, _nrt=False, pipeline_class=Kernel)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
 def mass_matrix(first: int, last: int, tree: Any, places: Any, c: Any, ws: Any, masses: Any, q: Any, out: Any) -> None:
     """Generalized inertia matrices of the states in rows first, first + 8, … below last, from composite bodies.
 

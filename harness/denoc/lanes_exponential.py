@@ -199,7 +199,7 @@ def _factorial(k: int) -> np.longdouble:
     return np.longdouble(np.prod(np.arange(1, k + 1), dtype=np.longdouble))
 
 
-@njit(cache=True, error_model="numpy", nogil=True, pipeline_class=ShortLoops)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, pipeline_class=ShortLoops)
 def march_groups(
     rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
     user: int, linear: Any, carried: Any, driven: Any, effort: Any, known: Any, start: float, h: float, inner: int,

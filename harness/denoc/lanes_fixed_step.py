@@ -76,7 +76,7 @@ def simulate(
     return position, velocity, acceleration
 
 
-@njit(cache=True, error_model="numpy", nogil=True, pipeline_class=ShortLoops)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, pipeline_class=ShortLoops)
 def march_groups(
     first: int, last: int, rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any,
     nominal: Any, plane: Any, user: int, effort: Any, hold: int, start: float, h: float, inner: int,

@@ -804,7 +804,7 @@ def present_nodes(tree: Any, constants: Any, present: Any) -> None:
                 present[i, KIND] = ABSENT
 
 
-@njit(cache=True, error_model="numpy", nogil=True, pipeline_class=ShortLoops)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, pipeline_class=ShortLoops)
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
     recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,

@@ -185,7 +185,7 @@ def _prepare_plane(
             shake[(at + a) * 8 + lane] = plane[a, 0] * x + plane[a, 1] * y + plane[a, 2] * z
 
 
-@njit(cache=True, error_model="numpy", pipeline_class=Kernel)
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, pipeline_class=Kernel)
 def prepare_lane(
     row: Any, lane: int, links: Any, tree: Any, axes: Any, nominal: Any, plane: Any, constants: Any, beams: Any, laws: Any,
     shake: Any,

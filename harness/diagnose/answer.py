@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.diagnose.augmented import augmented
 from harness.diagnose.conclude import Claim, Conclusion
+from harness.diagnose.crosstalk import LEAKS
 from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
 from harness.diagnose.differing_levels import Differing
@@ -85,7 +86,7 @@ def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
         return claim.candidate.effect.side, claim.candidate.site
     if conclusion.remains.significant:
         left = plainest(conclusion)
-        if left.name in (JUMP, WANDERS):
+        if left.name in (JUMP, WANDERS, LEAKS):
             return "sensor", left.where[0]
     ranked = outcome.study.ranked(outcome.empty)
     if ranked:

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from harness.diagnose.creep import creeps
+from harness.diagnose.crosstalk import leaking
 from harness.diagnose.event import event_as_well
 from harness.diagnose.exchange import known_in_place_of, related, relatives, specialized
 from harness.diagnose.fit import Fit, fit
@@ -17,7 +18,7 @@ from harness.diagnose.locate import rmse
 from harness.diagnose.probe import Test
 from harness.diagnose.relaxation import RELAXES
 from harness.diagnose.remainder import SETS_IN, Remains, examine, jump, wandering
-from harness.diagnose.screen import scanned
+from harness.diagnose.screen import nuisance, scanned
 from harness.diagnose.study import Study
 from harness.diagnose.uncertainty import estimates
 from harness.diagnose.vertical_shaking import shaken_sideways, shaken_up_and_down
@@ -54,15 +55,17 @@ def examined(outcome: Outcome, fitted: Fit) -> Remains:
 
 
 def _imitated(outcome: Outcome, best: Fit, smaller: Fit, margin: float = 0.0, *, exact: bool = False) -> bool:
-    """Whether a force, or jump or course of a reading, that nobody has named does better by ``margin`` than what a member does.
+    """Whether a force, or error of a reading, that nobody has named does better by ``margin`` than what a member does.
 
     exact: ask only for what brings what it promises.
     """
     study = outcome.study
     tests: list[Test] | tuple[Test, ...]
     if exact:
-        tests = [jump(outcome.predictor, study.likelihood, smaller)]
-        tests += wandering(outcome.predictor, study.likelihood, smaller, outcome.period)
+        space = nuisance(smaller, outcome.predictor)
+        tests = [jump(outcome.predictor, study.likelihood, smaller, space)]
+        tests += wandering(outcome.predictor, study.likelihood, smaller, outcome.period, space)
+        tests += leaking(outcome.predictor, study.likelihood, smaller, space, study.loudness(smaller))
     else:
         tests = examined(outcome, smaller).tests
     missing = [m.effect for m in best.hypothesis.members if m.key not in smaller.hypothesis.keys]
@@ -185,7 +188,7 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     """Whether member ``k`` may only stand in for something that nobody has named."""
     study = outcome.study
     smaller = study.below(best, k)
-    if _nowhere(outcome, best, k) or creeps(outcome, best, k):
+    if _nowhere(outcome, best, k) or absent_as_well(outcome, best, k) or creeps(outcome, best, k):
         return True
     if _shakes(best.hypothesis.members[k]) and (
         event_as_well(outcome, best, smaller) or _up_and_down_as_well(outcome, best, smaller, remains)
@@ -231,6 +234,19 @@ def _nowhere(outcome: Outcome, best: Fit, k: int) -> bool:
         return False
     place = estimates(outcome.predictor, best, k)[parameter.name]
     return place.low <= 0.0 <= place.high
+
+
+def absent_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
+    """Whether member ``k`` may as well be absent by each of its numbers: what a fit gains by it is then of something else.
+
+    What brings coordinates of its own brings initial states with them, and contacts that have a stiffness without a gap.
+    """
+    parameters = best.hypothesis.members[k].effect.parameters
+    if not parameters or not np.isfinite(parameters[0].neutral):
+        return False
+    own = estimates(outcome.predictor, best, k)
+    absent = [(own[p.name], p.neutral) for p in parameters if np.isfinite(p.neutral)]
+    return all(size.low <= neutral <= size.high for size, neutral in absent)
 
 
 def a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:

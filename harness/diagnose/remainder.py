@@ -19,6 +19,7 @@ from scipy.signal import correlate
 from scipy.stats import chi2
 
 from harness.diagnose.colour import Colour
+from harness.diagnose.crosstalk import leaking
 from harness.diagnose.fit import Fit
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
@@ -213,6 +214,7 @@ def examine(
         _spectrum(own_period=period, predictor=predictor, fitted=fitted),
         jump(predictor, likelihood, fitted, space),
         *wandering(predictor, likelihood, fitted, period, space),
+        *leaking(predictor, likelihood, fitted, space, noise),
     ]
     tests += others
     excess = max([excess, *(test.gain for test in others if _counts(test, level))])

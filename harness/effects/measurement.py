@@ -183,13 +183,16 @@ def _slope(signal: Array, time: Array) -> Array:
 def lowpass_memory(signal: Array, time: Array, params: Array) -> tuple[Array, Array]:
     """What a low-pass may still know of the time before its first sample: its course (B, T), 1 at first, and its size (B,).
 
-    The size is that of what ``lowpass`` may be wrong by there, because motion is no wave of one frequency.
+    The size is that of what ``lowpass`` may be wrong by there, because motion is no wave of one frequency; and where the recording
+    begins, because a filter that begins with it stands on its first sample, however that moves.
     """
     lag = _time_constant(params)[:, None]
     size = np.zeros(len(signal))
     if len(time) >= 4:
         _, _, moving, turns = _beginning(signal, time, lag)
         size = (np.minimum(turns, 1.0) * moving * np.ptp(signal, axis=1, keepdims=True))[:, 0]
+        if not within(time):
+            size = np.maximum(size, np.abs(signal[:, 0] - _followed(signal, time, params)))
     return np.exp(-(time - time[0]) / lag), size
 
 
