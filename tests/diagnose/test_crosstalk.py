@@ -14,13 +14,6 @@ from harness.system.description import constant
 SHARE, NOISE = 0.04, 5e-4
 LEAKS = "a reading that another channel leaks into"
 NEAREST = ["base_excitation", "sensor_gain", "sensor_nonlinearity", "viscous_damping", "payload_mass"]
-    "base_excitation",
-    "base_compliance",
-    "sensor_gain",
-    "sensor_nonlinearity",
-    "viscous_damping",
-    "payload_mass",
-]
 
 
 def _leaking(run: Recording, share: float) -> Recording:
