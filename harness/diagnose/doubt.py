@@ -188,7 +188,7 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     """Whether member ``k`` may only stand in for something that nobody has named."""
     study = outcome.study
     smaller = study.below(best, k)
-    if _nowhere(outcome, best, k) or absent_as_well(outcome, best, k) or creeps(outcome, best, k):
+    if _nowhere(outcome, best, k) or creeps(outcome, best, k):
         return True
     if _shakes(best.hypothesis.members[k]) and (
         event_as_well(outcome, best, smaller) or _up_and_down_as_well(outcome, best, smaller, remains)
@@ -234,19 +234,6 @@ def _nowhere(outcome: Outcome, best: Fit, k: int) -> bool:
         return False
     place = estimates(outcome.predictor, best, k)[parameter.name]
     return place.low <= 0.0 <= place.high
-
-
-def absent_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
-    """Whether member ``k`` may as well be absent by each of its numbers: what a fit gains by it is then of something else.
-
-    What brings coordinates of its own brings initial states with them, and contacts that have a stiffness without a gap.
-    """
-    parameters = best.hypothesis.members[k].effect.parameters
-    if not parameters or not np.isfinite(parameters[0].neutral):
-        return False
-    own = estimates(outcome.predictor, best, k)
-    absent = [(own[p.name], p.neutral) for p in parameters if np.isfinite(p.neutral)]
-    return all(size.low <= neutral <= size.high for size, neutral in absent)
 
 
 def a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
