@@ -36,20 +36,18 @@ def leaking(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nu
     if not pairs:
         return []
     lanes = [(0, window, fitted.states[window]) for window in fitted.windows]
+    predictions = predictor.predict(fitted.hypothesis, fitted.x[None], lanes)
     columns = []
-    for window, predicted in zip(
-        fitted.windows, predictor.predict(fitted.hypothesis, fitted.x[None], lanes), strict=True
-    ):
+    for window, predicted in zip(fitted.windows, predictions, strict=True):
         signal = np.zeros((len(pairs), *predicted.shape))
         for k, (into, of) in enumerate(pairs):
             signal[k, into] = predicted[of]
         columns.append(np.nan_to_num(likelihood.whiten_signal(window, signal)))
     seen = space.measure(columns)
-    visible = seen.squares > 0.0
-    gains = np.where(visible, seen.along**2 / np.where(visible, seen.squares, 1.0), 0.0)
+    gains = seen.gains()
     best = int(np.argmax(gains))
     into, of = pairs[best]
-    share = -float(seen.along[best] / seen.squares[best]) if visible[best] else 0.0
+    share = -float(gains[best] / seen.along[best]) if gains[best] > 0.0 else 0.0
     chance = min(1.0, len(pairs) * float(chi2.sf(gains[best] / noise, 1)))
     where = (channels[into].name, f"{share:.2g} times {channels[of].name}")
     # Which of the others it is costs as much as another number.

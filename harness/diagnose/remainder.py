@@ -346,16 +346,10 @@ def _local(own: Probe, space: Nuisance, joint: str, extent: tuple[float, float, 
     """Largest gain by one force at one place or on one side, all of them counted in its chance."""
     low, high, fast = extent
     shapes = partial(_local_shapes, low=low, high=high, fast=fast)
-    gains = _single_gains(space.measure(own.changes(joint, shapes)))
+    gains = space.measure(own.changes(joint, shapes)).gains()
     gain = float(gains.max(initial=0.0))
     chance = min(1.0, int(np.count_nonzero(gains)) * float(chi2.sf(gain / noise, 1)))
     return Test(f"a force at one place or one side at {joint}", gain, 1, chance, (joint,), 2)
-
-
-def _single_gains(seen: Projected) -> Array:
-    """Gain in cost by each column alone, shape (K,); 0 for those of which nothing is left."""
-    ok = seen.squares > 1e-12 * max(float(seen.squares.max(initial=0.0)), 1e-18)
-    return np.where(ok, seen.along**2 / np.where(ok, seen.squares, 1.0), 0.0)
 
 
 def _jointly(space: Nuisance, chosen: Sequence[Array]) -> float:
@@ -385,7 +379,7 @@ def _pulses(own: Probe, space: Nuisance, joint: str, period: float, noise: float
         histories = np.exp(-(((found.time[None, :] - centres[:, None]) / (0.4 * width)) ** 2))
         place = own.fitted.windows.index(window)
         pulses = own.pulses(joint, window, histories)
-        gains = _single_gains(space.measure([pulses], only=place))
+        gains = space.measure([pulses], only=place).gains()
         count += len(centres)
         top = int(np.argmax(gains))
         chosen[place] = pulses[top]
@@ -421,7 +415,7 @@ def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: flo
         later = (time[None, :] >= moments[:, None]).astype(np.float64)
         histories = np.vstack([(shapes[:, None, :] * later[None]).reshape(-1, len(speed)), shapes * time / longest])
         columns.append(own.pulses(joint, window, histories))
-        gains = _single_gains(space.measure([columns[-1]], only=place))
+        gains = space.measure([columns[-1]], only=place).gains()
         count += len(gains)
         top = int(np.argmax(gains))
         chosen.append(columns[-1][top])
@@ -430,7 +424,7 @@ def _setting_in(own: Probe, space: Nuisance, joint: str, fast: float, noise: flo
             where = f"{run.name} {_since(moments, shapes, top)}"
     chance = min(1.0, count * float(chi2.sf(best / noise, 1)))
     once = Test(f"{SETS_IN} at {joint}", best, 1, chance, (joint, where), 2, (_jointly(space, chosen), len(chosen)))
-    gains = _single_gains(space.measure(columns))
+    gains = space.measure(columns).gains()
     top = int(np.argmax(gains))
     chance = min(1.0, len(gains) * float(chi2.sf(gains[top] / noise, 1)))
     where = f"{_since(moments, shapes, top)} in every recording"
@@ -498,7 +492,7 @@ def jump(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisa
             signal = np.zeros((len(places), len(predictor.problem.channels), window.size))
             signal[:, c] = likelihood.colours[c].std * (np.arange(window.size)[None, :] >= places[:, None])
             own = likelihood.whiten_signal(window, signal)
-            gains = _single_gains(space.measure([own], only=place))
+            gains = space.measure([own], only=place).gains()
             count += window.size
             top = int(np.argmax(gains))
             if gains[top] > loudest:

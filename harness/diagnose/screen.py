@@ -63,6 +63,11 @@ class Projected:
     neighbours: Array
     gram: Array | None
 
+    def gains(self) -> Array:
+        """Gain in cost by each column alone, shape (K,); 0 for those of which nothing is left."""
+        ok = self.squares > 1e-12 * max(float(self.squares.max(initial=0.0)), 1e-18)
+        return np.where(ok, self.along**2 / np.where(ok, self.squares, 1.0), 0.0)
+
 
 @dataclass(frozen=True, eq=False)
 class Nuisance:

@@ -186,29 +186,35 @@ def lowpass_memory(signal: Array, time: Array, params: Array) -> tuple[Array, Ar
     The size is that of what ``lowpass`` may be wrong by there, because motion is no wave of one frequency; and where the recording
     begins, because a filter that begins with it stands on its first sample, however that moves.
     """
-    lag = _time_constant(params)[:, None]
+    tau = _time_constant(params)[:, None]
     size = np.zeros(len(signal))
     if len(time) >= 4:
-        _, _, moving, turns = _beginning(signal, time, lag)
+        begun = _beginning(signal, time, tau)
+        _, _, moving, turns = begun
         size = (np.minimum(turns, 1.0) * moving * np.ptp(signal, axis=1, keepdims=True))[:, 0]
         if not within(time):
-            size = np.maximum(size, np.abs(signal[:, 0] - _followed(signal, time, params)))
-    return np.exp(-(time - time[0]) / lag), size
+            size = np.maximum(size, np.abs(_lag(signal, tau, begun)))
+    return np.exp(-(time - time[0]) / tau), size
 
 
 def _followed(signal: Array, time: Array, params: Array) -> Array:
-    """Where a low-pass stands at the first sample if the signal was before it what it is after it, (B,).
-
-    x − (τ ẋ − τ² ẍ)/(1 + τ² ω²) is exact for a wave of angular frequency ω about any centre, and for a straight line.
-    """
+    """Where a low-pass stands at the first sample if the signal was before it what it is after it, (B,)."""
     if len(time) < 4:
         return signal[:, 0]
     tau = _time_constant(params)[:, None]
-    speed, bend, moving, turns = _beginning(signal, time, tau)
+    return np.asarray(signal[:, 0] - _lag(signal, tau, _beginning(signal, time, tau)))
+
+
+def _lag(signal: Array, tau: Array, begun: tuple[Array, Array, Array, Array]) -> Array:
+    """How far it then stands behind the signal there, (B,); begun: see ``_beginning``.
+
+    (τ ẋ − τ² ẍ)/(1 + τ² ω²) is exact for a wave of angular frequency ω about any centre, and for a straight line.
+    """
+    speed, bend, moving, turns = begun
     slowing = speed * bend < 0.0
     lag = (np.where(slowing, moving, 1.0) * tau * speed - moving * tau**2 * bend) / (1.0 + moving * turns)
     extent = np.ptp(signal, axis=1, keepdims=True)
-    return np.asarray(signal[:, 0] - np.clip(lag, -extent, extent)[:, 0])
+    return np.asarray(np.clip(lag, -extent, extent)[:, 0])
 
 
 def within(time: Array) -> bool:
