@@ -36,6 +36,11 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
         return None
     best: Proposal | None = None
     for first, second, names in pairs:
+        at_most = _at_most(first, second)
+        if at_most < PARTED:
+            if best is None or at_most > best.separation:
+                best = Proposal("", names, at_most)
+            continue
         sensitive: dict[str, float] = {}
         for trial in _considered(study, first, second):
             # What is let go from farther away moves more wildly still.
@@ -62,6 +67,21 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
             best.separation,
         )
     return best
+
+
+def _at_most(first: Fit, second: Fit) -> float:
+    """By how many standard deviations any experiment could part two hypotheses, where the second one's law can be the first one's.
+
+    It then predicts what that one does, for what that cost it in the recordings at hand. Infinite where it cannot be.
+    """
+    own, other = ({m.key: m for m in fitted.hypothesis.members} for fitted in (first, second))
+    special = [m for key, m in own.items() if key not in other]
+    wider = [m for key, m in other.items() if key not in own]
+    if len(special) != 1 or len(wider) != 1 or special[0].site != wider[0].site:
+        return np.inf
+    if special[0].effect.name not in wider[0].effect.simpler:
+        return np.inf
+    return float(np.sqrt(max(first.score - second.score, 0.0)))
 
 
 def _considered(study: Study, first: Fit, second: Fit) -> list[Trial]:

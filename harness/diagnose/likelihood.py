@@ -78,12 +78,11 @@ class Likelihood:
         return out
 
     def whiten_signal(self, window: Window, signal: Array) -> Array:
-        """The same for a signal (L, C, T) given outright."""
-        weights = self.weights(window)
-        out = np.empty_like(signal)
+        """The same for a signal (L, C, T) given outright, in its place."""
         for c, colour in enumerate(self.colours):
-            out[:, c] = colour.whiten(signal[:, c]) * weights[c]
-        return out.reshape(len(signal), -1)
+            signal[:, c] = colour.whiten(signal[:, c])
+        signal *= self.weights(window)
+        return signal.reshape(len(signal), -1)
 
     def roundest(self, channel: int) -> float:
         """Mean square that rounding alone may reach in a stretch of a channel, in units of the noise's variance; one at least.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from harness.diagnose.fit import Fit
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor
-from harness.diagnose.response import Response, respond, responsive, to_channels
+from harness.diagnose.response import Response, channels_moved, respond, responsive
 from harness.diagnose.windows import Window
 
 Array = NDArray[np.float64]
@@ -81,8 +82,11 @@ class Probe:
     def _window(self, window: Window, k: int, histories: Array) -> Array:
         found = self.motions[window]
         if responsive(self.predictor):
-            deviations = found.by_force(k, self.torque * histories)
-            return np.nan_to_num(to_channels(self.predictor, self.likelihood, self.fitted, found, deviations))
+            moved = channels_moved(
+                self.predictor, self.likelihood, self.fitted, found,
+                partial(found.by_force, k), len(histories), lambda own: self.torque * histories[own],
+            )  # fmt: skip
+            return np.nan_to_num(moved, copy=False)
         grid = self.predictor.grid(window, self.predictor.margin(self.fitted.hypothesis))
         # Predictions are carried on a little beyond the window, where the linear response ends.
         extra = np.zeros((len(histories) + 1, len(grid.time), len(self.names)))

@@ -197,17 +197,14 @@ def examine(
         tests.append(_few_terms(forms[joint], noise))
         if _counts(tests[-1], level):
             excess = max(excess, tests[-1].gain)
-        tests.append(of_local())
-        if _counts(tests[-1], level):
-            excess = max(excess, tests[-1].gain)
-        tests.append(_pulses(own, space, joint, period, noise))
-        if _counts(tests[-1], level):
-            excess = max(excess, tests[-1].gain)
-        tests.append(relaxing(own, space, joint, period, noise))
-        if _counts(tests[-1], level):
-            excess = max(excess, tests[-1].gain)
-        tests += _setting_in(own, space, joint, fast, noise)
-        excess = max([excess, *(test.gain for test in tests[-2:] if _counts(test, level))])
+        further = [
+            _pulses(own, space, joint, period, noise),
+            relaxing(own, space, joint, period, noise),
+            *_setting_in(own, space, joint, fast, noise),
+        ]
+        further = [of_local(), *further]
+        tests += further
+        excess = max([excess, *(test.gain for test in further if _counts(test, level))])
     gain, chance = louder_stretch(likelihood, fitted)
     tests.append(Test("a louder stretch", gain, 1, chance, places=-1))
     others = [

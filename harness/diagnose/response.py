@@ -6,7 +6,7 @@ that each take a single step; after that, hundreds of force histories cost a few
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 STATE_STEP = 1e-6  # rad, rad/s
 FORCE_STEP = 1e-3  # of the natural torque
+TOGETHER = 64  # histories propagated at once, whose deviations fit into the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +150,20 @@ def begun(along: Sequence[Response], run: Run, piece: Window) -> Array:
 
 LINEAR = ("position", "velocity", "tip_deflection", "root_strain")
 """Quantities that are linear in the state."""
+
+
+def channels_moved(
+    predictor: Predictor, likelihood: Likelihood, fitted: Fit, found: Response,
+    propagated: Callable[[Array], Array], count: int, histories: Callable[[slice], Array],
+) -> Array:  # fmt: skip
+    """Whitened changes of the channels (K, M) by histories of a force or of the base's acceleration, some of them at a time.
+
+    propagated: state deviations (G, 2n, k) under histories (k, G); count: K; histories: those of a stretch of them.
+    """
+    stretches = [slice(k, k + TOGETHER) for k in range(0, max(count, 1), TOGETHER)]
+    return np.vstack([
+        to_channels(predictor, likelihood, fitted, found, propagated(histories(own))) for own in stretches
+    ])  # fmt: skip
 
 
 def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found: Response, deviations: Array) -> Array:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from harness.diagnose.hypothesis import Candidate, Hypothesis
 from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.predict import Predictor, Request
 from harness.diagnose.problem import Problem
-from harness.diagnose.response import Response, respond, responsive, to_channels
+from harness.diagnose.response import Response, channels_moved, respond, responsive
 from harness.diagnose.starts import MOST_PERIODS, Ray, of_a_contact, rays
 from harness.diagnose.waves import without_waves
 from harness.diagnose.windows import Window
@@ -346,27 +347,29 @@ def scan(
         found = motions[window]
         if candidate.effect.name == "base_excitation":
             time = found.time + predictor.runs[window.run].date(window.first)
-            phase = 2.0 * np.pi * parameters[:, 1:2] * time + parameters[:, 2:3]
-            deviations = found.by_shaking(parameters[:, :1] * np.sin(phase))
+            propagated, histories = found.by_shaking, partial(_wave, parameters, 2.0 * np.pi * time)
         else:
             joint = names.index(candidate.site)
             q, qd = found.q[:, joint], found.qd[:, joint]
-            force = _stop(parameters, q, qd) if candidate.effect.name == "end_stop" else _wave(parameters, q)
-            deviations = found.by_force(joint, force)
-        out.append(to_channels(predictor, likelihood, fitted, found, deviations))
+            stop = candidate.effect.name == "end_stop"
+            propagated = partial(found.by_force, joint)
+            histories = partial(_stop, parameters, q, qd) if stop else partial(_wave, parameters, q)
+        out.append(channels_moved(predictor, likelihood, fitted, found, propagated, len(parameters), histories))
     return out
 
 
-def _wave(parameters: Array, q: Array) -> Array:
-    """Forces (K, G) that go as a sine of the angle: amplitude, periods, phase."""
-    return np.asarray(parameters[:, :1] * np.sin(parameters[:, 1:2] * q + parameters[:, 2:3]))
+def _wave(parameters: Array, place: Array, own: slice) -> Array:
+    """Sines over an angle or over time as one (K, G), those of a stretch: amplitude, periods in a turn, phase."""
+    amplitude, periods, phase = parameters[own].T[..., None]
+    return np.asarray(amplitude * np.sin(periods * place + phase))
 
 
-def _stop(parameters: Array, q: Array, qd: Array) -> Array:
-    """Forces (K, G) of stops, which push and never pull: angle, stiffness, damping."""
-    side = np.sign(parameters[:, :1])
-    depth = side * q - np.abs(parameters[:, :1])
-    push = parameters[:, 1:2] * depth + parameters[:, 2:3] * side * qd
+def _stop(parameters: Array, q: Array, qd: Array, own: slice) -> Array:
+    """Forces (K, G) of stops, which push and never pull, those of a stretch: angle, stiffness, damping."""
+    angle, stiffness, damping = parameters[own].T[..., None]
+    side = np.sign(angle)
+    depth = side * q - np.abs(angle)
+    push = stiffness * depth + damping * side * qd
     return np.asarray(-side * np.where(depth > 0.0, np.maximum(push, 0.0), 0.0))
 
 

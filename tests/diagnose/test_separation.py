@@ -23,7 +23,13 @@ from harness.diagnose.trials import Trial, trials
 from harness.diagnose.windows import whole
 
 NOISE = 1e-3
-SIZES = {"base_tilt": 0.02, "sensor_offset": 0.02, "coulomb_friction": 2e-3, "quadratic_drag": 1e-3}
+SIZES: dict[str, float | tuple[float, ...]] = {
+    "base_tilt": 0.02,
+    "sensor_offset": 0.02,
+    "coulomb_friction": 2e-3,
+    "quadratic_drag": 1e-3,
+}
+SIZES |= {"stribeck_friction": (2e-3, 2.2e-3, 1.0)}
 PERIOD = 2.0 * np.pi * np.sqrt(Rig().about_joint / Rig().moment)
 
 
@@ -44,7 +50,7 @@ def bench(rig: Rig, *names: str) -> tuple[Study, list[Fit]]:
     fits = []
     for name in names:
         hypothesis = Hypothesis((by_name[name],))
-        own = to_internal(by_name[name], np.array([SIZES[name]]))
+        own = to_internal(by_name[name], np.atleast_1d(SIZES[name]))
         start = np.concatenate([np.zeros(len(study.predictor.nominal)), own])
         fits.append(study.fit(hypothesis, [start], None, most_steps=30))
     return study, fits
@@ -74,6 +80,25 @@ def test_a_long_release_parts_two_kinds_of_dissipation() -> None:
     told = propose(study, [(dry, drag, ("coulomb_friction", "quadratic_drag"))])
     assert told is not None and told.separation > 50.0
     assert told.what.startswith("release from")
+
+
+def test_nothing_parts_a_law_from_one_that_can_be_it() -> None:
+    # Stribeck friction whose static torque is the Coulomb torque is Coulomb friction, in any experiment.
+    study, (dry, stribeck) = bench(Rig(dry=2e-3), "coulomb_friction", "stribeck_friction")
+    cost = np.sqrt(max(dry.score - stribeck.score, 0.0))
+    # As long optimisations from trial to trial find, too, as near as they come.
+    assert max(separation(study, dry, stribeck, trial) for trial in releases_of(study)[:3]) < 5.0
+    names = ("coulomb_friction", "stribeck_friction")
+    told = propose(study, [(dry, stribeck, names)])
+    assert told is not None and told.separates == names
+    assert told.separation == pytest.approx(cost)
+    assert "would part them" in told.what and "just sets the joint moving" in told.what
+    # The other way round there is something to be told: a stiction that is there cannot be made by Coulomb friction.
+    k = len(study.predictor.nominal)
+    scale = stribeck.hypothesis.members[0].scales
+    sticking = replace(stribeck, x=np.append(stribeck.x[:k], np.array([2e-3, 8e-3, 1.0]) / scale))
+    told = propose(study, [(sticking, dry, names[::-1])])
+    assert told is not None and told.separation > 5.0
 
 
 def test_least_only_spares_work() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ from harness.diagnose.likelihood import Likelihood
 from harness.diagnose.linearisation import Linearisation
 from harness.diagnose.predict import Predictor, Request
 from harness.diagnose.problem import ChannelInfo, Problem, Run
-from harness.diagnose.response import respond, responsive, to_channels
+from harness.diagnose.response import TOGETHER, channels_moved, respond, responsive, to_channels
 from harness.diagnose.stiff_runs import StiffRuns
 from harness.diagnose.windows import Window
 from harness.recording.sensors import observe
@@ -126,6 +128,11 @@ def test_small_forces_show_in_the_deflection_as_the_linear_response_says() -> No
     found = respond(predictor, fitted, window, torque)
     force = torque * np.exp(-(((found.time - 0.4) / 0.05) ** 2))[None]
     linear = to_channels(predictor, likelihood, fitted, found, found.by_force(0, force))[0]
+    # Of many, some are propagated at a time.
+    sizes = np.linspace(0.1, 2.0, 2 * TOGETHER + 3)[:, None]
+    propagated = partial(found.by_force, 0)
+    many = channels_moved(predictor, likelihood, fitted, found, propagated, len(sizes), lambda own: sizes[own] * force)
+    assert np.allclose(many, sizes * linear, rtol=1e-9, atol=1e-12 * np.abs(linear).max())
     # The same push in a simulation of its own, a thousandth as strong.
     grid = predictor.grid(window)
     extra = np.zeros((2, len(grid.time), len(found.q[0])))

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.compare.bench.measure import in_child
+from harness.compare.bench.measure import Timing, in_child
 from harness.compare.bench.peers import Options, or_skipped, peer_model
 from harness.compare.bench.row import Row
 from harness.denoc.ahead import everything
@@ -33,6 +33,7 @@ CASES = (
 )
 # Either is given up after this [s].
 LONGEST = 240.0
+TURNS = 3  # of both, one after the other
 
 _OURS = """
 from time import perf_counter
@@ -132,30 +133,45 @@ def _rows(options: Options) -> Iterable[Row]:
         # Compiling is a row of its own.
         everything()
         for what, runs, case in CASES:
-            options.tell(f"{what}: mujoco.sysid fits, up to a minute")
-            theirs = in_child(_THEIRS.format(folder=name, runs=runs), patience=LONGEST).answer
-            options.tell(f"{what}: over the full catalogue, half a minute")
-            ours = in_child(_OURS.format(folder=name, runs=runs), patience=LONGEST).answer
-            found = ", ".join(ours["found"]) or "nothing"
-            yield Row(
+            theirs, ours = [], []
+            for turn in range(1, TURNS + 1):
+                options.tell(f"{what}, {turn} of {TURNS}: mujoco.sysid fits, up to a minute")
+                theirs.append(in_child(_THEIRS.format(folder=name, runs=runs), patience=LONGEST))
+                options.tell(f"{what}, {turn} of {TURNS}: over the full catalogue, half a minute")
+                ours.append(in_child(_OURS.format(folder=name, runs=runs), patience=LONGEST))
+            mine, other = (Timing.of([child.answer["seconds"] for child in side]) for side in (ours, theirs))
+            told, fitted = ours[0].answer, theirs[0].answer["fitted"]
+            found = ", ".join(told["found"]) or "nothing"
+            yield Row.timed(
                 what,
                 1,
                 "mujoco.sysid",
-                ours["seconds"],
-                theirs["seconds"],
+                mine,
+                other,
                 case=case,
-                note=f"full catalogue ({ours['verdict']}: {found}; loading modules and compiled code {ours['loading']:.1f} s more) "
-                f"against one fit of damping {theirs['fitted'][0]:.2g} and friction {theirs['fitted'][1]:.2g} to the same "
+                note=f"full catalogue ({told['verdict']}: {found}; loading modules and compiled code {told['loading']:.1f} s more) "
+                f"against one fit of damping {fitted[0]:.2g} and friction {fitted[1]:.2g} to the same "
                 f"(true {DAMPING:g}, {FRICTION:g})",
                 wanted=1.0,
+            )
+            yield Row(
+                f"{what}_memory",
+                1,
+                "mujoco.sysid",
+                max(child.memory for child in ours),
+                max(child.memory for child in theirs),
+                unit="MB",
+                case=case,
+                note="peak memory of the same processes",
             )
             if len(runs) > 1:
                 yield Row(
                     what,
                     1,
                     "limit",
-                    ours["seconds"],
+                    mine.median,
                     LIMIT,
+                    ours_spread=mine.spread,
                     case=case,
                     note="against the limit we set ourselves",
                     wanted=1.0,

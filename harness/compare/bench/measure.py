@@ -8,7 +8,7 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
@@ -30,6 +30,12 @@ class Timing:
     low: float
     high: float
     rounds: int
+
+    @classmethod
+    def of(cls, seconds: Sequence[float]) -> Timing:
+        """Of one value [s] a round."""
+        low, median, high = np.percentile(seconds, [25.0, 50.0, 75.0])
+        return cls(float(median), float(low), float(high), len(seconds))
 
     def per(self, count: int) -> Timing:
         """The same for one of ``count`` items that a call deals with."""
@@ -62,7 +68,7 @@ def side_by_side(
     finally:
         if collecting:
             gc.enable()
-    return {name: _timing(values) for name, values in taken.items()}
+    return {name: Timing.of(values) for name, values in taken.items()}
 
 
 def processor_time(call: Callable[[], object], rounds: int = ROUNDS) -> tuple[float, float]:
@@ -85,11 +91,6 @@ def _count(call: Callable[[], object], seconds: float) -> int:
         if took >= 0.2 * seconds or count >= 1_000_000:
             return max(1, round(count * seconds / max(took, 1e-9)))
         count *= 4
-
-
-def _timing(values: list[float]) -> Timing:
-    low, median, high = np.percentile(values, [25.0, 50.0, 75.0])
-    return Timing(float(median), float(low), float(high), len(values))
 
 
 @dataclass(frozen=True)

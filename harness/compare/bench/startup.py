@@ -7,8 +7,6 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from functools import partial
 
-import numpy as np
-
 from harness.compare.bench.measure import Timing, command, in_child
 from harness.compare.bench.peers import Options, or_skipped
 from harness.compare.bench.row import Row
@@ -43,11 +41,6 @@ def run(options: Options) -> Iterator[Row]:
     yield from or_skipped("first_acceleration_compiling", 7, "limit", _compiling)
 
 
-def _spread(seconds: list[float]) -> Timing:
-    low, median, high = np.percentile(seconds, [25.0, 50.0, 75.0])
-    return Timing(float(median), float(low), float(high), len(seconds))
-
-
 def _help(options: Options) -> Iterable[Row]:
     from time import perf_counter
 
@@ -58,7 +51,7 @@ def _help(options: Options) -> Iterable[Row]:
         seconds.append(perf_counter() - start)
         if done.returncode:
             raise RuntimeError(f"denoc --help ended with status {done.returncode}")
-    timing = _spread(seconds)
+    timing = Timing.of(seconds)
     yield Row(
         "startup_help",
         None,
@@ -80,7 +73,7 @@ def _first(options: Options) -> Iterable[Row]:
             child = in_child(code)
             into.append(child.seconds)
             memory[name] = child.memory
-    mine, other = _spread(ours), _spread(theirs)
+    mine, other = Timing.of(ours), Timing.of(theirs)
     yield Row.timed(
         "first_acceleration_cached",
         7,
