@@ -55,7 +55,8 @@ BENCHMARKS = {
         ("flexible_pendulum", "flexible_pendulum_many"),
     ),
     "diagnosis": Benchmark(
-        "a full diagnosis against one mujoco.sysid fit of the same recordings", ("diagnosis", "diagnosis_one_recording")
+        "a full diagnosis against one mujoco.sysid fit of the same recordings",
+        ("diagnosis", "diagnosis_memory", "diagnosis_one_recording", "diagnosis_one_recording_memory"),
     ),
     "startup": Benchmark(
         "denoc --help, and the first acceleration of a fresh process",
