@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.absence import rise_without
 from harness.diagnose.coordinates import is_logarithmic, to_internal
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, dear, whole_numbers
@@ -49,8 +50,8 @@ class Study:
     tests: of candidates by their keys; None for what changes nothing that could be seen. substitutes: by set, member and score,
     what the rest leaves where it stands without the member, and tests of candidates there.
     exchanged: sets in which a candidate of this key took a member's place, with the score from where it did. extended: sets that
-    a candidate was added to. carried: sets whose fit was carried on to its end; rung: whose dead vibrations were begun anew; anew:
-    that did not come to an end and were begun anew from the nominal quantities.
+    a candidate was added to; reduced: that were looked at without a member. carried: sets whose fit was carried on to its end;
+    rung: whose dead vibrations were begun anew; anew: that did not come to an end and were begun anew from the nominal quantities.
     swing: length of the slowest swing [s], if known.
     hints: score tests on shorter windows of the same recordings, where what had to be bent far is nearer to what it stands for.
     before: the study of the same windows under an earlier estimate of the noise. ends: where fits of a set have ended, by score,
@@ -68,6 +69,7 @@ class Study:
     first_states: Mapping[Window, Array] = field(default_factory=dict)
     exchanged: dict[tuple[frozenset[str], str], float] = field(default_factory=dict)
     extended: set[tuple[frozenset[str], str]] = field(default_factory=set)
+    reduced: set[tuple[frozenset[str], str]] = field(default_factory=set)
     carried: set[frozenset[str]] = field(default_factory=set)
     rung: set[frozenset[str]] = field(default_factory=set)
     anew: set[frozenset[str]] = field(default_factory=set)
@@ -445,7 +447,8 @@ class Study:
         others = self.without(base, k)
         if known is not None:
             # Where the larger set stands may be nearer to the best fit than where the smaller one has ended.
-            return self.fit(hypothesis, [others], base) if self._at(hypothesis, others, base) < known.score else known
+            nearer = self._at(hypothesis, others, base) < known.score or self._astray(known, base, k)
+            return self.fit(hypothesis, [others], base) if nearer else known
         nested = min(
             (f for key, f in self.fits.items() if key < hypothesis.identity), key=lambda f: f.score, default=None
         )
@@ -462,6 +465,16 @@ class Study:
         if hypothesis.members and self.stretched(found) and found.cost < HOPELESS * self.samples:
             found = bent_back(self, base, found.x, hypothesis, most_steps=25)
         return found
+
+    def _astray(self, known: Fit, base: Fit, k: int) -> bool:
+        """Whether a fit without member ``k`` is far worse than the set with it, which can do without it; true once."""
+        member = base.hypothesis.members[k]
+        pair = (base.hypothesis.identity, member.key)
+        price = self.price(member)
+        if pair in self.reduced or known.score < base.score + price + NOTICEABLE:
+            return False
+        self.reduced.add(pair)
+        return rise_without(base, len(self.predictor.nominal), k) < price
 
     def _at(self, hypothesis: Hypothesis, x: Array, near: Fit) -> float:
         """Score of a point with the initial states of a fit nearby."""
