@@ -80,6 +80,8 @@ def grow(
             growth.extend(base)
         growth.shrink(growth.changed[found:], before)
         if (to_begin_with and study.only_noise(growth.ordered()[0])) or stop(growth.ordered()[0]):
+            # What leaves no more than noise only beside a bent model may be a poor place to begin.
+            growth.straighten()
             break
         growth.exchange()
         growth.prospect()
@@ -270,15 +272,22 @@ class Growth:
                 self.note(study.extend(base, found), aloud=True)
 
     def straighten(self) -> None:
-        """Fit what may have bent the best set's nominal quantities out of their tolerance."""
+        """Fit what may have bent the best set's nominal quantities out of their tolerance, and what the empty set's.
+
+        Beside effects that did part of its work by mistake, what bent the empty set has little left to do.
+        """
         best = self.ordered()[0]
-        identity = best.hypothesis.identity
-        full = best.hypothesis.things >= self.effort.largest or len(self.study.fits) >= 2 * self.effort.most_fits
-        if identity in self.straightened or full or not self.study.stretched(best):
+        if len(self.study.fits) >= 2 * self.effort.most_fits or not self.study.stretched(best):
             return
-        self.straightened.add(identity)
-        for found in straightened(self.study, best, STRAIGHTENERS):
-            self.note(found, aloud=True)
+        nothing = self.known.get(frozenset())
+        for base in [best] if nothing is None or nothing is best else [best, nothing]:
+            identity = base.hypothesis.identity
+            full = base.hypothesis.things >= self.effort.largest
+            if identity in self.straightened or full or not self.study.stretched(base):
+                continue
+            self.straightened.add(identity)
+            for found in straightened(self.study, base, STRAIGHTENERS):
+                self.note(found, aloud=True)
 
 
 def exhausted(study: Study, fitted: Fit) -> bool:
