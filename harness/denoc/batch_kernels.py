@@ -13,7 +13,9 @@ from numba import njit
 
 from harness.denoc.lanes_tree import shift_tensors, turn_forward, turn_general, turn_symmetric
 from harness.denoc.lanes_vector import (
+    ENTRY,
     add_run,
+    batch_kernel,
     gather,
     in_place,
     load,
@@ -84,7 +86,7 @@ def wrench_to_parent(
     return nx, ny, nz, fx, fy, fz
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
+@batch_kernel
 def forward_dynamics(
     first: int,
     last: int,
@@ -437,7 +439,7 @@ def forward_dynamics(
 SPIN, SPIN_RATE, LINEAR, MOMENT, THRUST = 2, 5, 8, 11, 14
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
+@batch_kernel
 def inverse_dynamics(
     first: int, last: int, tree: Any, c: Any, ws: Any, gravity: Any, q: Any, qd: Any, qdd: Any, out: Any
 ) -> None:
@@ -566,15 +568,7 @@ def inverse_dynamics(
             add_run(ws, a + THRUST * 8, (fx, fy, fz))
 
 
-@njit(
-    cache=True,
-    error_model="numpy",
-    no_cfunc_wrapper=True,
-    nogil=True,
-    _nrt=False,
-    pipeline_class=Kernel,
-    fastmath={"reassoc"},
-)
+@njit(_nrt=False, pipeline_class=Kernel, fastmath={"reassoc"}, **ENTRY)
 def all_finite(x: Any) -> bool:
     """Whether all numbers of a flat array are finite: nothing else times zero is zero."""
     total = 0.0

@@ -15,8 +15,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from harness.denoc.batch_kernels import (
     ALPHA,
     ARMATURE,
@@ -31,6 +29,7 @@ from harness.denoc.batch_tree_mass import composite_inward
 from harness.denoc.lanes_shuffle import mirrored, scatter_pairs, store_rows, transposed
 from harness.denoc.lanes_vector import (
     address_of,
+    batch_kernel,
     gather,
     in_place,
     inner,
@@ -43,7 +42,6 @@ from harness.denoc.lanes_vector import (
     store_run,
     stream,
 )
-from harness.denoc.pipeline import Kernel
 
 # A tile: motions (angular, linear), wrenches (moments, forces), elements on the diagonal; of each eight numbers, one a joint.
 # While the sweep fills it, each of these numbers is a vector of eight states.
@@ -287,7 +285,7 @@ def _multiply(row: int, n: int, ws: Any, out: Any) -> None:
             _send(ws, corner, square, out, (row + s) * square)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
+@batch_kernel
 def chain_mass_matrix(first: int, last: int, tree: Any, c: Any, ws: Any, masses: Any, q: Any, out: Any) -> None:
     """As ``batch_tree_mass.mass_matrix``, of a serial chain."""
     n = tree.shape[0]

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from harness.denoc.batch_kernels import (
@@ -33,6 +32,7 @@ from harness.denoc.batch_kernels import (
 from harness.denoc.lanes_tree import turn_symmetric
 from harness.denoc.lanes_vector import (
     add_run,
+    batch_kernel,
     gather,
     in_place,
     inner,
@@ -44,7 +44,6 @@ from harness.denoc.lanes_vector import (
     store,
     store_run,
 )
-from harness.denoc.pipeline import Kernel
 
 # From this number of joints on matrices are written one by one.
 LONG = 16
@@ -151,7 +150,7 @@ def _put(ws: Any, element: int, places: Any, out: Any, corner: int, n: int) -> N
         out[begin + places[k + np.uint64(1)]] = value
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False, pipeline_class=Kernel)
+@batch_kernel
 def mass_matrix(first: int, last: int, tree: Any, places: Any, c: Any, ws: Any, masses: Any, q: Any, out: Any) -> None:
     """Generalized inertia matrices of the states in rows first, first + 8, … below last, from composite bodies.
 

@@ -14,15 +14,23 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from harness.denoc import laws as law
 from harness.denoc.lanes_integrate import present_nodes
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
-from harness.denoc.lanes_vector import address_of, call_recursion, choose, load, magnitude, spread, store, vectors
-from harness.denoc.pipeline import ShortLoops
+from harness.denoc.lanes_vector import (
+    address_of,
+    call_recursion,
+    choose,
+    lane_stepper,
+    load,
+    magnitude,
+    spread,
+    store,
+    vectors,
+)
 from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 
@@ -199,7 +207,7 @@ def _factorial(k: int) -> np.longdouble:
     return np.longdouble(np.prod(np.arange(1, k + 1), dtype=np.longdouble))
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, pipeline_class=ShortLoops)
+@lane_stepper
 def march_groups(
     rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,
     user: int, linear: Any, carried: Any, driven: Any, effort: Any, known: Any, start: float, h: float, inner: int,

@@ -9,15 +9,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from harness.denoc import laws as law
 from harness.denoc.lanes_integrate import present_nodes
 from harness.denoc.lanes_rows import prepare_lane
 from harness.denoc.lanes_tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
-from harness.denoc.lanes_vector import address_of, call_recursion, load, spread, store, vectors
-from harness.denoc.pipeline import ShortLoops
+from harness.denoc.lanes_vector import address_of, call_recursion, lane_stepper, load, spread, store, vectors
 from harness.denoc.threads import share
 from harness.errors import InputError, UnsupportedError
 
@@ -76,7 +74,7 @@ def simulate(
     return position, velocity, acceleration
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, pipeline_class=ShortLoops)
+@lane_stepper
 def march_groups(
     first: int, last: int, rows: Any, begun: Any, recursion: int, links: Any, tree: Any, sizes: Any, axes: Any,
     nominal: Any, plane: Any, user: int, effort: Any, hold: int, start: float, h: float, inner: int,

@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from harness.denoc import laws as law
 from harness.denoc.lanes_rows import prepare_lane
@@ -50,6 +49,7 @@ from harness.denoc.lanes_vector import (
     call_recursion,
     choose,
     inner,
+    lane_stepper,
     load,
     magnitude,
     spread,
@@ -57,7 +57,6 @@ from harness.denoc.lanes_vector import (
     store,
     vectors,
 )
-from harness.denoc.pipeline import ShortLoops
 
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
@@ -804,7 +803,7 @@ def present_nodes(tree: Any, constants: Any, present: Any) -> None:
                 present[i, KIND] = ABSENT
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, pipeline_class=ShortLoops)
+@lane_stepper
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
     recursion: int, links: Any, tree: Any, sizes: Any, axes: Any, nominal: Any, plane: Any,

@@ -25,7 +25,7 @@ from numba.core.typing.templates import ConcreteTemplate, infer_global, signatur
 from numpy.typing import NDArray
 
 from harness.denoc.known_types import remember
-from harness.denoc.pipeline import Part
+from harness.denoc.pipeline import Kernel, Part, ShortLoops
 
 remember()
 
@@ -40,6 +40,11 @@ _INTEGERS = ir.VectorType(ir.IntType(64), LANES)
 _ONLY_KERNELS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": Part}
 inner: Any = njit(error_model="numpy", _nrt=False, **_ONLY_KERNELS)
 in_place: Any = njit(error_model="numpy", _nrt=False, forceinline=True, **_ONLY_KERNELS)
+# Kernels that are called from Python, by several threads at once. Those that step in time have only loops too short to unroll;
+# those of batches make no arrays.
+ENTRY: Any = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True, "nogil": True}
+lane_stepper: Any = njit(pipeline_class=ShortLoops, **ENTRY)
+batch_kernel: Any = njit(_nrt=False, pipeline_class=Kernel, **ENTRY)
 
 
 class LaneVector(types.Type):
