@@ -8,7 +8,7 @@ from harness.diagnose.conclude import Conclusion
 from harness.diagnose.creep import WHERE_HELD
 from harness.diagnose.doubt import LEVEL
 from harness.diagnose.probe import Test
-from harness.diagnose.resolved import resolved
+from harness.diagnose.resolved import resolved, spread
 from harness.diagnose.uncertainty import Estimate
 
 VERDICTS = {
@@ -18,11 +18,6 @@ VERDICTS = {
     "partly_explained": "The nominal model leaves the recordings {severity}; {names} {hold} up on data held out, but {rest}.",
     "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
 }
-
-
-EXACTLY = 1e-9  # relative standard deviation of what is counted, not measured
-FARTHER = 2.0  # times as far as its standard deviation says, beyond which the interval itself is told
-TWO_SIDED = 1.96  # standard deviations to either end of a normal distribution's 95 %
 
 
 def number(value: float) -> str:
@@ -46,13 +41,7 @@ def _value(e: Estimate) -> str:
 
 
 def _spread(e: Estimate) -> str:
-    if e.std is None:
-        return " (at its bound)"
-    # Where it may lie in another valley, or much farther to one side, a deviation would tell half of it.
-    if max(e.value - e.low, e.high - e.value) > FARTHER * TWO_SIDED * e.std:
-        return f" (95 %: {e.low:.2g} … {e.high:.2g})"
-    # A whole number that no neighbour comes near is known to all digits.
-    return f" ± {e.std:.2g}" if e.std > EXACTLY * abs(e.value) else ""
+    return " (at its bound)" if e.std is None else spread(e.value, e.std, (e.low, e.high))
 
 
 # Share of the greatest gain that a test must have to be told instead, because it says more.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.diagnose.resolved import ends, resolved
+from harness.diagnose.resolved import ends, resolved, spread
 
 
 @pytest.mark.parametrize(
@@ -21,6 +21,7 @@ from harness.diagnose.resolved import ends, resolved
         (2.5e-5, 0.026, "0.000"),
         (-2.5e-5, 0.026, "0.000"),
         (3.0, 400.0, "0"),
+        (24.0, 9e-16, "24.0"),
         (None, 1.0, "–"),
     ],
 )
@@ -35,3 +36,22 @@ def test_the_ends_of_a_narrow_interval_differ() -> None:
 def test_an_end_that_is_not_known_is_a_dash() -> None:
     assert ends([None, 0.25]) == "– … 0.250"
     assert ends(None) == ""
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "interval", "text"),
+    [
+        (0.5, 0.01, (0.48, 0.52), " ± 0.01"),
+        (0.5, 0.01, (0.47, 0.53), " ± 0.01"),
+        # Farther to one side than twice what the deviation says: another valley, or a number that only one side bounds.
+        (0.0182, 0.085, (2e-6, 169.0), " (95 %: 2e-06 … 1.7e+02)"),
+        (24.0, 9e-16, (24.0, 24.0), ""),
+        (0.3, None, (0.0, 0.3), ""),
+        (0.3, 0.01, None, " ± 0.01"),
+        (0.3, 0.01, (None, 0.32), " ± 0.01"),
+    ],
+)
+def test_a_deviation_is_told_where_it_says_how_far_the_interval_reaches(
+    value: float, std: float | None, interval: tuple[float | None, float] | None, text: str
+) -> None:
+    assert spread(value, std, interval) == text

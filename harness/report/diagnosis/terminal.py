@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.diagnose.diagnosis import numbers_of, one_by_one, rivals_of
-from harness.diagnose.resolved import resolved
+from harness.diagnose.resolved import resolved, spread
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
@@ -47,7 +47,7 @@ def _findings(findings: list[Mapping[str, Any]]) -> Table:
     for finding in one_by_one(findings):
         parameters = "; ".join(
             f"{name} = {resolved(value['value'], value.get('std'))}"
-            + (f" ± {value['std']:.2g}" if value.get("std") is not None else "")
+            + spread(value["value"], value.get("std"), value.get("ci95"))
             + ("" if value["unit"] == "1" else f" {value['unit']}")
             for name, value in numbers_of(finding).items()
         )
