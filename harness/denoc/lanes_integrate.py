@@ -38,6 +38,8 @@ from harness.denoc.lanes_tree import (
     SECTION,
     SHAKE,
     SLIPS,
+    SLIPS_END,
+    SLIPS_START,
     TAU,
     TAU_SLOPE,
     TAU_TIME,
@@ -70,7 +72,12 @@ LONGEST, PER_SAMPLE = (
 CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, SUSPECT, LOADED, MAY, WANTS = range(15)
 # How far a step is taken, where in it a mode changes (fraction), of which joint and how; what is being sampled; a growth.
 REACH, CHANGES, WHICH, WHAT, SAMPLED, GROWTH = range(15, 21)
-LEDGER = 21
+KINK = 21  # 1 where soft friction begins or ceases to slip within the step
+LEDGER = 22
+
+# Soft friction turns round within a ten thousandth of a second, which no stage may fall into. The estimate of such a step's error
+# is too small, by fifty times as a rule and by ten thousand at worst, and counts this many times.
+UNSEEN = 1e3
 
 
 @inner
@@ -100,6 +107,17 @@ def _slopes(
                         limit = ws[j + LIMIT * 8 + lane]
                         if abs(ws[j + HOLD * 8 + lane]) > limit * (1.0 + law.ALMOST):
                             ledger[SUSPECT * 8 + lane] = 1.0
+
+
+@inner
+def _note_kinks(ws: Any, n: int, ledger: Any) -> None:
+    """Mark the lanes in which soft friction slips otherwise than where the step began; at the last stage, keep how it slips."""
+    for i in range(n):
+        j = i * JOINT * 8
+        slips = load(ws, j + SLIPS * 8)
+        store(ws, j + SLIPS_END * 8, slips)
+        changed = choose(magnitude(slips - load(ws, j + SLIPS_START * 8)), spread(1.0), load(ledger, KINK * 8))
+        store(ledger, KINK * 8, changed)
 
 
 @inner
@@ -290,7 +308,10 @@ def run_group(
     no: Any = np.int64(0)
     signed: Any = np.int64(0)
     stops: Any = np.int64(0)
+    soft: Any = np.int64(0)
     for i in range(n):
+        if flags[i] & law.HAS_SOFT:
+            soft = 1
         if flags[i] & law.HAS_DRY:
             dry = 1
         if flags[i] & law.HAS_SIGN:
@@ -319,6 +340,8 @@ def run_group(
             ws[j + REACTION_START * 8] = 0.0
             ws[j + REACTION * 8] = 0.0
             ws[j + SLIPS * 8] = 0.0
+            ws[j + SLIPS_START * 8] = 0.0
+            ws[j + SLIPS_END * 8] = 0.0
             ws[j + TAU * 8] = 0.0
             ws[j + TAU_SLOPE * 8] = 0.0
             used = law.terms_in_use(laws, start + lane, 8)
@@ -415,6 +438,10 @@ def run_group(
                                     break
                 if changed == 0:
                     break
+            if soft:
+                for i in range(n):
+                    j = i * JOINT * 8
+                    store(ws, j + SLIPS_START * 8, load(ws, j + SLIPS * 8))
             for lane in range(lanes):
                 if ledger[DIRTY * 8 + lane] != 0.0:
                     ledger[DIRTY * 8 + lane] = 0.0
@@ -456,6 +483,7 @@ def run_group(
         # The stages.
         clock = load(ledger, CLOCK * 8)
         steps = load(ledger, USED * 8)
+        store(ledger, KINK * 8, spread(0.0))
         for s in range(1, stages + 1):
             for f in range(width):
                 total = spread(0.0)
@@ -467,6 +495,8 @@ def run_group(
                 recursion, tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
                 after, slopes, s * width * 8, ledger,
             )  # fmt: skip
+            if soft:
+                _note_kinks(ws, n, ledger)
         sum_5 = spread(0.0)
         sum_3 = spread(0.0)
         for f in range(width):
@@ -486,6 +516,8 @@ def run_group(
         store(ledger, ERROR_5 * 8, sum_5)
         # The estimate of the step's error in units of the tolerance; where both sums are zero it is not a number.
         error_3 = steps * sum_5 / square_root((sum_5 + 0.01 * sum_3) * (2.0 * n))
+        if soft:
+            error_3 = error_3 * (1.0 + (UNSEEN - 1.0) * load(ledger, KINK * 8))
         store(ledger, ERROR_3 * 8, error_3)
         store(ledger, GROWTH * 8, 0.9 / square_root(square_root(square_root(error_3))))
         wanted = 0
@@ -643,6 +675,12 @@ def run_group(
         for f in range(width):
             store(state, f * 8, choose(plain, load(after, f * 8), load(state, f * 8)))
             store(slopes, f * 8, choose(plain, load(slopes, (stages * width + f) * 8), load(slopes, f * 8)))
+        if soft:
+            for i in range(n):
+                j = i * JOINT * 8
+                store(
+                    ws, j + SLIPS_START * 8, choose(plain, load(ws, j + SLIPS_END * 8), load(ws, j + SLIPS_START * 8))
+                )
         for lane in range(8):
             if ledger[WHAT * 8 + lane] < -1.0:
                 continue

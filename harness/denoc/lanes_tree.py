@@ -59,7 +59,9 @@ BODY = 49
 Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, ANCHOR, GRIP, REACTION, HOLD, LIMIT, TAU_SLOPE, REACTION_START, SLIPS = (
     range(15)
 )
-JOINT = 15
+# Which way soft friction slips where a step begins, and where it ends.
+SLIPS_START, SLIPS_END = 15, 16
+JOINT = 17
 
 # What the group shares: time, start of the effort's segment, base acceleration parameters, scratch.
 # (SHAKE: gravity x, y, z, angular frequency, phase, amplitude along x, y, z)
