@@ -72,11 +72,11 @@ LONGEST, PER_SAMPLE = (
 CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, SUSPECT, LOADED, MAY, WANTS = range(15)
 # How far a step is taken, where in it a mode changes (fraction), of which joint and how; what is being sampled; a growth.
 REACH, CHANGES, WHICH, WHAT, SAMPLED, GROWTH = range(15, 21)
-KINK = 21  # 1 where soft friction begins or ceases to slip within the step
+KINK = 21  # 1 where dry friction turns round within the step, as what creeps or gives way does within little time
 LEDGER = 22
 
-# Soft friction turns round within a ten thousandth of a second, which no stage may fall into. The estimate of such a step's error
-# is too small, by fifty times as a rule and by ten thousand at worst, and counts this many times.
+# Friction that is soft or creeps turns round within a ten thousandth of a second, which no stage may fall into. The estimate of
+# such a step's error is too small, by fifty times as a rule and by ten thousand at worst, and counts this many times.
 UNSEEN = 1e3
 
 
@@ -110,14 +110,22 @@ def _slopes(
 
 
 @inner
-def _note_kinks(ws: Any, n: int, ledger: Any) -> None:
-    """Mark the lanes in which soft friction slips otherwise than where the step began; at the last stage, keep how it slips."""
+def _note_kinks(ws: Any, flags: Any, laws: Any, n: int, state: Any, stage: Any, ledger: Any) -> None:
+    """Mark the lanes where soft friction slips otherwise at a stage than where the step began, or friction that creeps turns round.
+
+    How soft friction slips is kept: after the last stage, that is where the step ends.
+    """
     for i in range(n):
         j = i * JOINT * 8
-        slips = load(ws, j + SLIPS * 8)
-        store(ws, j + SLIPS_END * 8, slips)
-        changed = choose(magnitude(slips - load(ws, j + SLIPS_START * 8)), spread(1.0), load(ledger, KINK * 8))
-        store(ledger, KINK * 8, changed)
+        kink = load(ledger, KINK * 8)
+        if flags[i] & law.HAS_SOFT:
+            slips = load(ws, j + SLIPS * 8)
+            store(ws, j + SLIPS_END * 8, slips)
+            kink = choose(magnitude(slips - load(ws, j + SLIPS_START * 8)), spread(1.0), kink)
+        if flags[i] & law.HAS_CREEP:
+            turned = choose(-(load(state, (n + i) * 8) * load(stage, (n + i) * 8)), spread(1.0), kink)
+            kink = choose(load(laws, (i * law.WIDTH + law.CREEP) * 8), turned, kink)
+        store(ledger, KINK * 8, kink)
 
 
 @inner
@@ -308,10 +316,10 @@ def run_group(
     no: Any = np.int64(0)
     signed: Any = np.int64(0)
     stops: Any = np.int64(0)
-    soft: Any = np.int64(0)
+    kinked: Any = np.int64(0)
     for i in range(n):
-        if flags[i] & law.HAS_SOFT:
-            soft = 1
+        if flags[i] & (law.HAS_SOFT | law.HAS_CREEP):
+            kinked = 1
         if flags[i] & law.HAS_DRY:
             dry = 1
         if flags[i] & law.HAS_SIGN:
@@ -438,7 +446,7 @@ def run_group(
                                     break
                 if changed == 0:
                     break
-            if soft:
+            if kinked:
                 for i in range(n):
                     j = i * JOINT * 8
                     store(ws, j + SLIPS_START * 8, load(ws, j + SLIPS * 8))
@@ -495,8 +503,8 @@ def run_group(
                 recursion, tree, flags, constants, beams, laws, ws, n, width, user, shaken, loaded, dry,
                 after, slopes, s * width * 8, ledger,
             )  # fmt: skip
-            if soft:
-                _note_kinks(ws, n, ledger)
+            if kinked:
+                _note_kinks(ws, flags, laws, n, state, after, ledger)
         sum_5 = spread(0.0)
         sum_3 = spread(0.0)
         for f in range(width):
@@ -516,7 +524,7 @@ def run_group(
         store(ledger, ERROR_5 * 8, sum_5)
         # The estimate of the step's error in units of the tolerance; where both sums are zero it is not a number.
         error_3 = steps * sum_5 / square_root((sum_5 + 0.01 * sum_3) * (2.0 * n))
-        if soft:
+        if kinked:
             error_3 = error_3 * (1.0 + (UNSEEN - 1.0) * load(ledger, KINK * 8))
         store(ledger, ERROR_3 * 8, error_3)
         store(ledger, GROWTH * 8, 0.9 / square_root(square_root(square_root(error_3))))
@@ -675,7 +683,7 @@ def run_group(
         for f in range(width):
             store(state, f * 8, choose(plain, load(after, f * 8), load(state, f * 8)))
             store(slopes, f * 8, choose(plain, load(slopes, (stages * width + f) * 8), load(slopes, f * 8)))
-        if soft:
+        if kinked:
             for i in range(n):
                 j = i * JOINT * 8
                 store(
