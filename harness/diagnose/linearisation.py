@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 # run of a hundred radians curvature costs a ten thousandth of the quotient, which is less than most noise.
 DIFFERENCE = 1e-6
 # Norm of the change of the whitened prediction that a quotient is taken of where that needs a longer step, up to LONGEST. Runs in
-# which friction switches are uneven by 1e-4, where friction gives way by 1e-3 to 1e-2, and a weak parameter's slope would be that.
+# which friction switches are uneven by 1e-4, where it is soft by up to 1e-2, and a weak parameter's slope would be that.
 FELT, LONGEST = 1.0, 1e-2
 STEEPEST = 1e60  # standard deviations of noise in a unit of a coordinate
 BLOCK = 1024  # rows factorised at once, so that they stay in the cache
