@@ -182,7 +182,10 @@ def _summary(
 ) -> str:
     """The answer in plain words."""
     colours = outcome.study.likelihood.colours
-    severity = max((rmse(outcome, outcome.nominal, c) / colour.std for c, colour in enumerate(colours)), default=0.0)
+    severity, foretold = (
+        max((rmse(outcome, fitted, c) / colour.std for c, colour in enumerate(colours)), default=0.0)
+        for fitted in (outcome.nominal, conclusion.held)
+    )
     titles = [
         finding_words(
             c.candidate.effect.title,
@@ -198,7 +201,7 @@ def _summary(
         for c in conclusion.claims
         if c.rivals
     ]
-    return summary(conclusion, severity, titles, rivals)
+    return summary(conclusion, severity, titles, rivals, foretold)
 
 
 def _mismatch(place: Mismatch) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from harness.diagnose.conclude import Conclusion
 from harness.diagnose.creep import WHERE_HELD
-from harness.diagnose.doubt import LEVEL
+from harness.diagnose.doubt import AT_FLOOR, LEVEL
 from harness.diagnose.probe import Test
 from harness.diagnose.resolved import resolved, spread
 from harness.diagnose.uncertainty import Estimate
@@ -48,14 +48,24 @@ def _spread(e: Estimate) -> str:
 TELLING = 0.25
 
 
-def summary(conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str]) -> str:
-    """The paragraph."""
+def summary(
+    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: float
+) -> str:
+    """The paragraph.
+
+    severity, foretold: greatest error over all channels [standard deviations of noise], of the nominal model, and of what the data
+    fitted to predict of those held out.
+    """
     size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
     rest = "a significant remainder stays"
     if not conclusion.remains.significant and not conclusion.doubted:
         rest = f"these are not yet predicted down to the noise ({conclusion.level:.2g} times it)"
     hold = "hold" if len(findings) > 1 else "holds"
-    held = "with the data held out fitted too" if conclusion.only_held else "also on data held out"
+    held = "also on data held out"
+    if conclusion.only_held:
+        held = "with the data held out fitted too"
+    elif foretold > AT_FLOOR:
+        held = f"on data held out if fitted to them too; without that, they are predicted to {foretold:.2g} times the noise"
     names = " and ".join(findings)
     text = VERDICTS[conclusion.verdict].format(severity=size, names=names, hold=hold, rest=rest, held=held)
     if rivals:
