@@ -348,8 +348,6 @@ def run_group(
             ws[j + REACTION_START * 8] = 0.0
             ws[j + REACTION * 8] = 0.0
             ws[j + SLIPS * 8] = 0.0
-            ws[j + SLIPS_START * 8] = 0.0
-            ws[j + SLIPS_END * 8] = 0.0
             ws[j + TAU * 8] = 0.0
             ws[j + TAU_SLOPE * 8] = 0.0
             used = law.terms_in_use(laws, start + lane, 8)
@@ -491,7 +489,8 @@ def run_group(
         # The stages.
         clock = load(ledger, CLOCK * 8)
         steps = load(ledger, USED * 8)
-        store(ledger, KINK * 8, spread(0.0))
+        if kinked:
+            store(ledger, KINK * 8, spread(0.0))
         for s in range(1, stages + 1):
             for f in range(width):
                 total = spread(0.0)

@@ -23,8 +23,10 @@ def rise_without(fitted: Fit, nominal: int, k: int) -> float:
     """
     member, span = fitted.hypothesis.members[k], fitted.hypothesis.span(k)
     own = fitted.x[nominal + span.start : nominal + span.stop]
-    away = _absent(member, own) - own[:1]
-    if not np.isfinite(away).all() or not len(away):
+    if not member.effect.parameters:
+        return np.inf
+    away = _absent(member, own) - own[0]
+    if not np.isfinite(away):
         return np.inf
     free = fitted.free.copy()
     free[nominal + span.start : nominal + span.stop] = False
@@ -37,11 +39,9 @@ def rise_without(fitted: Fit, nominal: int, k: int) -> float:
     return float(left @ left - here @ here)
 
 
-def _absent(member: Candidate, own: Array) -> Array:
-    """Where a member's first coordinate stands when it is absent, (1,); empty without parameters."""
-    if not member.effect.parameters:
-        return np.empty(0)
+def _absent(member: Candidate, own: Array) -> float:
+    """Where a member's first coordinate stands when it is absent."""
     values = from_internal(member, own)
     values[0] = member.effect.parameters[0].neutral
     with np.errstate(divide="ignore", invalid="ignore"):
-        return to_internal(member, values)[:1]
+        return float(to_internal(member, values)[0])

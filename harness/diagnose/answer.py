@@ -51,14 +51,15 @@ def answer(
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
     values = _intervals(outcome, conclusion)
     zeros = {claim.candidate.key: zeros_of(outcome, conclusion.best, claim.index) for claim in conclusion.claims}
+    rows = _fit_rows(outcome, conclusion)
     return Diagnosis(
         verdict=conclusion.verdict,
-        summary=" ".join([_summary(outcome, conclusion, values, zeros), *([levels.sentence] if levels else [])]),
+        summary=" ".join([_summary(outcome, conclusion, values, zeros, rows), *([levels.sentence] if levels else [])]),
         noise=noise,
         mismatch=[_mismatch(place) for place in places],
         findings=_findings(outcome, conclusion, values, zeros),
         ranking=_ranking(outcome, conclusion),
-        fit=_fit_rows(outcome, conclusion),
+        fit=rows,
         remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
         next_experiment=next_experiment(),
         quality=[
@@ -178,14 +179,12 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
 
 
 def _summary(
-    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]]
-) -> str:
-    """The answer in plain words."""
-    colours = outcome.study.likelihood.colours
-    severity, foretold = (
-        max((rmse(outcome, fitted, c) / colour.std for c, colour in enumerate(colours)), default=0.0)
-        for fitted in (outcome.nominal, conclusion.held)
-    )
+    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]],
+    rows: Sequence[dict[str, Any]],
+) -> str:  # fmt: skip
+    """The answer in plain words; rows: of every channel, how well it is fitted and foretold."""
+    severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=0.0)
+    foretold = max((row["augmented"]["heldout_rmse"] / row["noise_floor"] for row in rows), default=0.0)
     titles = [
         finding_words(
             c.candidate.effect.title,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.coordinates import to_internal
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, dear
+from harness.diagnose.hypothesis import Candidate, Hypothesis, compatible, contains, dear
 from harness.diagnose.in_tune import in_tune
 from harness.diagnose.starts import like
 from harness.diagnose.study import FAR, HOPELESS, NOTICEABLE, Study
@@ -45,7 +45,7 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
     for k, member in enumerate(base.hypothesis.members):
         values = study.predictor.effect_values(base.hypothesis, k, base.x)
         for wider in study.candidates:
-            if wider.site != member.site or member.effect.name not in wider.effect.simpler:
+            if not contains(wider, member):
                 continue
             rest = base.hypothesis.without(k)
             if not compatible(rest, wider):
@@ -74,7 +74,7 @@ def specialized(study: Study, base: Fit) -> list[Fit]:
         values = study.predictor.effect_values(base.hypothesis, k, base.x)
         rest = base.hypothesis.without(k)
         for simpler in study.candidates:
-            if simpler.site != member.site or simpler.effect.name not in member.effect.simpler:
+            if not contains(member, simpler):
                 continue
             if not compatible(rest, simpler):
                 continue

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.diagnose.fit import Fit
+from harness.diagnose.hypothesis import contains
 from harness.diagnose.separation import separation
 from harness.diagnose.study import Study
 from harness.diagnose.trials import MIDDLE, Trial, directly, trials
@@ -74,12 +75,9 @@ def _at_most(first: Fit, second: Fit) -> float:
 
     It then predicts what that one does, for what that cost it in the recordings at hand. Infinite where it cannot be.
     """
-    own, other = ({m.key: m for m in fitted.hypothesis.members} for fitted in (first, second))
-    special = [m for key, m in own.items() if key not in other]
-    wider = [m for key, m in other.items() if key not in own]
-    if len(special) != 1 or len(wider) != 1 or special[0].site != wider[0].site:
-        return np.inf
-    if special[0].effect.name not in wider[0].effect.simpler:
+    special = [m for m in first.hypothesis.members if m.key not in second.hypothesis.identity]
+    wider = [m for m in second.hypothesis.members if m.key not in first.hypothesis.identity]
+    if len(special) != 1 or len(wider) != 1 or not contains(wider[0], special[0]):
         return np.inf
     return float(np.sqrt(max(first.score - second.score, 0.0)))
 

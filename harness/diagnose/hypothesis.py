@@ -229,9 +229,7 @@ def compatible(hypothesis: Hypothesis, candidate: Candidate) -> bool:
             return False
         if member.site == candidate.site and set(member.effect.modifies) & set(modified):
             return False
-        if member.site == candidate.site and (
-            member.effect.name in candidate.effect.simpler or candidate.effect.name in member.effect.simpler
-        ):
+        if contains(member, candidate) or contains(candidate, member):
             return False
         if member.effect.adds_coordinates and candidate.effect.adds_coordinates:
             return False
@@ -253,6 +251,11 @@ def dear(candidate: Candidate) -> bool:
 def _own_law(candidate: Candidate) -> bool:
     """Whether the candidate needs a law that is compiled for it; the lanes carry one."""
     return candidate.effect.user is not None or candidate.effect.name == "backlash"
+
+
+def contains(wider: Candidate, special: Candidate) -> bool:
+    """Whether one candidate's law has the other's, at the same site, as a special case."""
+    return wider.site == special.site and special.effect.name in wider.effect.simpler
 
 
 def whole_numbers(candidate: Candidate) -> NDArray[np.bool_]:

@@ -194,15 +194,13 @@ def examine(
                 full[index] = found * torque
                 smooth_maps[joint] = (own, full, low, high, fast)
         forms[joint] = sparsest(own, space, joint, torque)
-        tests.append(_few_terms(forms[joint], noise))
-        if _counts(tests[-1], level):
-            excess = max(excess, tests[-1].gain)
-        further = [
+        # Made before the other thread's is waited for.
+        beside = [
             _pulses(own, space, joint, period, noise),
             relaxing(own, space, joint, period, noise),
             *_setting_in(own, space, joint, fast, noise),
         ]
-        further = [of_local(), *further]
+        further = [_few_terms(forms[joint], noise), of_local(), *beside]
         tests += further
         excess = max([excess, *(test.gain for test in further if _counts(test, level))])
     gain, chance = louder_stretch(likelihood, fitted)

@@ -20,7 +20,7 @@ from harness.diagnose.exchange import (
 )
 from harness.diagnose.falling import fit_falling
 from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Candidate, compatible, dear
+from harness.diagnose.hypothesis import Candidate, compatible, contains, dear
 from harness.diagnose.investigate import Outcome
 from harness.diagnose.objective import LOST
 from harness.diagnose.places import replaced
@@ -199,7 +199,7 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     found = []
     for wider in study.candidates:
         rest = base.without(k)
-        if wider.site != base.members[k].site or base.members[k].effect.name not in wider.effect.simpler:
+        if not contains(wider, base.members[k]):
             continue
         if not compatible(rest, wider):
             continue

@@ -279,8 +279,7 @@ class Growth:
         best = self.ordered()[0]
         if len(self.study.fits) >= 2 * self.effort.most_fits or not self.study.stretched(best):
             return
-        nothing = self.known.get(frozenset())
-        for base in [best] if nothing is None or nothing is best else [best, nothing]:
+        for base in filter(None, (best, self.known.get(frozenset()))):
             identity = base.hypothesis.identity
             full = base.hypothesis.things >= self.effort.largest
             if identity in self.straightened or full or not self.study.stretched(base):
