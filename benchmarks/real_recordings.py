@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 
 import harness
-from harness.diagnose.effort_motion import cutoff_for, effort_run
-from harness.diagnose.free_motion import free_parts
-from harness.diagnose.problem import pose
-from harness.diagnose.pushes import find_pushes
+from harness.diagnose.conditioning.free_motion import free_parts
+from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run
+from harness.diagnose.inverse.pushes import find_pushes
+from harness.diagnose.problem.problem import pose
 from harness.effects import apply
 from harness.effects.scale import references
 from harness.recording import Recording, read_recordings

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.diagnose.levels import fit_levels
+from harness.diagnose.levels.levels import fit_levels
 from harness.recording import Recording
 from harness.system import Attachment, System
 

@@ -6,7 +6,7 @@ The names below are imported when first used, so that ``denoc --help`` starts qu
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from harness.version import __version__
 
 _HOME = {
     "System": "harness.system",
@@ -16,7 +16,7 @@ _HOME = {
     "validate": "harness.cases",
     "InputError": "harness.errors",
 }
-__all__ = ["Denoc", "InputError", "System", "diagnose", "load", "validate"]
+__all__ = ["Denoc", "InputError", "System", "__version__", "diagnose", "load", "validate"]
 
 if TYPE_CHECKING:
     from harness.cases import validate

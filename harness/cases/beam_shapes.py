@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from harness.denoc.beam import beam_data
+from harness.denoc.beam.integrals import beam_data
 from harness.system import System
 
 

@@ -152,7 +152,7 @@ def run_once(
     q0, qd0 = initial_state(whole, dict(position), dict(velocity))
     arriving = None if tau is None else _arriving(system, whole, tau, time)
     if arriving is not None and hold == "linear":
-        from harness.denoc.hold import kept
+        from harness.denoc.motion.hold import kept
 
         arriving = kept(arriving)
     try:

@@ -50,7 +50,7 @@ def diagnose(
       denoc diagnose run1.csv run2.csv --model rig.urdf
       denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
     """
-    from harness.denoc import ahead
+    from harness.denoc.compiling import ahead
     from harness.diagnose.diagnose import diagnose as find
     from harness.report.diagnosis import print_diagnosis, write_diagnosis
     from harness.report.json_text import json_text

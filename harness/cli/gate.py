@@ -71,7 +71,7 @@ def gate(
         results = read_results(results_file)
     else:
         if dask is None:
-            from harness.denoc import ahead
+            from harness.denoc.compiling import ahead
 
             ahead.everything()
         with progress("gate") as step:

@@ -77,7 +77,7 @@ def prove(
     counts = QUICK if quick else FULL if cases is None else scaled(cases)
     if dask is None:
         # Each process would compile its own kernels.
-        from harness.denoc import ahead
+        from harness.denoc.compiling import ahead
 
         ahead.everything()
     with progress("prove") as step:

@@ -67,7 +67,7 @@ def simulate(
 
     mechanism = load(system, physical=not allow_unphysical)
     if engine == NATIVE:
-        from harness.denoc import ahead
+        from harness.denoc.compiling import ahead
 
         ahead.start(ahead.SIMULATE)
     time = sample_times(duration, rate)

@@ -58,7 +58,7 @@ def validate(
         chosen, refused = _readable_robots()
     if chosen is None and not cases and dask is None:
         # The whole suite needs every kernel, and each of its processes would compile its own.
-        from harness.denoc import ahead
+        from harness.denoc.compiling import ahead
 
         ahead.everything()
     with progress("validate") as step:

@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.denoc.beam import BENDING, BENDING2, TORSION, BeamData, Station, beam_data
+from harness.denoc.beam.integrals import BENDING, BENDING2, TORSION, BeamData, Station, beam_data
 from harness.errors import InputError
 from harness.system import Joint, Link, System
 from harness.system.inertia import about_origin, point_inertia

@@ -9,8 +9,10 @@ import numpy as np
 from numpy import empty
 from numpy.typing import ArrayLike, NDArray
 
-from harness.denoc import rigid, rigid_chain
-from harness.denoc.binding import (
+from harness.denoc.batch.results import apart, finite, place_for
+from harness.denoc.recursion import rigid, rigid_chain
+from harness.denoc.recursion.addresses import addresses
+from harness.denoc.recursion.binding import (
     BARE,
     CHAIN,
     FORWARD,
@@ -21,17 +23,16 @@ from harness.denoc.binding import (
     entry,
     make_header,
 )
-from harness.denoc.dynamics_call import addresses, call_rows, forward_entry, inverse_entry
-from harness.denoc.elastic import pack_beams
-from harness.denoc.results import apart, finite, place_for
-from harness.denoc.rows import EXTERNAL, FIRST, POSITION, TURN
-from harness.denoc.tree import Tree, compile_tree
+from harness.denoc.recursion.dynamics_call import call_rows, forward_entry, inverse_entry
+from harness.denoc.recursion.elastic import pack_beams
+from harness.denoc.recursion.rows import EXTERNAL, FIRST, POSITION, TURN
+from harness.denoc.recursion.tree import Tree, compile_tree
 from harness.errors import InputError
 from harness.system import System, Trajectory
 
 if TYPE_CHECKING:
-    from harness.denoc.batch import BatchModel
-    from harness.denoc.integrate import Event
+    from harness.denoc.batch.model import BatchModel
+    from harness.denoc.motion.integrate import Event
 
 Array = NDArray[np.float64]
 
@@ -93,7 +94,7 @@ class Denoc:
         )
         self._chain: Array | None = None
         if rigid_chain.fits(tree):
-            from harness.denoc.rigid_address import chain_address
+            from harness.denoc.recursion.rigid_address import chain_address
 
             self._chain = rigid_chain.pack(tree)
             self._header[FORWARD], self._header[CHAIN] = chain_address(), self._chain.ctypes.data
@@ -109,7 +110,7 @@ class Denoc:
         self._kernels: Any = rigid
         self._arguments: tuple[Any, ...] = (tree.bodies, tree.rows, tree.topology)
         if flexible:
-            from harness.denoc import flexible as kernels
+            from harness.denoc.recursion import flexible as kernels
 
             self._kernels = kernels
             self._arguments = (*self._arguments, self._elastic)
@@ -166,14 +167,14 @@ class Denoc:
         """Generalized inertia matrices of arrays known to be sound."""
         kernels = self._kernels
         if not self.beams:
-            from harness.denoc import rigid_mass as kernels
+            from harness.denoc.recursion import rigid_mass as kernels
         kernels.mass_matrix_rows(*self._arguments, Q, out)
 
     def _short_mass_matrix(self) -> Any:
         """The short way to the mass matrix; where links bend there is none, and it declines."""
         if self.beams:
             return lambda model, q, mass: NOT_PLAIN
-        from harness.denoc.rigid_address import mass_entry
+        from harness.denoc.recursion.rigid_address import mass_entry
 
         return entry(mass_entry, 2)
 
@@ -193,7 +194,7 @@ class Denoc:
         out = np.empty((self.n, self.n))
         q, qd = self.vector("q", q), self.vector("qd", qd)
         if self.beams:
-            from harness.denoc.coriolis import christoffel_matrix
+            from harness.denoc.motion.coriolis import christoffel_matrix
 
             return christoffel_matrix(self, q, qd)
         self._kernels.coriolis_matrix(*self._arguments, q, qd, out)
@@ -282,7 +283,7 @@ class Denoc:
         if self.beams or len(Q) < 8:
             return None
         if self._many is None:
-            from harness.denoc.batch import BatchModel
+            from harness.denoc.batch.model import BatchModel
 
             self._many = BatchModel(self.system)
         return self._many
@@ -341,10 +342,10 @@ class Denoc:
         the latter for stiff modes and long undamped runs; None picks one, and the trajectory says which.
         events: functions (t, q, qd) whose zeros are located, with attributes ``terminal`` and ``direction`` as in
         SciPy's ``solve_ivp``; times of events are in the trajectory by function name.
-        Channels of flexible links are in the trajectory: see ``harness.denoc.channels``.
+        Channels of flexible links are in the trajectory: see ``harness.denoc.motion.channels``.
         Raises InputError for unusable input, and where an integrator does not get through.
         """
-        from harness.denoc.integrate import simulate
+        from harness.denoc.motion.integrate import simulate
 
         return simulate(
             self,
@@ -361,11 +362,11 @@ class Denoc:
         )
 
     def frequencies(self, q: ArrayLike | None = None, *, qd: ArrayLike | None = None) -> Array:
-        """Undamped natural frequencies [Hz] of small motion about a state, ascending; see ``harness.denoc.frequencies``.
+        """Undamped natural frequencies [Hz] of small motion about a state, ascending; see ``harness.denoc.motion.frequencies``.
 
         q: positions, zero unless given. qd: velocities of a steady rotation, if the motion is about one.
         """
-        from harness.denoc.frequencies import frequencies
+        from harness.denoc.motion.frequencies import frequencies
 
         return frequencies(self, np.zeros(self.n) if q is None else q, qd)
 
@@ -385,7 +386,7 @@ class Denoc:
 
     @property
     def forward_address(self) -> int:
-        """Address of forward dynamics, to be called with ``header_address`` first: see ``harness.denoc.dynamics_call``."""
+        """Address of forward dynamics, to be called with ``header_address`` first: see ``recursion.dynamics_call``."""
         return int(self._header[FORWARD])
 
     @property
@@ -400,7 +401,7 @@ class Denoc:
 
     @property
     def packed_beams(self) -> Array:
-        """Constants and workspace of the beams, as ``harness.denoc.elastic`` lays them out."""
+        """Constants and workspace of the beams, as ``harness.denoc.recursion.elastic`` lays them out."""
         return self._elastic
 
     def singular(self, row: int) -> InputError:

@@ -8,20 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.denoc.pipeline import fewer_collections
-from harness.diagnose import effort_hold
-from harness.diagnose.answer import answer
-from harness.diagnose.candidates import candidates
-from harness.diagnose.conclude import conclude
-from harness.diagnose.conventions import conventional
-from harness.diagnose.diagnosis import Diagnosis
-from harness.diagnose.differing_levels import differing_levels
-from harness.diagnose.effort import diagnose_effort
-from harness.diagnose.free_motion import free_parts
-from harness.diagnose.held_start import released
-from harness.diagnose.investigate import investigate
-from harness.diagnose.problem import pose
-from harness.diagnose.search import Effort
+from harness.denoc.compiling.pipeline import fewer_collections
+from harness.diagnose.answer.answer import answer
+from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.claims.conclude import conclude
+from harness.diagnose.conditioning.conventions import conventional
+from harness.diagnose.conditioning.free_motion import free_parts
+from harness.diagnose.conditioning.held_start import released
+from harness.diagnose.inverse.effort import diagnose_effort
+from harness.diagnose.levels.differing_levels import differing_levels
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.selection import effort_hold
+from harness.diagnose.selection.beam_search import Effort
+from harness.diagnose.selection.investigation import investigate
 from harness.effects.effect import Effect
 from harness.effects.scale import references
 from harness.effects.user import load_user_effects

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
-from harness.denoc.beam import BENDING, beam_data
+from harness.denoc.beam.integrals import BENDING, beam_data
 from harness.effects.scale import rod_and_bob, tip_of
 from harness.errors import InputError
 from harness.system import Beam, System

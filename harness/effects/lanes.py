@@ -14,7 +14,7 @@ from harness.system import Attachment, System
 from harness.system.description import Array
 
 if TYPE_CHECKING:
-    from harness.denoc.lanes import LaneModel
+    from harness.denoc.lanes.model import LaneModel
 
 USER_PARAMETERS = 4  # that a row has slots for
 
@@ -25,8 +25,8 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
     user: effects of the user's own that may be attached, now or in later rows.
     Raises UnsupportedError if two different laws would be needed: the lanes carry one.
     """
-    from harness.denoc.lanes import LaneModel
-    from harness.denoc.law_address import teeth
+    from harness.denoc.joint_laws.address import teeth
+    from harness.denoc.lanes.model import LaneModel
 
     needed: dict[str, Callable[..., float]] = {
         effect.name: effect.user.torque for effect in user if effect.user is not None

@@ -76,7 +76,7 @@ class NativeModel:
         return trajectory
 
     def _simulate_laws(self, q0: Array, qd0: Array, time: Array, tau: Array | None, step: float | None) -> Trajectory:
-        from harness.denoc.channels import channels
+        from harness.denoc.motion.channels import channels
         from harness.effects.lanes import lane_model, lane_row
 
         attached = replace(self.system, attachments=self.expressed.laws)
@@ -102,7 +102,7 @@ class Native:
     name: str = "denoc"
 
     def version(self) -> str:
-        from harness import __version__
+        from harness.version import __version__
 
         return __version__
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.denoc.beam import BeamData, beam_data
+from harness.denoc.beam.integrals import BeamData, beam_data
 from harness.engines.protocol import Array
 from harness.errors import UnsupportedError
 from harness.system import Beam, Joint, JointType, Link, System

@@ -166,13 +166,13 @@ def greedy_claims(folder: Path) -> dict[str, Any]:
     out, no test of what remains.
     """
     import harness
-    from harness.diagnose.candidates import candidates
-    from harness.diagnose.investigate import MOTION_HARMONICS, colours_from, crude_colours
-    from harness.diagnose.likelihood import Likelihood
-    from harness.diagnose.predict import Predictor
-    from harness.diagnose.problem import pose
-    from harness.diagnose.study import Study
-    from harness.diagnose.windows import whole
+    from harness.diagnose.estimation.likelihood import Likelihood
+    from harness.diagnose.prediction.predictor import Predictor
+    from harness.diagnose.problem.candidates import candidates
+    from harness.diagnose.problem.problem import pose
+    from harness.diagnose.problem.windows import whole
+    from harness.diagnose.selection.investigation import MOTION_HARMONICS, colours_from, crude_colours
+    from harness.diagnose.selection.study import Study
     from harness.effects.scale import references
     from harness.recording import read_recordings
 

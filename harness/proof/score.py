@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from harness.diagnose.diagnosis import one_by_one
+from harness.diagnose.answer.diagnosis import one_by_one
 from harness.proof.apart import apart
 
 SENSOR_EFFECTS = (

@@ -11,8 +11,8 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.denoc.beam import BENDING, BeamData, beam_data
-from harness.denoc.left_out import left_out
+from harness.denoc.beam.integrals import BENDING, BeamData, beam_data
+from harness.denoc.beam.static_correction import left_out
 from harness.effects.bending import bending_direction
 from harness.effects.scale import tip_of
 from harness.errors import InputError, UnsupportedError
@@ -49,7 +49,7 @@ def observe(
     rows: parameter rows (B, P), of which gravity is taken. states: position, velocity, acceleration of the coordinates
     ``model.names``, each (B, T, n). site, quantity: as in a recording's columns. systems: what each row was made of (B), of which
     lengths and mode shapes are taken; by default the model's own. linear: leave out of deflection and strain what the beam's
-    modes leave out (``harness.denoc.left_out``), which makes them linear in the state.
+    modes leave out (``harness.denoc.beam.static_correction``), which makes them linear in the state.
     Raises InputError for a channel that the system has not.
     """
     gravity = rows[:, [model.slot("base", f"gravity_{axis}") for axis in "xyz"]]

@@ -133,7 +133,7 @@ def test_error_of_a_deflection_by_hand() -> None:
 
 
 def test_native_deflection_is_that_of_the_public_simulation() -> None:
-    from harness.denoc.lanes import LaneModel
+    from harness.denoc.lanes.model import LaneModel
 
     system = flexible.pendulum(2)
     model = peers.native(system)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from harness.denoc.beam import BENDING, BENDING2, TORSION, beam_data
-from harness.denoc.shapes import Mount, characteristic_roots
+from harness.denoc.beam.integrals import BENDING, BENDING2, TORSION, beam_data
+from harness.denoc.beam.shapes import Mount, characteristic_roots
 from harness.errors import InputError
 from harness.system import Beam, Joint, JointType, Link, System
 from harness.system.description import constant

@@ -11,12 +11,13 @@ from typing import Any
 
 import pytest
 
-from harness.denoc import ahead, kernels
+from harness.denoc.compiling import ahead, signature
+from harness.denoc.compiling import tasks as kernels
 
 _COMPILE = """
 import sys
-from harness.denoc import ahead
-from harness.denoc.kernels import TASKS, missing
+from harness.denoc.compiling import ahead
+from harness.denoc.compiling.tasks import TASKS, missing
 names = sys.argv[1].split(",")
 assert missing(names) == names, missing(names)
 ahead.work(names, sys.argv[2])
@@ -25,9 +26,9 @@ assert missing(names) == []
 _USE = """
 import numpy as np
 from harness.denoc import Denoc
-from harness.denoc.adaptive import dormand_prince8
-from harness.denoc.fixed_step import runge_kutta4
-from harness.denoc.rigid import energy_rows
+from harness.denoc.motion.adaptive import dormand_prince8
+from harness.denoc.motion.fixed_step import runge_kutta4
+from harness.denoc.recursion.rigid import energy_rows
 from harness.system.random_systems import random_chain
 model, time = Denoc(random_chain(2, 1)), np.linspace(0.0, 0.01, 3)
 for method in ("dop853", "rk4"):
@@ -64,7 +65,7 @@ def test_kernels_are_compiled_for_as_many_arguments_as_they_take(task: str, monk
     def counted(kernel: Any, *arguments: Any) -> None:
         assert len(arguments) == len(inspect.signature(kernel.py_func).parameters), kernel.py_func.__name__
 
-    monkeypatch.setattr(kernels, "_compile", counted)
+    monkeypatch.setattr(signature, "compile_for", counted)
     kernels.TASKS[task].compile()
 
 
@@ -82,9 +83,7 @@ def test_processes_take_all_tasks_each_from_another_end() -> None:
 
 def test_a_task_is_claimed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compiled = []
-    monkeypatch.setitem(
-        kernels.TASKS, "rk4", kernels.Task(lambda: compiled.append("rk4"), "fixed_step", "runge_kutta4")
-    )
+    monkeypatch.setattr("harness.denoc.motion.ahead.rk4", lambda: compiled.append("rk4"))
     monkeypatch.setattr(ahead, "_own", set())
     ahead.work(["rk4"], str(tmp_path))
     ahead.work(["rk4"], str(tmp_path))

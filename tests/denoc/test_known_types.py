@@ -10,8 +10,8 @@ from numba.core.errors import TypingError
 from numba.core.registry import cpu_target
 from numba.core.types.functions import BaseFunction
 
-from harness.denoc.known_types import remember
-from harness.denoc.lanes_vector import lane_vector
+from harness.denoc.compiling.known_types import remember
+from harness.denoc.simd.vector import lane_vector
 
 PAIRS = [
     (types.float64, types.float64),

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from harness.denoc import Denoc
-from harness.denoc.batch import BatchModel
-from harness.denoc.batch_mass import FAR
-from harness.denoc.batch_tree_mass import LONG
-from harness.denoc.lanes_vector import exponential, load, sine_cosine, store
+from harness.denoc.batch.chain_mass import FAR
+from harness.denoc.batch.model import BatchModel
+from harness.denoc.batch.tree_mass import LONG
 from harness.denoc.matrices import denoc_matrices
+from harness.denoc.simd.vector import exponential, load, sine_cosine, store
 from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, System, random_chain, random_tree
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.compare.bench.flexible import pendulum, start
-from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes.model import LaneModel
 from harness.denoc.model import Denoc
 from harness.errors import InputError, UnsupportedError
 from harness.system import System

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes.model import LaneModel
 from harness.engines.mujoco import Mujoco
 from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, System, random_chain

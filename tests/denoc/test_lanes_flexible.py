@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 import harness
 from harness.denoc import Denoc
-from harness.denoc.beam import beam_data
-from harness.denoc.lanes import LaneModel
+from harness.denoc.beam.integrals import beam_data
+from harness.denoc.lanes.model import LaneModel
 from harness.system import System, random_chain, random_tree
 from harness.system.flexible_link import flexible_link
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
-from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes.model import LaneModel
 from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, System, random_chain, random_tree
 from harness.system.description import constant

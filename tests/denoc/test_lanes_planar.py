@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes.model import LaneModel
 from harness.denoc.model import Denoc
 from harness.system import Beam, Joint, JointType, Link, System
 from harness.system.description import constant
@@ -148,7 +148,7 @@ def test_what_leaves_the_plane_is_not_taken_for_it() -> None:
 def test_arithmetic_is_on_vectors_in_the_machine_code() -> None:
     from numba import types
 
-    from harness.denoc.lanes_planar import planar_accelerations
+    from harness.denoc.lanes.planar import planar_accelerations
 
     numbers, whole = types.float64[::1], types.int64
     signature = (whole[:, ::1], whole[::1], numbers, numbers, numbers, numbers, whole, whole, whole, whole)

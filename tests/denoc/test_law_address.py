@@ -9,18 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes.model import LaneModel
 from harness.system.random_systems import random_chain
 
 _LAW = """
-from harness.denoc.law_address import compiled_law, teeth
+from harness.denoc.joint_laws.address import compiled_law, teeth
 print(compiled_law(teeth).cache_hits, compiled_law(lambda q, qd, t, p: -p[0] * q).cache_hits)
 """
 
 
 def test_a_law_is_compiled_when_it_is_first_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
-    monkeypatch.setattr("harness.denoc.lanes.compiled_law", lambda law: asked.append(law))
+    monkeypatch.setattr("harness.denoc.lanes.model.compiled_law", lambda law: asked.append(law))
     assert LaneModel(random_chain(2, 1)).user == 0
     model = LaneModel(random_chain(2, 1), law=max)
     assert not asked

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import harness
-from harness.denoc.beam import beam_data
-from harness.denoc.lanes import LaneModel
-from harness.denoc.left_out import left_out
+from harness.denoc.beam.integrals import beam_data
+from harness.denoc.beam.static_correction import left_out
+from harness.denoc.lanes.model import LaneModel
 from harness.engines.denoc_native import Native
 from harness.recording.sensors import observe
 from harness.system.flexible_link import flexible_link

@@ -8,7 +8,7 @@ import pytest
 from numba import njit
 from numba.core.compiler import CompilerBase
 
-from harness.denoc.pipeline import Kernel
+from harness.denoc.compiling.pipeline import Kernel
 
 USUAL = (700, 10, 10)
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import legendre
 
-from harness.denoc.shapes import (
+from harness.denoc.beam.shapes import (
     MODE_LIMIT,
     Mount,
     characteristic_roots,

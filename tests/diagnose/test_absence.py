@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose.absence import rise_without
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.explain import finding_words
-from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.investigate import crude_colours
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.study import Study
-from harness.diagnose.uncertainty import Estimate
-from harness.diagnose.windows import whole
+from harness.diagnose.answer.explain import finding_words
+from harness.diagnose.estimation.intervals import Estimate
+from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.investigation import crude_colours
+from harness.diagnose.selection.study import Study
+from harness.diagnose.selection.wald_test import rise_without
 
 NOISE = 1e-3
 

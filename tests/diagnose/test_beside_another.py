@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose import rivals
-from harness.diagnose.candidates import candidates
-from harness.diagnose.diagnosis import rivals_of
-from harness.diagnose.exchange import Swap
-from harness.diagnose.fit import Fit
-from harness.diagnose.hypothesis import Candidate, Hypothesis
-from harness.diagnose.linearisation import Linearisation
-from harness.diagnose.lost import why_lost
-from harness.diagnose.rivals import APART, CROSSED, beside_another
+from harness.diagnose.answer.diagnosis import rivals_of
+from harness.diagnose.claims import rivals
+from harness.diagnose.claims.model_comparison import why_lost
+from harness.diagnose.claims.rivals import APART, CROSSED, beside_another
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.linearisation import Linearisation
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.diagnose.selection.exchange import Swap
 
 RUB, LOAD, SLOW, SOFT = "viscous_damping", "load_dependent_friction", "sensor_lowpass", "base_compliance"
 

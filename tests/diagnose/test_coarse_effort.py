@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from simulated_recordings import Rig, nominal, recording
 
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.windows import Window
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import Window
 
 FREQUENCY, TORQUE = 3.0, 0.2  # Hz, N·m
 

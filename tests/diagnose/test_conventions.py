@@ -10,7 +10,7 @@ import pytest
 from simulated_recordings import Rig, double_pendulum, nominal, recording, swing
 
 from harness import diagnose
-from harness.diagnose.conventions import conventional
+from harness.diagnose.conditioning.conventions import conventional
 from harness.errors import InputError
 from harness.recording import Recording
 

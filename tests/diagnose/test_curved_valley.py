@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.fit import fit
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.investigate import crude_colours
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.objective import Objective
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.window_states import measured_state
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.least_squares import fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.window_states import measured_state
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.investigation import crude_colours
 from harness.effects.scale import tip_of
 
 LOAD = 0.27 * MASS

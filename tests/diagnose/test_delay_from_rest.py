@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, recording, swing
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import relatives
-from harness.diagnose.fit import fit
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.investigate import crude_colours
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.study import Study
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.least_squares import fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.exchange import relatives
+from harness.diagnose.selection.investigation import crude_colours
+from harness.diagnose.selection.study import Study
 
 DELAY, NOISE, RATE = 0.04, 1e-3, 250.0
 

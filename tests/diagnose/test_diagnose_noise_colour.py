@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from harness.diagnose.colour import Colour, estimate_colour
+from harness.diagnose.estimation.noise_colour import Colour, estimate_colour
 
 
 def noise(rng: np.random.Generator, count: int, white: float, coloured: float, phi: float) -> np.ndarray:

@@ -9,17 +9,17 @@ import pytest
 from simulated_recordings import Rig, nominal, releases
 
 import harness
-from harness.diagnose.candidates import candidates
-from harness.diagnose.colour import Colour
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.fit import fit
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.objective import Objective
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.window_states import measured_state
-from harness.diagnose.windows import cut
+from harness.diagnose.estimation.least_squares import fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.window_states import measured_state
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import cut
 
 NOISE = 1e-3
 VISCOUS, DRY = 1.2e-3, 9e-3  # N·m·s/rad, N·m; the pendulum's gravity moment is 0.74 N·m

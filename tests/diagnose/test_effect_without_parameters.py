@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.diagnose.coordinates import internal_bounds, start_vector
-from harness.diagnose.hypothesis import Candidate
-from harness.diagnose.screen import brought_near, may_reverse
+from harness.diagnose.prediction.coordinates import internal_bounds, start_vector
+from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.score_tests import brought_near, may_reverse
 from harness.effects.catalogue import effect
 from harness.effects.scale import references
 from harness.system import load

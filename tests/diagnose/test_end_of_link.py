@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.diagnose.hypothesis import nominal_quantities, scaled
+from harness.diagnose.problem.hypothesis import nominal_quantities, scaled
 from harness.effects.attach import apply
 from harness.effects.scale import tip_of
 from harness.system import Attachment, Joint, JointType, Link, System

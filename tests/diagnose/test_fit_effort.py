@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from harness.diagnose.diagnose import diagnose
-from harness.diagnose.effort_motion import cutoff_for, effort_run, motion_noise
-from harness.diagnose.pushes import find_pushes
+from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run, motion_noise
+from harness.diagnose.inverse.pushes import find_pushes
 from harness.errors import InputError
 from harness.recording import Recording
 from harness.recording.recording import Channel

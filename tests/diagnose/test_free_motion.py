@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.diagnose.free_motion import carried_end, carried_start, free_parts
+from harness.diagnose.conditioning.free_motion import carried_end, carried_start, free_parts
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System

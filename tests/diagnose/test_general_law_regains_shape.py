@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, recording, swing
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.colour import Colour
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.screen import Score
-from harness.diagnose.study import Study
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.score_tests import Score
+from harness.diagnose.selection.study import Study
 
 NOISE, TIME = 1e-3, np.arange(0.0, 6.0, 0.02)
 COULOMB, STATIC, VELOCITY = 0.004, 0.014, 3.0

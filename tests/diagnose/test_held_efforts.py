@@ -12,9 +12,9 @@ from simulated_recordings import recording
 
 from harness import diagnose
 from harness.cases.pendulums import hinge
-from harness.denoc.hold import joined, kept
-from harness.diagnose.drive import Drive
-from harness.diagnose.problem import Run
+from harness.denoc.motion.hold import joined, kept
+from harness.diagnose.problem.drive import Drive
+from harness.diagnose.problem.problem import Run
 from harness.recording import Recording
 from harness.system import Link, System
 from harness.system.description import constant

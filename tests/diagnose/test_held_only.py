@@ -11,8 +11,8 @@ import pytest
 from simulated_recordings import Rig, nominal, recording, releases, swing
 
 from harness import diagnose
-from harness.diagnose.held_only import _pieces
-from harness.diagnose.windows import Window, contains
+from harness.diagnose.claims.held_out_only import _pieces
+from harness.diagnose.problem.windows import Window, contains
 from harness.report.diagnosis.page import diagnosis_html
 
 NOISE = 1e-3

@@ -11,7 +11,7 @@ import pytest
 from simulated_recordings import Rig, double_pendulum, nominal, recording, swing
 
 from harness import diagnose
-from harness.diagnose.held_start import hold, released
+from harness.diagnose.conditioning.held_start import hold, released
 from harness.recording import Recording
 
 RATE = 200.0

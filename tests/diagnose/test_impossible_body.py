@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from simulated_recordings import MASS, Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import from_internal, internal_bounds, to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.mechanisms import FARTHEST
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
+from harness.diagnose.prediction.coordinates import from_internal, internal_bounds, to_internal
+from harness.diagnose.prediction.mechanisms import FARTHEST
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
 
 
 def test_a_nominal_quantity_is_bent_only_so_far() -> None:

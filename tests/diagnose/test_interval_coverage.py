@@ -11,17 +11,17 @@ import pytest
 from scipy.stats import binom, chi2
 from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, recording, swing
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.colour import Colour
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.profile_likelihood import profiled
-from harness.diagnose.study import Study
-from harness.diagnose.uncertainty import Estimate, estimates
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.intervals import Estimate, estimates
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.profile_likelihood import profiled
+from harness.diagnose.selection.study import Study
 
 TOLERANCE, NOISE, DRAWS, RARE = 0.01, 2e-3, 40, 1e-3
 TIME = np.arange(0.0, 6.0, 0.02)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from simulated_recordings import nominal, recording
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import ChannelInfo, Problem, Run
-from harness.diagnose.windows import Window
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
+from harness.diagnose.problem.windows import Window
 
 INTERVAL, LATE = 0.01, 0.03
 

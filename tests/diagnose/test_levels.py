@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.diagnose.levels import fit_levels
+from harness.diagnose.levels.levels import fit_levels
 from harness.errors import InputError
 from harness.recording import Recording
 from harness.recording.recording import Channel

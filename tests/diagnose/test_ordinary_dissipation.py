@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
 from harness.diagnose.diagnose import diagnose
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System

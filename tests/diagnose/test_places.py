@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, recording, swing
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.fit import Fit, fit
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.investigate import crude_colours
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.places import replaced
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.profile_likelihood import profiled, spanning
-from harness.diagnose.study import Study
-from harness.diagnose.uncertainty import estimates
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.intervals import estimates
+from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.cogging_periods import replaced
+from harness.diagnose.selection.investigation import crude_colours
+from harness.diagnose.selection.profile_likelihood import profiled, spanning
+from harness.diagnose.selection.study import Study
 
 NOISE, RATE = 1e-3, 100.0
 WAVE, PERIODS, PHASE = 0.004, 18, -1.1

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis, dear
-from harness.diagnose.investigate import crude_colours
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.linearisation import eliminated, vibrating
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.study import BEGUN, Study
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linearisation import eliminated, vibrating
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis, dear
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.investigation import crude_colours
+from harness.diagnose.selection.study import BEGUN, Study
 
 
 def bench(viscous: float, only: list[str]) -> Study:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.diagnose.diagnosis import Diagnosis
-from harness.diagnose.replay import Opening, replay, replayable
+from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.answer.replay import Opening, replay, replayable
 from harness.report.diagnosis import write_diagnosis
 from harness.system import Attachment, load
 

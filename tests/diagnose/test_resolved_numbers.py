@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.diagnose.resolved import ends, resolved, spread
+from harness.diagnose.answer.significant_digits import ends, resolved, spread
 
 
 @pytest.mark.parametrize(

@@ -9,15 +9,15 @@ from __future__ import annotations
 import numpy as np
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.colour import Colour
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.study import Study
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.study import Study
 
 SPRING, NOISE, RATE = 0.006, 5e-4, 200.0  # N·m/rad; rad; Hz
 

@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.colour import Colour
-from harness.diagnose.coordinates import from_internal, internal_bounds, start_vector
-from harness.diagnose.fit import Fit
-from harness.diagnose.hypothesis import Candidate, Hypothesis
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.linearisation import Linearisation
-from harness.diagnose.objective import Objective
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.search_ends import FURTHER, beyond_the_ends
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linearisation import Linearisation
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.prediction.coordinates import from_internal, internal_bounds, start_vector
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.search_bounds import FURTHER, beyond_the_ends
 
 RECORDINGS = releases(Rig(), (0.6, -0.4), 1e-3, seed=2, duration=2.0, rate=50.0)
 

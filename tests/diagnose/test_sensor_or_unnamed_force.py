@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from simulated_recordings import COM, GRAVITY, INERTIA, MASS, Rig, nominal, recording, swing
 
 from harness import diagnose
-from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.effects.catalogue import catalogue
 from harness.effects.effect import Family
 from harness.system import Joint, JointType, Link, System

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import harness
-from harness.denoc.lanes import LaneModel
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Candidate, Hypothesis
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import ChannelInfo, Problem, Run
-from harness.diagnose.windows import Window
+from harness.denoc.lanes.model import LaneModel
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
+from harness.diagnose.problem.windows import Window
 from harness.effects.catalogue import effect
 from harness.effects.scale import references
 from harness.recording.sensors import observe

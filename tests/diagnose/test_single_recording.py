@@ -12,7 +12,7 @@ from scipy.signal import butter, lfilter, lfilter_zi
 from simulated_recordings import COM, MASS, Rig, nominal, recording, swing
 
 from harness import diagnose
-from harness.diagnose.problem import pose
+from harness.diagnose.problem.problem import pose
 from harness.recording import Recording
 
 INTERVAL, NOISE, FINE = 0.005, 1e-3, 5

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.diagnose.problem import pose
+from harness.diagnose.problem.problem import pose
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.diagnose.remainder import _best_subset
-from harness.diagnose.screen import Projected
+from harness.diagnose.criticism.remainder import _best_subset
+from harness.diagnose.selection.score_tests import Projected
 
 
 def projected(columns: np.ndarray, residual: np.ndarray) -> Projected:

@@ -7,17 +7,17 @@ import pytest
 from scipy.optimize import brentq
 from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.investigate import crude_colours
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.screen import Score
-from harness.diagnose.study import Study
-from harness.diagnose.valleys import absent
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.investigation import crude_colours
+from harness.diagnose.selection.multi_start import absent
+from harness.diagnose.selection.score_tests import Score
+from harness.diagnose.selection.study import Study
 
 ADDED = 0.25 * (INERTIA + MASS * COM**2)
 

@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.in_tune import in_tune
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.selection.resonant_starts import in_tune
 
 ARMATURE, CARRIED = 0.004, INERTIA + MASS * COM**2  # kg·m² of the drive side, and of the link about the joint
 STIFFNESS, DAMPING = 60.0, 0.02  # of the coupling between them

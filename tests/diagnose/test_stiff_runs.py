@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from harness.compare.bench.flexible import pendulum, start
-from harness.denoc.lanes import LaneModel
-from harness.diagnose.colour import Colour
-from harness.diagnose.fit import Fit
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.linearisation import Linearisation
-from harness.diagnose.predict import Predictor, Request
-from harness.diagnose.problem import ChannelInfo, Problem, Run
-from harness.diagnose.response import TOGETHER, channels_moved, respond, responsive, to_channels
-from harness.diagnose.stiff_runs import StiffRuns
-from harness.diagnose.windows import Window
+from harness.denoc.lanes.model import LaneModel
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linear_response import TOGETHER, channels_moved, respond, responsive, to_channels
+from harness.diagnose.estimation.linearisation import Linearisation
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.prediction.predictor import Predictor, Request
+from harness.diagnose.prediction.stiff_runs import StiffRuns
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
+from harness.diagnose.problem.windows import Window
 from harness.recording.sensors import observe
 
 CHANNELS = (

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, passed_slowly, recording, swing
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.windows import Window
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import Window
 
 RATE, BLOCK = 1040.0, 4
 ANGLE, AMPLITUDE, PERIODS, PHASE = 1.2, 0.01, 200.0, 0.4

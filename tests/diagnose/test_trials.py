@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.diagnose.trials import directly, trials
+from harness.diagnose.experiment.trials import directly, trials
 from harness.effects.effect import Family
 from harness.system import Joint, JointType, Link, System
 

@@ -11,8 +11,8 @@ import pytest
 from simulated_recordings import Rig, nominal, swing
 
 from harness import diagnose
-from harness.diagnose.diagnosis import Diagnosis
-from harness.diagnose.stretches import follows_itself
+from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.criticism.residual_correlation import follows_itself
 
 SIZE = 2e-3
 RELEASES = (1.2, -0.7, 0.9)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, recording, releases
 
-from harness.denoc.lanes import LaneModel
-from harness.diagnose.candidates import candidates
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.predict import ABREAST, UNEQUAL, Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.screen import carry_state
-from harness.diagnose.windows import Window
+from harness.denoc.lanes.model import LaneModel
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import ABREAST, UNEQUAL, Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.score_tests import carry_state
 
 # Samples of a recording of 1000: in no order, the last one too short to run beside the longest.
 WINDOWS = [Window(0, 0, 300), Window(1, 0, 1000), Window(0, 300, 900), Window(1, 200, 900), Window(0, 900, 1000)]

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.step import following
-from harness.diagnose.window_states import loosely_held
+from harness.diagnose.estimation.gauss_newton import following
+from harness.diagnose.estimation.window_states import loosely_held
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
 
 STRONG, WEAK = 1e3, 1e-3  # sensitivities of two states [noise standard deviations]
 NOISE = 2.0

@@ -11,10 +11,10 @@ from simulated_recordings import nominal, recording
 
 from harness import diagnose
 from harness.cases.pendulums import hinge
-from harness.diagnose.horizon import AT_FIRST, PIECES_A_SWING, Horizon, transitions
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import ChannelInfo, Problem, Run
-from harness.diagnose.windows import Window
+from harness.diagnose.estimation.horizon import AT_FIRST, PIECES_A_SWING, Horizon, transitions
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
+from harness.diagnose.problem.windows import Window
 from harness.effects.scale import references
 from harness.recording import Recording
 from harness.system import Link, System

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import harness
-from harness.diagnose import investigate as module
-from harness.diagnose.hypothesis import nominal_quantities, scaled
-from harness.diagnose.problem import Problem, Run, pose
-from harness.diagnose.vibration_windows import FEWEST_SAMPLES, GROWTH, SLIP, stages
-from harness.diagnose.windows import Window, cut
+from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES, GROWTH, SLIP, stages
+from harness.diagnose.problem.hypothesis import nominal_quantities, scaled
+from harness.diagnose.problem.problem import Problem, Run, pose
+from harness.diagnose.problem.windows import Window, cut
+from harness.diagnose.selection import investigation as module
 from harness.effects.bending import mounted_frequency
 from harness.engines.exudyn_ancf import Ancf
 from harness.recording import Channel, Recording

@@ -9,7 +9,7 @@ import pytest
 from simulated_recordings import Rig, nominal, recording, releases
 
 from harness import diagnose
-from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.answer.diagnosis import Diagnosis
 
 NOISE = 1e-3
 WANDERS = "a reading that wanders"

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 from simulated_recordings import Rig, nominal, recording, swing
 
 from harness import diagnose
-from harness.diagnose.waves import without_waves
+from harness.diagnose.estimation.angle_waves import without_waves
 
 TIME = np.arange(0.0, 12.0, 0.005)
 ANGLES = [a * np.exp(-0.05 * TIME) * np.cos(5.0 * TIME) for a in (1.1, -0.7)]

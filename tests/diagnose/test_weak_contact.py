@@ -7,16 +7,16 @@ import pytest
 from scipy.integrate import solve_ivp
 from simulated_recordings import Rig, nominal, recording
 
-from harness.diagnose.candidates import candidates
-from harness.diagnose.colour import Colour
-from harness.diagnose.coordinates import to_internal
-from harness.diagnose.exchange import generalized
-from harness.diagnose.hypothesis import Hypothesis
-from harness.diagnose.likelihood import Likelihood
-from harness.diagnose.predict import Predictor
-from harness.diagnose.problem import pose
-from harness.diagnose.study import Study
-from harness.diagnose.windows import whole
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.windows import whole
+from harness.diagnose.selection.exchange import generalized
+from harness.diagnose.selection.study import Study
 
 NOISE, TIME = 1e-4, np.arange(0.0, 10.0, 0.01)
 WAY = 0.35  # rad

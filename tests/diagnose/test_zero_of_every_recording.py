@@ -10,7 +10,7 @@ import pytest
 from simulated_recordings import Rig, nominal, recording, swing
 
 from harness import diagnose
-from harness.diagnose.diagnosis import numbers_of
+from harness.diagnose.answer.diagnosis import numbers_of
 from harness.recording import Recording
 
 ZEROS = (0.03, -0.02, 0.05)

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("exudyn")
 
-from harness.denoc.shapes import frequencies, mount_ratios
+from harness.denoc.beam.shapes import frequencies, mount_ratios
 from harness.engines.exudyn_ancf import Ancf
 from harness.engines.mujoco import Mujoco
 from harness.engines.protocol import Engine

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("exudyn")
 
-from harness.denoc.shapes import frequencies, mount_ratios
+from harness.denoc.beam.shapes import frequencies, mount_ratios
 from harness.engines.exudyn_ffrf import Ffrf
 from harness.engines.protocol import Engine
 from harness.engines.solid_mesh import _NATURAL, _shape, bar

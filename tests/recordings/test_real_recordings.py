@@ -17,11 +17,11 @@ import pytest
 from scipy.special import ellipk
 
 import harness
+from harness.diagnose.conditioning.free_motion import carried_start, free_parts
 from harness.diagnose.diagnose import diagnose
-from harness.diagnose.effort_motion import effort_run
-from harness.diagnose.free_motion import carried_start, free_parts
-from harness.diagnose.levels import fit_levels
-from harness.diagnose.pushes import find_pushes
+from harness.diagnose.inverse.effort_motion import effort_run
+from harness.diagnose.inverse.pushes import find_pushes
+from harness.diagnose.levels.levels import fit_levels
 from harness.effects import apply
 from harness.recording import Recording, read_recording
 from harness.system import Attachment, System

@@ -47,7 +47,7 @@ def run(options: Options) -> Iterator[Row]:
 
 def _threads(what: str, options: Options) -> Iterable[Row]:
     """What a second thread gains, for many states of a chain of seven."""
-    from harness.denoc.batch import BatchModel
+    from harness.denoc.batch.model import BatchModel
 
     system = chain(SHARED_N)
     at = states(SHARED_N, SHARED)

@@ -17,7 +17,7 @@ import numpy as np
 from harness.compare.bench.measure import Timing, in_child
 from harness.compare.bench.peers import Options, or_skipped, peer_model
 from harness.compare.bench.row import Row
-from harness.denoc.ahead import everything
+from harness.denoc.compiling.ahead import everything
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
 from harness.system.write import write
@@ -39,7 +39,7 @@ _OURS = """
 from time import perf_counter
 import numpy as np
 import harness
-from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes.model import LaneModel
 runs = [{folder!r} + "/" + name for name in {runs}]
 start = perf_counter()
 # Modules too, which the peer has loaded by the time it begins.

@@ -13,7 +13,7 @@ import numpy as np
 from harness.compare.bench.measure import Timing, side_by_side
 from harness.compare.bench.peers import Array, Options, native, or_skipped
 from harness.compare.bench.row import Row
-from harness.denoc.lanes import LaneModel
+from harness.denoc.lanes.model import LaneModel
 from harness.engines.exudyn_ancf import Ancf
 from harness.engines.protocol import EngineError
 from harness.recording.sensors import observe

@@ -83,7 +83,7 @@ def _fine() -> np.ndarray:
 
 
 def _many(n: int, options: Options) -> Iterable[Row]:
-    from harness.denoc.lanes import LaneModel
+    from harness.denoc.lanes.model import LaneModel
 
     system = damped(n)
     q0, qd0 = start(n)
@@ -152,7 +152,7 @@ def _rows(
 
 
 def _threads(options: Options) -> Iterable[Row]:
-    from harness.denoc.lanes import LaneModel
+    from harness.denoc.lanes.model import LaneModel
 
     system = chain(7)
     lanes = LaneModel(system)

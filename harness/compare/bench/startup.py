@@ -22,7 +22,7 @@ model = Denoc(random_chain(7, 1, prismatic=0.0))
 answer = float(model.forward_dynamics(np.zeros(7), np.zeros(7), np.zeros(7))[0])
 """
 _EVERYTHING = """
-from harness.denoc import ahead
+from harness.denoc.compiling import ahead
 ahead.everything()
 """
 _PINOCCHIO = """

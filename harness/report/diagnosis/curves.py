@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.diagnose.curves import Curves, Energy, ForceMap, Residuals, Spectrum
+from harness.diagnose.answer.curves import Curves, Energy, ForceMap, Residuals, Spectrum
 from harness.report.diagnosis.figures import AFTER, BEFORE
 from harness.report.figures.canvas import FAINT, INK, canvas
 

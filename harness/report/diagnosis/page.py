@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from harness.diagnose.curves import Curves
+from harness.diagnose.answer.curves import Curves
 from harness.report.diagnosis.sections import Answer, BeforeAndAfter, Data, Levels, Pictures, Replay, Rivals, Where
 from harness.report.html import page
 from harness.report.sections.section import Section

@@ -8,9 +8,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from harness.diagnose.curves import Curves
-from harness.diagnose.diagnosis import numbers_of, one_by_one, rivals_of
-from harness.diagnose.resolved import ends, resolved, width_of
+from harness.diagnose.answer.curves import Curves
+from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
+from harness.diagnose.answer.significant_digits import ends, resolved, width_of
 from harness.report.diagnosis.curves import pictures
 from harness.report.diagnosis.figures import errors, windows
 

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from harness.diagnose.diagnosis import numbers_of, one_by_one, rivals_of
-from harness.diagnose.resolved import resolved, spread
+from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
+from harness.diagnose.answer.significant_digits import resolved, spread
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 

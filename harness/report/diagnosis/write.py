@@ -11,7 +11,7 @@ from harness.errors import InputError
 from harness.report.files import staged, write_folder
 
 if TYPE_CHECKING:
-    from harness.diagnose.diagnosis import Diagnosis
+    from harness.diagnose.answer.diagnosis import Diagnosis
     from harness.system import System
 
 

@@ -1,0 +1,1 @@
+"""Dynamics of one mechanism in many states, eight at a time."""

@@ -1,0 +1,1 @@
+"""Flexible links: mode shapes, the integrals of a beam, what its modes leave out."""

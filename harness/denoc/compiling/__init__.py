@@ -1,0 +1,1 @@
+"""How kernels are compiled: numba led through them, kept on disk, made ahead of use."""

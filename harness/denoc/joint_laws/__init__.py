@@ -1,0 +1,1 @@
+"""What acts at a joint, as one compiled law with a row of parameter slots."""

@@ -1,0 +1,1 @@
+"""Many copies of a mechanism at once, each with parameters of its own, and their motion in time."""

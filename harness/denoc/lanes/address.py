@@ -1,0 +1,79 @@
+"""The recursions of the lanes as functions at an address, so that one is compiled only where a mechanism needs it.
+
+The integrator calls through the address; a recursion that it linked in would be compiled again with each of its parts.
+Names at module level are all that these functions use: one that closes over another is never found in the cache again.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from numba import carray, cfunc, types
+
+from harness.denoc.compiling.pipeline import Kernel
+from harness.denoc.lanes.planar import planar_accelerations
+from harness.denoc.lanes.tree import COLUMNS, accelerations
+from harness.denoc.simd.vector import integers_at, numbers_at
+
+# Addresses of tree, flags, constants, beams, laws, workspace; and what else ``accelerations`` takes.
+_SIGNATURE = types.void(*[types.int64] * 11)
+
+
+@functools.cache
+def spatial() -> int:
+    """Address of the recursion in space."""
+    return int(_spatial().address)
+
+
+@functools.cache
+def planar() -> int:
+    """Address of the recursion in a plane."""
+    return int(_planar().address)
+
+
+# The arrays' lengths are nowhere read: indices are not checked, and none is negative.
+@functools.cache
+def _spatial() -> Any:
+    @cfunc(_SIGNATURE, cache=True, error_model="numpy", pipeline_class=Kernel)
+    def spatial_at(
+        tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int, user: int, shaken: int,
+        loaded: int,
+    ) -> None:  # fmt: skip
+        accelerations(
+            carray(integers_at(tree), (nodes, COLUMNS)),
+            carray(integers_at(flags), n),
+            carray(numbers_at(constants), 1),
+            carray(numbers_at(beams), 1),
+            carray(numbers_at(laws), 1),
+            carray(numbers_at(ws), 1),
+            n,
+            user,
+            shaken,
+            loaded,
+        )
+
+    return spatial_at
+
+
+@functools.cache
+def _planar() -> Any:
+    @cfunc(_SIGNATURE, cache=True, error_model="numpy", pipeline_class=Kernel)
+    def planar_at(
+        tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int, user: int, shaken: int,
+        loaded: int,
+    ) -> None:  # fmt: skip
+        planar_accelerations(
+            carray(integers_at(tree), (nodes, COLUMNS)),
+            carray(integers_at(flags), n),
+            carray(numbers_at(constants), 1),
+            carray(numbers_at(beams), 1),
+            carray(numbers_at(laws), 1),
+            carray(numbers_at(ws), 1),
+            n,
+            user,
+            shaken,
+            loaded,
+        )
+
+    return planar_at

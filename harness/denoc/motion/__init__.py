@@ -1,0 +1,1 @@
+"""Motion in time of one mechanism: integrators, sensors on beams, small motion."""

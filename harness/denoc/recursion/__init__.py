@@ -1,0 +1,1 @@
+"""The recursive DeNOC dynamics of one mechanism, rigid and flexible, O(n)."""

@@ -1,0 +1,1 @@
+"""Eight numbers as one: vectors of lanes, and moving lanes within them."""

@@ -1,0 +1,1 @@
+"""The answer: findings with intervals, words, curves, the augmented model."""

@@ -1,0 +1,318 @@
+"""From what was concluded to the answer: findings with intervals, fits before and after, ranking, remainder, next experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from harness.diagnose.answer.augmented import augmented
+from harness.diagnose.answer.curves import curves
+from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
+from harness.diagnose.answer.explain import finding_words, number, plainest, summary
+from harness.diagnose.answer.replay import LONGEST, Opening
+from harness.diagnose.answer.zeros import Zero, zeros_of
+from harness.diagnose.claims.conclude import Claim, Conclusion
+from harness.diagnose.claims.held_out_only import held_names
+from harness.diagnose.claims.model_comparison import why_lost
+from harness.diagnose.claims.rivals import ranking as likeliest
+from harness.diagnose.claims.rivals import with_the_same
+from harness.diagnose.criticism.crosstalk import LEAKS
+from harness.diagnose.criticism.locate import Mismatch, locate, rmse
+from harness.diagnose.criticism.remainder import JUMP, WANDERS, Remains
+from harness.diagnose.estimation.intervals import Estimate, across, estimates, no_more_exact_than_the_law
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.experiment.design import propose
+from harness.diagnose.levels.differing_levels import Differing
+from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.investigation import Outcome, judge, trained
+from harness.diagnose.selection.profile_likelihood import as_likely, profiled, spanning
+from harness.diagnose.selection.study import Study
+from harness.parallel import meanwhile
+from harness.recording import Recording
+from harness.system import System
+
+SHOWN = 8  # hypotheses in the ranking
+
+
+def answer(
+    outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None
+) -> Diagnosis:
+    """The answer; recordings: all of them, the one held out too, for what was found of their quality."""
+    problem, study = outcome.problem, outcome.study
+    # Nearly all of it in compiled code: on another thread, if there is one, beside all that follows.
+    next_experiment = meanwhile(outcome.predictor.threads, _next, outcome, conclusion)
+    noise = [
+        {"channel": c.name, "std": colour.std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
+        for c, colour in zip(problem.channels, study.likelihood.colours, strict=True)
+    ]
+    side, site = _side_and_site(outcome, conclusion)
+    places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
+    values = _intervals(outcome, conclusion)
+    zeros = {claim.candidate.key: zeros_of(outcome, conclusion.best, claim.index) for claim in conclusion.claims}
+    rows = _fit_rows(outcome, conclusion)
+    return Diagnosis(
+        verdict=conclusion.verdict,
+        summary=" ".join([_summary(outcome, conclusion, values, zeros, rows), *([levels.sentence] if levels else [])]),
+        noise=noise,
+        mismatch=[_mismatch(place) for place in places],
+        findings=_findings(outcome, conclusion, values, zeros),
+        ranking=_ranking(outcome, conclusion),
+        fit=rows,
+        remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
+        next_experiment=next_experiment(),
+        quality=[
+            {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
+            for r in recordings
+            for n in getattr(r, "quality", ())
+        ],
+        augmented=augmented(
+            problem.system,
+            outcome.predictor.nominal,
+            conclusion.own.x,
+            ((claim.candidate, values[claim.candidate.key]) for claim in conclusion.claims),
+        ),
+        curves=curves(outcome, conclusion.own, conclusion.held),
+        opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
+        levels=levels.document if levels else None,
+        levelled=levels.system if levels else None,
+    )
+
+
+def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
+    """What the mismatch is attributed to: the weightiest claim, a reading that nothing named moves, or else the best score test."""
+    if conclusion.claims:
+        claim = max(conclusion.claims, key=lambda c: c.gain)
+        return claim.candidate.effect.side, claim.candidate.site
+    if conclusion.remains.significant:
+        left = plainest(conclusion)
+        if left.name in (JUMP, WANDERS, LEAKS):
+            return "sensor", left.where[0]
+    ranked = outcome.study.ranked(outcome.empty)
+    if ranked:
+        return ranked[0].candidate.effect.side, ranked[0].candidate.site
+    return "dynamics", outcome.problem.system.joint_names[0]
+
+
+def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
+    member = claim.candidate
+    joints = {j.name: j.prismatic for j in outcome.problem.system.joints}
+    unit = next((c.unit for c in outcome.problem.channels if c.name == member.site), "")
+    units = member.effect.units(prismatic=joints.get(member.site, False), channel_unit=unit)
+    return dict(zip(member.effect.parameter_names, units, strict=True))
+
+
+def _findings(
+    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]]
+) -> list[dict[str, Any]]:
+    """What is claimed; effects that modify another one at their site are told with it."""
+    own = [
+        (c.candidate, _finding(outcome, c, values[c.candidate.key], zeros[c.candidate.key], conclusion.only_held))
+        for c in conclusion.claims
+    ]
+    whole = []
+    for member, finding in own:
+        kept = (f for c, f in own if c.site == member.site and c.effect.name in member.effect.modifies)
+        modified = next(kept, None)
+        if modified is None:
+            whole.append(finding)
+        else:
+            modified.setdefault(MODIFIED_BY, []).append(finding)
+    return whole
+
+
+def _finding(
+    outcome: Outcome, claim: Claim, values: dict[str, Estimate], zeros: list[Zero], only_held: Sequence[str]
+) -> dict[str, Any]:
+    units = _units(outcome, claim)
+    return {
+        "effect": claim.candidate.effect.name,
+        "site": claim.candidate.site,
+        "parameters": {
+            name: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[name]}
+            for name, e in values.items()
+        },
+        "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
+        **_rivals(claim),
+        **({"zeros": zeros} if zeros else {}),
+        **({"shows_only_in": held_names(outcome)} if claim.candidate.key in only_held else {}),
+    }
+
+
+def _rivals(claim: Claim) -> dict[str, Any]:
+    """What a claim cannot be told from, as it stands in its finding."""
+    site = claim.candidate.site
+    beside = {_short(key, site): list(partners) for key, partners in claim.beside.items()}
+    told = [_short(key, site) for key in claim.rivals]
+    return {"indistinguishable_from": told, **({"only_beside": beside} if beside else {})}
+
+
+def _short(key: str, site: str) -> str:
+    """The effect's name alone where it sits at the same site, else with its own."""
+    name, _, at = key.partition("@")
+    return name if at == site else key
+
+
+def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
+    """Estimates of what is claimed, by the effect's key: as far as other valleys and other sets that are as likely let them be."""
+    study, predictor, best = outcome.study, outcome.predictor, conclusion.best
+    # What shows in the data held out alone can only be told by them.
+    source = outcome.study if conclusion.only_held else outcome.training
+    own = source.sharpened(best if conclusion.only_held else conclusion.own)
+    same = conclusion.own.hypothesis.keys == best.hypothesis.keys
+    sharp: dict[frozenset[str], Fit] = {}
+    values = {}
+    for claim in conclusion.claims:
+        k, key = claim.index, claim.candidate.key
+        likely = with_the_same(outcome, best, key)
+        sharp |= {f.hypothesis.identity: study.sharpened(f) for f in likely if f.hypothesis.identity not in sharp}
+        others = (sharp[f.hypothesis.identity] for f in likely)
+        alone = profiled(source, own, k, estimates(predictor, own, k))
+        reached = across(
+            claim.candidate,
+            spanning(claim.candidate, alone, as_likely(study, best, k) if same else []),
+            [estimates(predictor, f, f.hypothesis.keys.index(key)) for f in others],
+        )
+        values[key] = no_more_exact_than_the_law(claim.candidate, reached)
+    return values
+
+
+def _summary(
+    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]],
+    rows: Sequence[dict[str, Any]],
+) -> str:  # fmt: skip
+    """The answer in plain words; rows: of every channel, how well it is fitted and foretold."""
+    severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=0.0)
+    foretold = max((row["augmented"]["heldout_rmse"] / row["noise_floor"] for row in rows), default=0.0)
+    titles = [
+        finding_words(
+            c.candidate.effect.title,
+            c.candidate.site,
+            values[c.candidate.key],
+            _units(outcome, c),
+            [f"{z['recording']} {number(z['zero'])} {z['unit']}" for z in zeros[c.candidate.key]],
+        )
+        for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
+    ]
+    rivals = [
+        f"{c.candidate.effect.title.capitalize()} cannot be told here from " + ", ".join(rivals_of(_rivals(c))) + "."
+        for c in conclusion.claims
+        if c.rivals
+    ]
+    return summary(conclusion, severity, titles, rivals, foretold)
+
+
+def _mismatch(place: Mismatch) -> dict[str, Any]:
+    return {
+        "channel": place.channel, "side": place.side, "site": place.site, "time": [list(t) for t in place.time],
+        "frequency_hz": list(place.frequency_hz), "region": {k: list(v) for k, v in place.region.items()},
+        "severity": place.severity, "what": place.what,
+    }  # fmt: skip
+
+
+def _fit_rows(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
+    """Errors of every channel before and after, on the data fitted and on those held out."""
+    fits = {
+        "nominal": (outcome.nominal, judge(outcome, outcome.nominal)),
+        "refitted": (trained(outcome, outcome.empty), judge(outcome, outcome.empty)),
+        "augmented": (conclusion.own, conclusion.held),
+    }
+    rows = []
+    for c, channel in enumerate(outcome.problem.channels):
+        row: dict[str, Any] = {"channel": channel.name, "unit": channel.unit}
+        for name, (train, held) in fits.items():
+            row[name] = {"train_rmse": rmse(outcome, train, c), "heldout_rmse": rmse(outcome, held, c)}
+        rows.append({**row, "noise_floor": outcome.study.likelihood.colours[c].std})
+    return rows
+
+
+def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
+    """The likeliest hypotheses, the one claimed first, and why the others lost."""
+    study, best = outcome.study, conclusion.best
+    own = rmse(outcome, judge(outcome, best), 0)
+    rows = []
+    for fitted in likeliest(outcome, best, SHOWN):
+        error = rmse(outcome, judge(outcome, fitted), 0)
+        rows.append(
+            {
+                "effects": list(fitted.hypothesis.keys),
+                "bic": fitted.score + study.paid(fitted),
+                "heldout_rmse": error,
+                "lost": why_lost(study, best, fitted, error, own, conclusion.imitated),
+            }
+        )
+    return rows
+
+
+def _remainder(system: System, remains: Remains, doubted: Sequence[str]) -> dict[str, Any]:
+    """What is left: its tests, its sparsest form and its map."""
+    found: dict[str, Any] = {
+        "significant": remains.significant,
+        "tests": [{"what": t.name, "gain": t.gain, "chance": t.chance, "where": list(t.where)} for t in remains.tests],
+        "doubted": list(doubted),
+    }
+    if remains.form is not None:
+        unit = system.joint(remains.form.joint).force_unit.replace("*", "·")
+        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} {unit}"
+    if remains.force_map is not None:
+        m = remains.force_map
+        found["map"] = {"joint": m.joint, "position": m.position, "velocity": m.velocity, "torque": m.force}
+    return found
+
+
+def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) -> Opening:
+    """The start of the recording held out, as the model that is told was fitted to it."""
+    window = outcome.held_windows[0]
+    run = outcome.problem.runs[window.run]
+    names = outcome.predictor.mechanism(conclusion.own.hypothesis).names
+    state = conclusion.held.states[window]
+    count = int(min(LONGEST, run.time[window.last - 1] - run.time[window.first]) / run.interval)
+    time = np.arange(count + 1, dtype=np.float64) * run.interval
+    tau = None
+    if run.effort is not None:
+        coordinates = outcome.problem.system.coordinate_names
+        tau = np.zeros((len(time), len(coordinates)))
+        stamps = run.time - run.time[window.first]
+        for column, joint in enumerate(outcome.problem.system.joint_names):
+            tau[:, coordinates.index(joint)] = np.interp(time, stamps, run.effort[:, column])
+    position, velocity = (dict(zip(names, part.tolist(), strict=True)) for part in np.split(state, 2))
+    return Opening(run.name, position, velocity, time, tau, noise, outcome.predictor.hold)
+
+
+def _differing_in(study: Study, best: Fit, claim: Claim, rival: Candidate) -> tuple[Fit, Fit | None]:
+    """Two fits that differ by a claim and its rival alone: of the best set, or of one with another effect beside both."""
+    kept = best.hypothesis.identity - {claim.candidate.key}
+    if rival.key not in claim.beside:
+        return best, study.fits.get(kept | {rival.key})
+    for key in kept:
+        for partner in claim.beside[rival.key]:
+            rest = (kept - {key}) | {partner}
+            first, other = study.fits.get(rest | {claim.candidate.key}), study.fits.get(rest | {rival.key})
+            if first is not None and other is not None:
+                return first, other
+    return best, None
+
+
+def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
+    """The experiment that would part what these recordings cannot."""
+    study = outcome.study
+    pairs: list[tuple[Fit, Fit, tuple[str, ...]]] = []
+    for claim in conclusion.claims:
+        for rival in claim.rival_candidates:
+            first, other = _differing_in(study, conclusion.best, claim, rival)
+            if other is not None:
+                pairs.append((first, other, (claim.candidate.effect.name, rival.effect.name)))
+    if not pairs and conclusion.best.hypothesis.members:
+        # Nothing is left open; the runner-up would still be the first to doubt.
+        for other in outcome.ordered:
+            names = {m.effect.name for m in other.hypothesis.members} ^ {
+                m.effect.name for m in conclusion.best.hypothesis.members
+            }
+            if names and len(other.hypothesis.members) == len(conclusion.best.hypothesis.members):
+                pairs.append((conclusion.best, other, tuple(sorted(names))))
+                break
+    proposal = propose(study, pairs[:3])
+    if proposal is None:
+        return {"what": "", "separates": []}
+    return {"what": proposal.what, "separates": list(proposal.separates), "expected_sigma": proposal.separation}

@@ -1,0 +1,98 @@
+"""A diagnosis in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from harness.diagnose.answer.significant_digits import resolved, spread
+from harness.diagnose.claims.conclude import Conclusion
+from harness.diagnose.criticism.creep import WHERE_HELD
+from harness.diagnose.criticism.doubt import AT_FLOOR, LEVEL
+from harness.diagnose.criticism.probe import Test
+from harness.diagnose.estimation.intervals import Estimate
+
+VERDICTS = {
+    "consistent": "The model and the recordings agree: what is left is at the level of the noise, and no effect of the catalogue "
+    "earns a place.",
+    "explained": "The nominal model leaves the recordings {severity}; with {names} the residual is at the noise floor, {held}.",
+    "partly_explained": "The nominal model leaves the recordings {severity}; {names} {hold} up on data held out, but {rest}.",
+    "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
+}
+
+
+def number(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def finding_words(
+    title: str, site: str, values: dict[str, Estimate], units: dict[str, str], further: Sequence[str] = ()
+) -> str:
+    """One finding with its parameters and further numbers in words."""
+    parts = list(further)
+    for name, e in values.items():
+        unit = units[name] if units[name] != "1" else ""
+        parts.append(f"{name.replace('_', ' ')} {_value(e)}{_spread(e)} {unit}".strip())
+    return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
+
+
+def _value(e: Estimate) -> str:
+    """Four digits, or 0 if the value is far less than its spread."""
+    return resolved(e.value, e.std) if e.std is not None and abs(e.value) < e.std else number(e.value)
+
+
+def _spread(e: Estimate) -> str:
+    return " (at its bound)" if e.std is None else spread(e.value, e.std, (e.low, e.high))
+
+
+# Share of the greatest gain that a test must have to be told instead, because it says more.
+TELLING = 0.25
+
+
+def summary(
+    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: float
+) -> str:
+    """The paragraph.
+
+    severity, foretold: greatest error over all channels [standard deviations of noise], of the nominal model, and of what the data
+    fitted to predict of those held out.
+    """
+    size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
+    rest = "a significant remainder stays"
+    if not conclusion.remains.significant and not conclusion.doubted:
+        rest = f"these are not yet predicted down to the noise ({conclusion.level:.2g} times it)"
+    hold = "hold" if len(findings) > 1 else "holds"
+    held = "also on data held out"
+    if conclusion.only_held:
+        held = "with the data held out fitted too"
+    elif foretold > AT_FLOOR:
+        held = f"on data held out if fitted to them too; without that, they are predicted to {foretold:.2g} times the noise"
+    names = " and ".join(findings)
+    text = VERDICTS[conclusion.verdict].format(severity=size, names=names, hold=hold, rest=rest, held=held)
+    if rivals:
+        text += " " + " ".join(rivals)
+    if conclusion.only_held:
+        text += (
+            f" The data held out alone show {', '.join(conclusion.only_held)}: it is told because every second stretch of them "
+            "predicts the stretches between, and errors there are those of a fit to all recordings."
+        )
+    if conclusion.unproven:
+        text += f" No data that it was not fitted to bear out {', '.join(conclusion.unproven)}, so that is not claimed."
+    if conclusion.imitated:
+        text += f" The remainder could have imitated {', '.join(conclusion.imitated)}, so that is not claimed."
+    if conclusion.remains.significant:
+        left = plainest(conclusion)
+        where = ", ".join(w for w in left.where if w)
+        text += f" What is left shows as {left.name.split(' at ')[0]}" + (f" ({where})." if where else ".")
+    return text
+
+
+def plainest(conclusion: Conclusion) -> Test:
+    """The test that says most of what is left."""
+    tests = [t for t in conclusion.remains.tests if t.chance < LEVEL] or conclusion.remains.tests
+    found = min(tests, key=lambda t: (t.chance, -t.gain))
+    if found.places >= 0:
+        # What happens once in every recording is weighed with all its times, as it is where it stands against a finding.
+        samples = sum(len(r) for r in conclusion.best.linear.residuals)
+        found = max((t for t in tests if t.places >= 0), key=lambda t: t.worth(samples))
+    # Other tests see a creep too, but that one says where it comes from.
+    return next((t for t in tests if t.name == WHERE_HELD and t.gain > TELLING * found.gain), found)

@@ -1,0 +1,1 @@
+"""What may be claimed: effects judged on data held out, and their rivals."""

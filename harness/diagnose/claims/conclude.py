@@ -1,0 +1,395 @@
+"""From a search to what may be claimed: every effect must earn its place on data it was not fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+
+from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
+from harness.diagnose.claims.rivals import APART, beside_another, near, preferred
+from harness.diagnose.criticism.creep import motion_where_held
+from harness.diagnose.criticism.doubt import (
+    AT_FLOOR,
+    CARRIES,
+    LEVEL,
+    a_force_as_well,
+    carries,
+    doubtful,
+    examined,
+    firm,
+    imitated_together,
+    special_case,
+    unparted,
+)
+from harness.diagnose.criticism.probe import Test
+from harness.diagnose.criticism.remainder import Remains
+from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
+from harness.diagnose.criticism.vertical_shaking import shaken_up_and_down
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.exchange import specialized
+from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, trained, training_gain
+from harness.diagnose.selection.starts import FOLLOWS
+from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
+
+Array = NDArray[np.float64]
+
+INEXACT = 1e-3  # of what an effect does, to which its law may be wrong; less than that beside it is no effect
+PRACTICAL = 0.05  # an effect must change the prediction by this share of the noise at least
+HELD_OUT = 1.5  # standard deviations by which it must improve data held out
+BLIND = (
+    4.0  # noise standard deviations between predictions of data held out, up to which those cannot confirm an effect
+)
+# Share of what an effect explains, below which training says nothing of it, unless that pays its price. (A weak spring may show in
+# the difference between amplitudes alone: tolerances leave half a hundredth of it to the training.)
+UNREPEATED = 0.002
+CONTRARY = 3.0  # standard deviations by which they then may fall short
+AMPLE = 5.0  # times its price that such an effect must gain
+MANY = 3  # members from which on a set may piece together what nobody has named,
+CROWDED = 3.0  # so that each must gain so many times its price
+RUNG = 0.9  # share of what a wave explains, from which on something that rings may be it
+UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
+WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """One member of the best set, weighed. gain: of the training cost; heldout_z: see ``investigate.heldout_z``.
+
+    delta_bic: how much worse the set is without it; rivals: candidates that could stand in its place; beside: keys of what other
+    members would then have to be, of rivals that only could so; probability: its share of the posterior over all sets fitted.
+    """
+
+    candidate: Candidate
+    index: int
+    gain: float
+    heldout_z: float
+    delta_bic: float
+    rivals: tuple[str, ...]
+    rival_candidates: tuple[Candidate, ...]
+    beside: Mapping[str, tuple[str, ...]]
+    probability: float
+
+
+@dataclass(frozen=True, eq=False)
+class Conclusion:
+    """Verdict and what supports it.
+
+    best: the fit claimed, on all recordings; own: on the training ones; held: judged on the data held out. level: what is left of
+    those over the noise [1]. unproven: keys of what is doubted because nothing that it was not fitted to bears it out. only_held:
+    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings.
+    """
+
+    verdict: str
+    best: Fit
+    own: Fit
+    held: Fit
+    claims: tuple[Claim, ...]
+    remains: Remains
+    doubted: tuple[str, ...]
+    level: float
+    unproven: tuple[str, ...] = ()
+    only_held: tuple[str, ...] = ()
+
+    @property
+    def imitated(self) -> tuple[str, ...]:
+        """Keys of what is doubted because something that nobody has named could have done its work."""
+        return tuple(key for key in self.doubted if key not in self.unproven)
+
+
+def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
+    """Whether every member earns its place; and the member that fails most clearly (−1 if none)."""
+    study = outcome.study
+    worst, worst_value = -1, np.inf
+    for k, member in enumerate(fitted.hypothesis.members):
+        smaller = study.below(fitted, k)
+        gain = smaller.score - fitted.score
+        price = _price(study, smaller, fitted, k)
+        straightens = _straightens(outcome, smaller, fitted, member)
+        # No law that is inexact bends a nominal quantity so far.
+        inexact = 0.0 if straightens else (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2
+        enough = gain > max(price, inexact)
+        visible = gain > PRACTICAL**2 * study.samples
+        z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
+        # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
+        # stretched model predicts them as well. The stretch itself is then the evidence.
+        needed = HELD_OUT
+        if enough and visible and straightens:
+            needed = -WORSE
+        elif enough and visible and gain > AMPLE * price:
+            needed = min(needed, _contrary(outcome, smaller, fitted))
+        # What only the data held out ask for has been fitted to them, and must be confirmed within them.
+        repeated = z > needed and (
+            _in_training(outcome, smaller, fitted, price)
+            or (gain > AMPLE * price and held_out_repeats(outcome, smaller, fitted, price))
+        )
+        if not repeated and min(z, gain / 100.0) < worst_value:
+            worst, worst_value = k, min(z, gain / 100.0)
+    return worst < 0, worst
+
+
+def _price(study: Study, smaller: Fit, fitted: Fit, k: int) -> float:
+    """What member ``k`` has to gain: its numbers, the vibrations it begins, and more where many are told together."""
+    begun = max(fitted.vibrating - smaller.vibrating, 0.0)
+    price = study.price(fitted.hypothesis.members[k], len(fitted.hypothesis.members) - 1) + BEGUN * begun
+    return price * CROWDED if fitted.hypothesis.things >= MANY else price
+
+
+def _in_training(outcome: Outcome, smaller: Fit, larger: Fit, price: float) -> bool:
+    """Whether the training data speak for the larger set by themselves."""
+    return training_gain(outcome, smaller, larger) > min(price, UNREPEATED * (smaller.score - larger.score))
+
+
+def _strongest_beside(outcome: Outcome, fitted: Fit, k: int) -> float:
+    """What the strongest other member explains by itself [noise standard deviations]."""
+    nothing = outcome.study.empty().score
+    others = (j for j in range(len(fitted.hypothesis.members)) if j != k)
+    explained = [nothing - outcome.study.alone(fitted, j).score for j in others]
+    return float(np.sqrt(max([0.0, *explained])))
+
+
+def _contrary(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
+    """The ``heldout_z`` below which data held out speak against the larger set; infinite if they must speak for it.
+
+    Predictions D² apart (in units of the noise) gain D² ± 2 D if the larger set is right. Where D is small, as for a stop that the
+    motion held out does not reach, those data cannot confirm it; they can only contradict.
+    """
+    one, other = judge(outcome, smaller), judge(outcome, larger)
+    pairs = zip(one.linear.residuals, other.linear.residuals, strict=True)
+    apart = float(np.sqrt(sum(float(np.sum((a - b) ** 2)) for a, b in pairs)))
+    if apart > BLIND:
+        return np.inf
+    least = apart**2 - 2.0 * CONTRARY * apart
+    return float(np.sign(least) * np.sqrt(abs(least)))
+
+
+def _straightens(outcome: Outcome, smaller: Fit, larger: Fit, member: Candidate) -> bool:
+    """Whether the nominal model would have to leave its tolerance to do without a member, beside what is left unexplained."""
+    study = outcome.study
+    chance = float(chi2.sf(max(smaller.prior - larger.prior, 0.0) / study.loudness(larger), member.size))
+    return chance * len(study.candidates) < STRETCHED
+
+
+def settle(outcome: Outcome, best: Fit) -> Fit:
+    """The best set all of whose members earn their place: the first such near the top, or the best one pruned."""
+    study = outcome.study
+    good, worst = _passes(outcome, best)
+    if good:
+        return best
+    near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + APART][:6]
+    for fitted in near:
+        if fitted is not best and _passes(outcome, fitted)[0]:
+            return fitted
+    fitted = best
+    while not good:
+        fitted = study.reduce(fitted, worst)
+        good, worst = _passes(outcome, fitted)
+    return fitted
+
+
+def _probabilities(outcome: Outcome) -> dict[str, float]:
+    """Posterior probability of every effect, summed over the sets fitted."""
+    fits = list(outcome.study.fits.values())
+    values = np.array([outcome.study.criterion(f) for f in fits])
+    weights = np.exp(-0.5 * (values - values.min()))
+    weights /= weights.sum()
+    out: dict[str, float] = {}
+    for f, w in zip(fits, weights, strict=True):
+        for key in f.hypothesis.keys:
+            out[key] = out.get(key, 0.0) + float(w)
+    return out
+
+
+def _stretched(outcome: Outcome, best: Fit) -> Test | None:
+    """A test that counts if the nominal quantities had to leave their stated tolerance to fit, which is a remainder too."""
+    z = best.x[: len(outcome.predictor.nominal)]
+    if not outcome.study.stretched(best):
+        return None
+    chance = float(chi2.sf(best.prior, max(len(z), 1)))
+    worst = int(np.argmax(np.abs(z)))
+    quantity = outcome.predictor.nominal[worst]
+    where = f"{quantity.kind} of {quantity.name} by {z[worst]:+.1f} of its σ"
+    return Test("nominal quantities outside their tolerance", best.prior, len(z), chance, where=(where,), places=-1)
+
+
+def _pays(study: Study, best: Fit, k: int) -> bool:
+    """Whether member ``k`` gains more than its price beside the others."""
+    member = best.hypothesis.members[k]
+    return study.below(best, k).score - best.score > study.price(member, len(best.hypothesis.members) - 1)
+
+
+def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
+    """A test that counts if no one set of parameters fits the training data and those held out as well as each would allow.
+
+    Under the right model the cost that the data held out add is chi-squared with as many degrees of freedom as they have samples
+    (Chow, Econometrica 28 (1960) 591), however loosely the training data alone pin the parameters.
+    """
+    likelihood = outcome.study.likelihood
+    judged = likelihood.samples(outcome.held_windows)
+    own = trained(outcome, best)
+    fitted = likelihood.samples(own.windows)
+    if min(fitted, judged) < 2.0:
+        return None
+    level = max(own.linear.cost / fitted, likelihood.rounded)
+    added = best.score - own.score
+    rise = float(np.log(max(added, 1e-300) / judged / level))
+    z = rise / float(np.sqrt(2.0 / fitted + 2.0 / judged))
+    if z < WORSE:
+        return None
+    # Noise may be louder there, and is no misfit as long as its samples do not follow one another.
+    chance = max(float(norm.sf(z)), follows_itself(by_channel(best, outcome.held_windows)))
+    if chance >= LEVEL:
+        return None
+    where = f"mean square {np.exp(rise):.2f} times that of the training data"
+    return Test("a worse fit of the data held out", added - judged * level, 1, chance, (where,), -1)
+
+
+def conclude(outcome: Outcome) -> Conclusion:
+    """Weigh what the search found and judge it on the data held out; what is doubted is left out, and the rest weighed again."""
+    study = outcome.study
+    wanted = preferred(outcome, outcome.best)
+    best = settle(outcome, wanted)
+    doubted: list[str] = []
+    if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
+        # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
+        doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
+    unproven = tuple(doubted)
+    remains, incomplete = _remains(outcome, best)
+    shaky = [key for k, key in enumerate(best.hypothesis.keys) if doubtful(outcome, best, k, remains)]
+    together = imitated_together(outcome, best, remains)
+    while True:
+        if shaky or together:
+            best, fresh = _without_doubtful(outcome, best, shaky, together)
+            doubted += fresh
+            # What made a law more general may have been left out with the doubtful.
+            best = min([best, *specialized(study, best)], key=study.criterion)
+        else:
+            special = special_case(outcome, best, remains)
+            if special is None:
+                break
+            best = special
+        # What has leant on the doubtful must stand without it, beside all that is left then.
+        remains, incomplete = _remains(outcome, best)
+        shaky = [key for k, key in enumerate(best.hypothesis.keys) if not _stands(outcome, best, k, remains)]
+        together = []
+    incomplete = incomplete or bool(doubted)
+    claims = _claims(outcome, best, remains)
+    without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
+    verdict = with_ if claims else without
+    only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
+    own, held = with_all(outcome, best) if only else (trained(outcome, best), judge(outcome, best))
+    return Conclusion(verdict, best, own, held, claims, remains, tuple(doubted), _level(outcome, held), unproven, only)
+
+
+def _stands(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
+    """Whether member ``k`` may still be claimed once others have been left out: what they explained is a remainder now."""
+    if not _pays(outcome.study, best, k) or not carries(outcome, best, outcome.study.below(best, k), CARRIES):
+        return False
+    return not a_force_as_well(outcome, best, k) and not doubtful(outcome, best, k, remains)
+
+
+def _told_by_training(outcome: Outcome, best: Fit, k: int) -> bool:
+    """Whether the training data speak for member ``k`` of the set by themselves."""
+    smaller = outcome.study.below(best, k)
+    return _in_training(outcome, smaller, best, _price(outcome.study, smaller, best, k))
+
+
+def _left_out(outcome: Outcome, best: Fit, keys: list[str]) -> Fit:
+    """The fit without some of its members."""
+    while any(key in keys for key in best.hypothesis.keys):
+        best = outcome.study.reduce(best, [key in keys for key in best.hypothesis.keys].index(True))
+    return best
+
+
+def _without_doubtful(outcome: Outcome, best: Fit, shaky: list[str], together: list[str]) -> tuple[Fit, list[str]]:
+    """The fit without the doubtful, and what was left out.
+
+    together: doubted together, and left out at once. shaky: doubted one by one; the weakest goes first, for beside one less that
+    is doubtful another may be firm.
+    """
+    dropped = list(together)
+    best = _left_out(outcome, best, together)
+    left = [key for key in shaky if key not in together]
+    while left:
+        gains = {key: outcome.study.below(best, best.hypothesis.keys.index(key)).score - best.score for key in left}
+        weakest = min(left, key=gains.__getitem__)
+        dropped.append(weakest)
+        best = _left_out(outcome, best, [weakest])
+        left = [key for key in left if key != weakest and not firm(outcome, best, best.hypothesis.keys.index(key))]
+    return best, dropped
+
+
+def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
+    """What a set of effects leaves, and whether that is more than noise anywhere."""
+    held = judge(outcome, best)
+    remains = examined(outcome, best)
+    bent = _stretched(outcome, best)
+    if bent is not None:
+        # What bends the model so far could as well make what is weaker than that.
+        remains = replace(remains, excess=max(remains.excess, bent.gain))
+    for test in (bent, _does_not_carry_over(outcome, best)):
+        if test is not None:
+            remains = replace(remains, significant=True, tests=(*remains.tests, test))
+    if remains.significant:
+        further = (motion_where_held(outcome, best), shaken_up_and_down(outcome, best))
+        remains = replace(remains, tests=(*remains.tests, *(test for test in further if test is not None)))
+    # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
+    floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)
+    above = _level(outcome, held) > floor and follows_itself(by_channel(held, held.windows)) < LEVEL
+    return remains, remains.significant or above
+
+
+def _level(outcome: Outcome, held: Fit) -> float:
+    """What is left of the data held out, over the noise [1]."""
+    return float(np.sqrt(held.cost / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0)))
+
+
+def _claims(outcome: Outcome, best: Fit, remains: Remains) -> tuple[Claim, ...]:
+    study = outcome.study
+    probabilities = _probabilities(outcome)
+    claims = []
+    for k, member in enumerate(best.hypothesis.members):
+        smaller = study.below(best, k)
+        gain = smaller.score - best.score
+        others = [m for other in near(outcome, best, k) for m in other.hypothesis.members]
+        others += unparted(outcome, best, k, remains)
+        others = [m for m in others if m.key not in best.hypothesis.keys] + _out_of_step(study, best, k)
+        known = {m.key for m in others}
+        further = {c: partners for c, partners in beside_another(outcome, best, k).items() if c.key not in known}
+        rivals = list({m.key: m for m in [*others, *further]}.values())
+        beside = {c.key: tuple(m.key for m in partners) for c, partners in further.items()}
+        claims.append(
+            Claim(
+                member, k, gain, heldout_z(outcome, smaller, best), gain - study.numbers(member) * float(np.log(study.samples)),
+                tuple(r.key for r in rivals), tuple(rivals), beside, min(1.0, probabilities.get(member.key, 0.0)),
+            )
+        )  # fmt: skip
+    return tuple(claims)
+
+
+def _out_of_step(study: Study, best: Fit, k: int) -> list[Candidate]:
+    """What looks like member ``k`` if that is a wave with a phase of its own in every recording: a shaken base that nobody started
+    with the recordings, as far as joints still follow one.
+
+    The catalogue's has one phase for all of them, so no fit of it says this. Or something that rings by itself.
+    """
+    member = best.hypothesis.members[k]
+    if not member.out_of_step:
+        return []
+    values = member.effect.named(study.predictor.effect_values(best.hypothesis, k, best.x))
+    swing = member.references.frequency / (2.0 * np.pi)
+    followed = values["frequency"] <= FOLLOWS * swing
+    without = study.below(best, k).score
+
+    def alike(other: Candidate) -> bool:
+        if not other.effect.adds_coordinates:
+            return followed
+        # What hardly dies away rings in every recording as it was released.
+        rung = study.known(best.hypothesis.without(k).with_(other))
+        return rung is not None and without - rung.score > RUNG * (without - best.score)
+
+    return [c for c in study.candidates if c.effect.name in member.effect.confusable_with and alike(c)]

@@ -1,0 +1,275 @@
+"""What else it could be: effects that could stand in the place of a member, weighed on all recordings."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.objective import LOST
+from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.problem.hypothesis import Candidate, compatible, contains, dear
+from harness.diagnose.selection.beam_search import NEAR, exhausted, finished
+from harness.diagnose.selection.cogging_periods import replaced
+from harness.diagnose.selection.exchange import (
+    Swap,
+    emptied,
+    exchanged,
+    generalized,
+    known_in_place_of,
+    pruned,
+    reduced,
+    related,
+    relatives,
+    swaps,
+)
+from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.profile_likelihood import VALLEYS
+from harness.diagnose.selection.search_bounds import beyond_the_ends
+from harness.diagnose.selection.starts import like
+from harness.diagnose.selection.stribeck_instead import fit_falling
+from harness.diagnose.selection.study import FAR, Study
+from harness.diagnose.selection.substitutes import standing_in
+
+MOST = 9  # rivals fitted for each member
+ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
+WORTH_FITTING = (
+    0.5  # share of a member's gain that a rival's score test must promise; the test is linear, the truth is not
+)
+DEARLY = 0.65  # the same for what is dear to fit, whose test is made at its likely size and so is closer to the truth
+HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
+MOST_WIDENED = 3
+MOST_PLACED = 4  # rivals whose forces over the angle are tried at other places
+MOST_GENERAL = 4  # rivals whose more general laws are tried at typical values
+FEWEST_TOLD = 2  # rivals, however far from the best set
+MOST_CROSSED = 6  # pairs of exchanges fitted
+CROSSED = 30.0  # by how much one of them may be worse alone, in the criterion
+FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
+APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
+LIKELY = 6.0  # the same for odds of twenty, beyond which a set has no say in an interval of 95 %
+
+
+def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
+    """Fits with member ``k`` replaced: by candidates whose score test promises a similar gain, by its relatives, and all known."""
+    study = outcome.study
+    if len(best.hypothesis.members) <= FEW or not exhausted(study, best):
+        _fit_in_place_of(study, best, k)
+    known = [f for _, f in known_in_place_of(study, best, k)]
+    # What is still under way along a narrow valley may come as near as any.
+    return [f for f in finished(study, [best, *known]) if f.hypothesis.identity != best.hypothesis.identity]
+
+
+def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
+    """Fit what may stand in the place of member ``k``."""
+    without = study.reduce(best, k)
+    member = best.hypothesis.members[k]
+    own = without.score - best.score
+    found = relatives(study, best, k, ENOUGH_FITS) + standing_in(study, best, k, ENOUGH_FITS)
+    for scored in study.ranked(without):
+        if len(study.fits) >= ENOUGH_FITS or len(found) >= MOST or scored.gain < WORTH_FITTING * own:
+            break
+        if dear(scored.candidate) and scored.gain < DEARLY * own:
+            continue
+        if scored.candidate.key != member.key and not related(member, scored.candidate):
+            found.append(study.extend(without, scored))
+    # A general law in the place of another member helps only what comes near already.
+    limit = min(best.score + HOPEFUL * max(own, 0.0), FAR * best.score)
+    hopeful = sorted((f for f in found if f.score < limit and f is not best), key=lambda f: f.score)
+    for base in (best, *hopeful[:MOST_WIDENED]):
+        generalized(study, base)
+
+
+def with_the_same(outcome: Outcome, best: Fit, key: str) -> list[Fit]:
+    """Other sets that hold a member of the best one too and that are at least a twentieth as likely."""
+    study, limit = outcome.study, _limit(outcome, best, LIKELY)
+    others = (f for identity, f in study.fits.items() if key in identity and identity != best.hypothesis.identity)
+    return [f for f in others if f.score < LOST and study.evidence(f) < limit]
+
+
+def _limit(outcome: Outcome, best: Fit, apart: float) -> float:
+    """The evidence of sets that are ``apart`` from the best one."""
+    vibrates = any(m.effect.adds_coordinates for m in best.hypothesis.members)
+    return outcome.study.evidence(best) + apart + (VALLEYS if vibrates else 0.0)
+
+
+def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
+    """Rivals of member ``k`` that the recordings do not part from the best set, likeliest first."""
+    study, limit = outcome.study, _limit(outcome, best, APART)
+    found = sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
+    # Of what cannot be told apart, more general laws are not told either.
+    in_place = [f for f in found if len(f.hypothesis.members) == len(best.hypothesis.members)]
+    found += _instead_of_several(study, best, k) + _several_instead(study, best, k)
+    for base in (best, *in_place[:MOST_GENERAL]):
+        own = k if base is best else [key in best.hypothesis.keys for key in base.hypothesis.keys].index(False)
+        known = {f.hypothesis.identity for f in found} | {best.hypothesis.identity}
+        wider = (f for f in unseen(outcome, base, own) if f.score < best.score + APART)
+        found += [f for f in wider if f.hypothesis.identity not in known]
+    return found
+
+
+def beside_another(outcome: Outcome, best: Fit, k: int) -> dict[Candidate, tuple[Candidate, ...]]:
+    """Candidates that the recordings do not part from member ``k`` beside what another member could as well be, and beside what.
+
+    What is told apart beside one of two effects that look alike need not be beside the other.
+    """
+    study, limit = outcome.study, _limit(outcome, best, APART)
+    found: dict[Candidate, tuple[Candidate, ...]] = {}
+    for swap in swaps(study, best):
+        if swap.k == k or swap.fit.score >= LOST or study.evidence(swap.fit) > limit:
+            continue
+        own = swap.fit.hypothesis.keys.index(best.hypothesis.keys[k])
+        for candidate, other in known_in_place_of(study, swap.fit, own):
+            if other.score < LOST and study.evidence(other) < study.evidence(swap.fit) + APART:
+                found[candidate] = (*found.get(candidate, ()), swap.candidate)
+    return found
+
+
+def _crossed(outcome: Outcome, best: Fit) -> list[Fit]:
+    """Fits with a member exchanged beside what another one could as well be: see ``beside_another``."""
+    study, limit = outcome.study, _limit(outcome, best, APART)
+    if len(best.hypothesis.members) > FEW and exhausted(study, best):
+        return []
+    every = [swap for swap in swaps(study, best) if swap.fit.score < LOST]
+    aside = [swap for swap in every if study.evidence(swap.fit) < limit]
+    pairs: dict[frozenset[str], tuple[Swap, Swap]] = {}
+    for one in aside:
+        for two in every:
+            if one.k != two.k and two.worse < CROSSED:
+                pairs.setdefault(frozenset({one.candidate.key, two.candidate.key}), (one, two))
+    found: list[Fit] = []
+    for one, two in sorted(pairs.values(), key=lambda pair: pair[0].worse + pair[1].worse):
+        if len(found) >= MOST_CROSSED or len(study.fits) >= ENOUGH_FITS:
+            break
+        both = exchanged(study, best, one, two, target=one.fit.score + APART)
+        found += [] if both is None else [both]
+    return found
+
+
+def _instead_of_several(study: Study, best: Fit, k: int) -> list[Fit]:
+    """Known sets in which one effect stands in the place of member ``k`` and of others, that do as well for their number."""
+    own, limit = best.hypothesis, study.criterion(best) + APART
+    return [
+        f
+        for identity, f in study.fits.items()
+        if own.members[k].key not in identity
+        and len(identity - own.identity) == 1
+        and len(identity) < len(own.members)
+        and f.score < LOST
+        and study.criterion(f) < limit
+    ]
+
+
+def _several_instead(study: Study, best: Fit, k: int) -> list[Fit]:
+    """Known sets in which several effects stand in the place of member ``k``, that do better although they are not told."""
+    kept, limit = best.hypothesis.without(k).identity, study.criterion(best)
+    return [
+        f
+        for identity, f in study.fits.items()
+        if kept < identity and best.hypothesis.members[k].key not in identity and len(identity) > len(kept) + 1
+        if _takes_back(study, f) and f.score < LOST and study.criterion(f) < limit
+    ]
+
+
+def _takes_back(study: Study, fitted: Fit) -> bool:
+    """Whether a set takes away some of the dissipation that the model states."""
+    own = fitted.hypothesis
+    return any(study.predictor.takes_back(own, k, fitted.x) for k in range(len(own.members)))
+
+
+def as_stated(study: Study, best: Fit) -> Fit:
+    """The best set, or the likeliest known one that cannot be told from it, has fewer effects and takes nothing back of what the
+    model states.
+
+    Friction that falls with speed acts like friction and less damping than stated. One law that leaves the model as it is comes
+    first.
+    """
+    if not _takes_back(study, best):
+        return best
+    simpler = [f for k in range(len(best.hypothesis.members)) for f in _instead_of_several(study, best, k)]
+    return min((f for f in simpler if not _takes_back(study, f)), key=study.criterion, default=best)
+
+
+def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
+    """Fits with a law of which member ``k`` is a special case, that do as well although they differ from it by design.
+
+    The numbers that make the difference are held at typical values: the law pays for nothing, and is not told from its special
+    case unless the recordings contradict it there.
+    """
+    study, base = outcome.study, best.hypothesis
+    found = []
+    for wider in study.candidates:
+        rest = base.without(k)
+        if not contains(wider, base.members[k]):
+            continue
+        if not compatible(rest, wider):
+            continue
+        points = like(wider, float(study.predictor.effect_values(base, k, best.x)[0]))
+        # Of many shapes the last ones hardly differ from the special case whatever the recording.
+        for point in points if len(points) <= 2 else [points[len(points) // 2]]:
+            start = np.concatenate([study.without(best, k), to_internal(wider, point)])
+            held = np.concatenate([study.whole(rest), np.arange(wider.size) > 0])
+            fitted = fit(
+                study.objective(rest.with_(wider)), start,
+                study.states_for(rest.with_(wider), best), fixed=held, enough=0.2,
+            )  # fmt: skip
+            if fitted.score < best.score + APART:
+                found.append(fitted)
+                break
+    return found
+
+
+def preferred(outcome: Outcome, best: Fit) -> Fit:
+    """The best set with each member exchanged for a rival that does better, if there is one."""
+    study = outcome.study
+    if exhausted(study, best):
+        return pruned(study, best, study.loudness(best))
+    best = pruned(study, best)
+    for _ in range(len(best.hypothesis.members) + 1):
+        # To the end: what the search only had to rank may have stopped short.
+        best = study.fit(best.hypothesis, [best.x], best, most_steps=40)
+        shaken = _shaken(outcome, best)
+        if shaken:
+            best = study.fit(best.hypothesis, shaken, best, most_steps=40, target=best.score)
+        best = beyond_the_ends(study, replaced(study, best))
+        others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
+        # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
+        close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
+        others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED]]
+        others += [beyond_the_ends(study, f) for f in close]
+        others += _crossed(outcome, best)
+        better = min([*others, *reduced(study, best), *emptied(study, best)], key=study.criterion, default=best)
+        if study.criterion(better) > study.criterion(best) - 1e-6:
+            break
+        best = better
+    fit_falling(study, best)
+    return as_stated(study, best)
+
+
+SHAKEN = 4.0  # times, either way, that the numbers which shape a law are started anew
+
+
+def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
+    """Other starts for laws whose shape is a number of its own: a fit may have ended in a wrong valley of it."""
+    study = outcome.study
+    starts = []
+    for k, member in enumerate(best.hypothesis.members):
+        values = study.predictor.effect_values(best.hypothesis, k, best.x)
+        for j, parameter in enumerate(member.effect.parameters):
+            if j == 0 or parameter.lower < 0.0 or parameter.name in ("phase", "periods", "frequency"):
+                continue
+            for factor in (SHAKEN, 1.0 / SHAKEN):
+                other = values.copy()
+                other[j] = np.clip(other[j] * factor, parameter.lower, parameter.upper)
+                x = study.predictor.with_values(best.hypothesis, k, best.x, other)
+                # The nominal quantities may have been bent to the wrong valley.
+                x[: len(study.predictor.nominal)] = 0.0
+                starts.append(x)
+    return starts
+
+
+def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:
+    """The likeliest hypotheses fitted, of those far from the best one none but the first few; the one claimed comes first."""
+    computed = [f for f in outcome.study.fits.values() if f.cost < LOST and f is not best]
+    shortlist = sorted(computed, key=outcome.study.criterion)
+    near = [f for k, f in enumerate(shortlist) if k < FEWEST_TOLD or f.score < FAR * best.score]
+    return [best, *near][:count]

@@ -1,0 +1,1 @@
+"""Recordings before anything is fitted: units, zeros, held starts, free motion."""

@@ -1,0 +1,103 @@
+"""Questions put to what a fit leaves, and the response of its channels to small forces, which most of them are about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linear_response import Response, channels_moved, respond, responsive
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.windows import Window
+
+Array = NDArray[np.float64]
+
+PUSH = 1e-4  # size of the probing forces, in units of the gravity torque: small enough to stay linear
+
+
+@dataclass(frozen=True, eq=False)
+class Test:
+    """One question put to the residual: gain in cost by ``size`` shapes, and its chance under noise alone.
+
+    places: parameters beside amplitudes (the moment of a jump); −1 for tests that name no force. together: gain and number of
+    such events if every recording may have its own. choices: among how many forces of this kind it was chosen. exact: whether
+    the channels are linear in it, so that it brings what it promises.
+    """
+
+    name: str
+    gain: float
+    size: int
+    chance: float
+    where: tuple[str, ...] = ()
+    places: int = 0
+    together: tuple[float, int] = (0.0, 0)
+    choices: float = 1.0
+    exact: bool = False
+
+    def price(self, samples: float) -> float:
+        """What the force that a test names costs in the Bayesian criterion."""
+        return (self.size + self.places) * float(np.log(samples)) + 2.0 * float(np.log(self.choices))
+
+    def price_together(self, samples: float) -> float:
+        """The same for such an event of its own in every recording."""
+        return self.together[1] * (1 + self.places) * float(np.log(samples))
+
+    def worth(self, samples: float) -> float:
+        """What the force gains beyond its price, acting alike in all recordings or in each by itself."""
+        return max(self.gain - self.price(samples), self.together[0] - self.price_together(samples))
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """Force responses of one fit: its motion in every window, and what force histories do to the channels."""
+
+    predictor: Predictor
+    likelihood: Likelihood
+    fitted: Fit
+    torque: float
+    motions: dict[Window, Response]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.predictor.mechanism(self.fitted.hypothesis).names
+
+    def changes(self, joint: str, forces: Callable[[Array, Array], Array]) -> list[Array]:
+        """Whitened changes per window (k, M) by forces (k, G) over a joint's position and velocity, in natural torques."""
+        return self.in_time(joint, lambda time, q, v: forces(q, v))
+
+    def in_time(self, joint: str, forces: Callable[[Array, Array, Array], Array]) -> list[Array]:
+        """The same by forces over time [s from the window's first sample], position and velocity, each (G,)."""
+        k = self.names.index(joint)
+        return [self._window(w, k, forces(m.time, m.q[:, k], m.qd[:, k])) for w, m in self.motions.items()]
+
+    def pulses(self, joint: str, window: Window, histories: Array) -> Array:
+        """The same for force histories (k, G) in one window, whose samples alone they change."""
+        return self._window(window, self.names.index(joint), histories)
+
+    def _window(self, window: Window, k: int, histories: Array) -> Array:
+        found = self.motions[window]
+        if responsive(self.predictor):
+            moved = channels_moved(
+                self.predictor, self.likelihood, self.fitted, found,
+                partial(found.by_force, k), len(histories), lambda own: self.torque * histories[own],
+            )  # fmt: skip
+            return np.nan_to_num(moved, copy=False)
+        grid = self.predictor.grid(window, self.predictor.margin(self.fitted.hypothesis))
+        # Predictions are carried on a little beyond the window, where the linear response ends.
+        extra = np.zeros((len(histories) + 1, len(grid.time), len(self.names)))
+        extra[:-1, : histories.shape[1], k] = PUSH * self.torque * histories
+        lanes = [(0, window, self.fitted.states[window])] * len(extra)
+        predictions = self.predictor.predict(self.fitted.hypothesis, self.fitted.x[None, :], lanes, extra=extra)
+        white = self.likelihood.whiten(window, predictions)
+        return np.nan_to_num((white[:-1] - white[-1]) / PUSH)
+
+
+def probe(predictor: Predictor, likelihood: Likelihood, fitted: Fit, torque: float) -> Probe:
+    """The linear response of a fit in all its windows. torque: natural size of forces [N·m]."""
+    motions = {w: respond(predictor, fitted, w, torque) for w in fitted.windows}
+    return Probe(predictor, likelihood, fitted, torque, motions)

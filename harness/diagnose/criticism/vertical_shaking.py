@@ -1,0 +1,124 @@
+"""A support that moves up and down, put to what a fit leaves: gravity that comes and goes with time at one frequency.
+
+It pumps a swing or brakes it (Mathieu's equation), and in a few swings looks much like a base that shakes sideways, at the sum or
+the difference of its frequency and the swing's; the catalogue's shakes sideways only.
+
+Source: A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations (1979), chapter 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from harness.denoc.model import Denoc
+from harness.diagnose.criticism.probe import Probe, Test, probe
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.linear_response import responsive, to_channels
+from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.score_tests import MOST_TOGETHER, Projected, nuisance
+from harness.effects.scale import references
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+UP_AND_DOWN, SIDEWAYS = "a support that moves up and down", "a support that moves sideways"
+LOWEST, HIGHEST = 0.2, 4.0  # frequencies, over the swing's
+FINENESS = 2.0  # frequencies in one over the longest window
+MOST = 240  # frequencies
+AT_ONCE = MOST_TOGETHER // 2  # two waves each
+DEPENDENT = 1e-9  # share of the largest column's square, below which the area of two is rounding
+
+
+def shaken_up_and_down(outcome: Outcome, fitted: Fit) -> Test:
+    """Gain by gravity that comes and goes at one frequency.
+
+    In one phase, counted from the first sample of every recording; ``together``: with an amplitude and a phase of its own in every
+    window.
+    """
+    own = _probe(outcome, fitted)
+    system = outcome.problem.system
+    found = own.motions.values()
+    weights = _gravity(own.names, system, np.concatenate([m.q for m in found])) / own.torque
+    by_window = dict(zip(own.motions, np.split(weights, np.cumsum([len(m.q) for m in found])[:-1]), strict=True))
+
+    def changes(window: Window, waves: Array) -> Array:
+        pulses = [
+            own.pulses(name, window, waves * by_window[window][:, j]) for j, name in enumerate(system.joint_names)
+        ]
+        return np.asarray(np.sum(pulses, axis=0))
+
+    return _at_one_frequency(outcome, own, changes, UP_AND_DOWN)
+
+
+def shaken_sideways(outcome: Outcome, fitted: Fit) -> Test | None:
+    """The same by a base that shakes sideways, as the catalogue's does; none where channels are not linear in the motion."""
+    if not responsive(outcome.predictor):
+        return None
+    own = _probe(outcome, fitted)
+
+    def changes(window: Window, waves: Array) -> Array:
+        found = own.motions[window]
+        moved = found.by_shaking(waves)
+        return np.nan_to_num(to_channels(own.predictor, own.likelihood, fitted, found, moved))
+
+    return _at_one_frequency(outcome, own, changes, SIDEWAYS)
+
+
+def _probe(outcome: Outcome, fitted: Fit) -> Probe:
+    system = outcome.problem.system
+    torque = references(system, system.joint_names[0]).torque
+    return probe(outcome.predictor, outcome.study.likelihood, fitted, torque)
+
+
+def _at_one_frequency(outcome: Outcome, own: Probe, changes: Callable[[Window, Array], Array], name: str) -> Test:
+    """Gain by what waves over time (2K, G) do to the channels of a window (2K, M), at the best of many frequencies."""
+    fitted = own.fitted
+    space = nuisance(fitted, outcome.predictor)
+    swing = 1.0 / outcome.period
+    longest = max(float(m.time[-1]) for m in own.motions.values())
+    count = int(np.clip((HIGHEST - LOWEST) * swing * longest * FINENESS, 2, MOST))
+    frequencies = np.linspace(LOWEST * swing, HIGHEST * swing, count)
+    alike, apart = np.zeros(count), np.zeros(count)
+    for k in range(0, count, AT_ONCE):
+        part = slice(k, k + AT_ONCE)
+        angles = {w: 2.0 * np.pi * frequencies[part, None] * m.time for w, m in own.motions.items()}
+        moved = [changes(w, np.concatenate([np.cos(angle), np.sin(angle)])) for w, angle in angles.items()]
+        alike[part] = _gains(space.measure(moved))
+        for window, one in zip(own.motions, moved, strict=True):
+            apart[part] += _gains(space.measure([one], only=fitted.windows.index(window)))
+    best, windows = int(np.argmax(apart)), len(own.motions)
+    loudness = outcome.study.loudness(fitted)
+    chances = (chi2.sf(alike.max() / loudness, 2), chi2.sf(apart[best] / loudness, 2 * windows))
+    chance = min(1.0, count * float(min(chances)))
+    # An amplitude and a phase for every window; that they share a frequency is paid for at once.
+    together = (float(apart[best]) - float(np.log(outcome.study.samples)), windows)
+    return Test(name, float(alike.max()), 2, chance, (f"at {frequencies[best]:.3g} Hz",), 1, together)
+
+
+def _gains(seen: Projected) -> Array:
+    """Gain by a cosine and a sine of each frequency (K,)."""
+    assert seen.gram is not None
+    k = len(seen.along) // 2
+    a, b, c = np.diag(seen.gram)[:k], np.diag(seen.gram)[k:], np.diag(seen.gram[:k, k:])
+    p, q = seen.along[:k], seen.along[k:]
+    # Of two columns by Cramer's rule; those of which nothing is left outside the adjustable gain nothing.
+    area = a * b - c**2
+    open_ones = area > DEPENDENT * np.maximum(a, b).max(initial=0.0) ** 2
+    return np.where(open_ones, (b * p**2 - 2.0 * c * p * q + a * q**2) / np.where(open_ones, area, 1.0), 0.0)
+
+
+def _gravity(names: Sequence[str], system: System, positions: Array) -> Array:
+    """Generalized forces of gravity (G, n) of the joints at positions (G, coordinates) of so many names."""
+    joints = [names.index(name) for name in system.joint_names]
+    model, weightless = Denoc(system.rigid()), Denoc(replace(system.rigid(), gravity=np.zeros(3)))
+    q = np.ascontiguousarray(positions[:, joints])
+    still = np.zeros_like(q)
+    return np.asarray(
+        weightless.inverse_dynamics_batch(q, still, still) - model.inverse_dynamics_batch(q, still, still)
+    )

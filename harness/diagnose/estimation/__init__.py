@@ -1,0 +1,1 @@
+"""Fitting one hypothesis: likelihood, noise, nonlinear least squares, intervals."""

@@ -1,0 +1,1 @@
+"""Design of the next experiment: what would part the hypotheses that are left."""

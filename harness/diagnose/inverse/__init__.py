@@ -1,0 +1,1 @@
+"""Efforts as the measurement: inverse dynamics along the recorded motion."""

@@ -1,0 +1,212 @@
+"""Least squares of recorded efforts under coloured noise of unknown size.
+
+Residuals are taken as often as the low-pass lets them be independent, whitened by an autoregression that is estimated from
+what a generous regression leaves (so that a misfit is not taken for noise), and weighed by a Gaussian likelihood with the
+noise profiled out: cost = N log(S/N) + the nominal quantities' prior.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
+from scipy.optimize import least_squares
+
+from harness.diagnose.inverse.effort_model import EffortModel
+from harness.diagnose.inverse.effort_motion import EffortRun
+from harness.diagnose.problem.hypothesis import Hypothesis
+
+Array = NDArray[np.float64]
+
+APART = 0.55  # periods of the cutoff between samples that are compared
+MEMORY = 3  # lags of the autoregression, at most
+CLUSTERS = 3  # stretches a parameter, from which on the scatter between stretches is trusted
+ROUNDS = 3  # of noise and parameters in turn
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Samples of one run that residuals are compared at: stretches of consecutive indices."""
+
+    stretches: tuple[NDArray[np.intp], ...]
+
+    @property
+    def samples(self) -> int:
+        return sum(len(s) for s in self.stretches)
+
+
+def grid_of(run: EffortRun) -> Grid:
+    """Indices a little more than half a period of the cutoff apart (where the low-pass falls off, folding keeps white noise
+    white), in stretches without an unusable sample between them."""
+    step = float(run.time[1] - run.time[0])
+    every = max(1, round(APART / (run.bandwidth * step)))
+    stretches: list[NDArray[np.intp]] = []
+    current: list[int] = []
+    for start in range(0, len(run.time) - every, every):
+        if run.usable[start : start + every].all():
+            current.append(start)
+            continue
+        if len(current) > 2 * MEMORY:
+            stretches.append(np.array(current))
+        current = []
+    if len(current) > 2 * MEMORY:
+        stretches.append(np.array(current))
+    return Grid(tuple(stretches))
+
+
+@dataclass(frozen=True, eq=False)
+class EffortNoise:
+    """Autoregression of a joint's residual effort: ``ahead`` (MEMORY,), and the size of its innovation [N·m]."""
+
+    ahead: Array
+    innovation: float
+    std: float
+
+
+def effort_noise(pieces: Sequence[Array]) -> EffortNoise:
+    """Yule–Walker estimate over stretches of residual [N·m], its order by the Bayesian information criterion."""
+    total = sum(len(p) for p in pieces)
+    lags = np.array([sum(float(p[k:] @ p[: len(p) - k]) for p in pieces) / total for k in range(MEMORY + 1)])
+    if lags[0] <= 0.0:
+        return EffortNoise(np.zeros(MEMORY), 1e-12, 1e-12)
+    # As many lags as pay for themselves: the regression has taken its own share of the power out of the residual, and a longer
+    # memory would take that for colour.
+    lags[0] *= 1.0 + 1e-6
+    best, chosen = total * float(np.log(lags[0])), np.zeros(0)
+    for order in range(1, MEMORY + 1):
+        ahead = solve_toeplitz(lags[:order], lags[1 : order + 1])
+        left = max(float(lags[0] - ahead @ lags[1 : order + 1]), 1e-6 * float(lags[0]))
+        cost = total * float(np.log(left)) + order * float(np.log(max(total, 2)))
+        if cost < best:
+            best, chosen = cost, ahead
+    ahead = np.concatenate([chosen, np.zeros(MEMORY - len(chosen))])
+    left = max(float(lags[0] - ahead @ lags[1:]), 1e-6 * float(lags[0]))
+    return EffortNoise(ahead, float(np.sqrt(left)), float(np.sqrt(lags[0])))
+
+
+@dataclass(frozen=True, eq=False)
+class EffortFit:
+    """One hypothesis fitted. x: nominal deviations [σ], then effect parameters [SI].
+
+    rows: whitened residuals; clusters: of which stretch each row is; jacobian: of the rows; prior: of the nominal quantities.
+    cost: N log(S/N) + prior, S with the size of noise profiled out.
+    """
+
+    hypothesis: Hypothesis
+    x: Array
+    rows: Array
+    clusters: NDArray[np.intp]
+    jacobian: Array
+    prior: float
+    cost: float
+
+
+@dataclass(eq=False)
+class EffortData:
+    """Runs with their grids and the noise of each joint."""
+
+    model: EffortModel
+    grids: tuple[Grid, ...]
+    noises: tuple[EffortNoise, ...]
+
+    @property
+    def joints(self) -> list[int]:
+        return [int(j) for j in np.flatnonzero(np.any([run.driven for run in self.model.runs], axis=0))]
+
+    @property
+    def samples(self) -> int:
+        return sum(g.samples * int(r.driven.sum()) for g, r in zip(self.grids, self.model.runs, strict=True))
+
+    def rows(self, residuals: Sequence[Array]) -> tuple[Array, NDArray[np.intp]]:
+        """Whitened residuals of all stretches, and which stretch each belongs to."""
+        out: list[Array] = []
+        which: list[NDArray[np.intp]] = []
+        count = 0
+        for run, grid, residual in zip(self.model.runs, self.grids, residuals, strict=True):
+            for stretch in grid.stretches:
+                for j in np.flatnonzero(run.driven):
+                    noise = self.noises[j]
+                    values = residual[stretch, j]
+                    ahead = np.convolve(values, np.concatenate([[1.0], -noise.ahead]))[: len(values)] / noise.innovation
+                    ahead[:MEMORY] = values[:MEMORY] / noise.std
+                    out.append(ahead)
+                    which.append(np.full(len(ahead), count))
+                count += 1
+        return np.concatenate(out), np.concatenate(which)
+
+    def plain(self, residuals: Sequence[Array], joint: int) -> Array:
+        """Residuals of a joint at the samples compared, as they are [N·m]."""
+        parts = [
+            residual[stretch, joint]
+            for run, grid, residual in zip(self.model.runs, self.grids, residuals, strict=True)
+            if run.driven[joint]
+            for stretch in grid.stretches
+        ]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen: Array | None = None) -> EffortFit:
+    """Fit by bounded nonlinear least squares; frozen: parameters that stay, boolean, shape of x."""
+    model = data.model
+    nominal = len(model.nominal)
+    lower = np.concatenate([np.full(nominal, -np.inf), *(m.effect.lower for m in hypothesis.members)])
+    upper = np.concatenate([np.full(nominal, np.inf), *(m.effect.upper for m in hypothesis.members)])
+    scale = np.concatenate([np.ones(nominal), *(m.scales for m in hypothesis.members)])
+    free = np.ones(len(start), dtype=bool) if frozen is None else ~frozen.astype(bool)
+    x = np.clip(start, lower, upper)
+    size = 1.0
+
+    def full(part: Array) -> Array:
+        whole = x.copy()
+        whole[free] = part
+        return whole
+
+    def misfit(part: Array) -> Array:
+        whole = full(part)
+        rows, _ = data.rows(model.residuals(hypothesis, whole))
+        return np.concatenate([rows / size, whole[:nominal]])
+
+    jacobian = np.zeros((0, len(start)))
+    for _ in range(ROUNDS):
+        if free.any():
+            inside = np.clip(x[free], lower[free] + 1e-9 * scale[free], upper[free] - 1e-9 * scale[free])
+            found = least_squares(
+                misfit, inside, bounds=(lower[free], upper[free]), x_scale=scale[free], diff_step=None, max_nfev=25
+            )
+            x = full(found.x)
+            jacobian = np.zeros((len(found.fun), len(start)))
+            jacobian[:, free] = found.jac
+        rows, clusters = data.rows(model.residuals(hypothesis, x))
+        before, size = size, float(np.sqrt(np.mean(rows**2)))
+        if not free.any() or abs(size - before) < 0.01 * size:
+            break
+    prior = float(x[:nominal] @ x[:nominal])
+    cost = len(rows) * float(np.log(np.mean(rows**2))) + prior
+    return EffortFit(
+        hypothesis, x, rows / size, clusters, jacobian[: len(rows)] if free.any() else jacobian, prior, cost
+    )
+
+
+def spread(fitted: EffortFit, nominal: int) -> Array:
+    """Standard deviations of all parameters, shape of x; nan where undetermined.
+
+    From the curvature, and from the scatter of the gradient between stretches (the cluster-robust estimate of Liang and
+    Zeger, Biometrika 73 (1986) 13) where there are enough of them; the larger one.
+    """
+    count = len(fitted.x)
+    information = fitted.jacobian.T @ fitted.jacobian + np.diag([1.0] * nominal + [0.0] * (count - nominal))
+    size = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    inverse = np.linalg.pinv(information / np.outer(size, size), rcond=1e-12) / np.outer(size, size)
+    plain = np.diag(inverse)
+    clusters = np.unique(fitted.clusters)
+    if len(clusters) >= CLUSTERS * max(count - nominal, 1):
+        gradients = np.array(
+            [fitted.jacobian[fitted.clusters == k].T @ fitted.rows[fitted.clusters == k] for k in clusters]
+        )
+        factor = len(clusters) / max(len(clusters) - (count - nominal), 1)
+        robust = np.diag(inverse @ (factor * gradients.T @ gradients) @ inverse)
+        plain = np.maximum(plain, robust)
+    return np.sqrt(np.maximum(plain, 0.0))

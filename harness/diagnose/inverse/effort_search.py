@@ -1,0 +1,210 @@
+"""Which set of effects explains recorded efforts: score tests, joint fits, judgement on data held out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from harness.diagnose.claims.rivals import APART
+from harness.diagnose.criticism.remainder import heldout_gain
+from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
+from harness.diagnose.selection.study import log_choose
+
+Array = NDArray[np.float64]
+
+BEAM = 2  # sets carried on
+TRIED = 5  # candidates fitted beside each of them
+DEEPEST = 5  # effects
+MOST_STARTS = 6  # of one candidate
+STRETCHED = 1e-7  # chance of a stretch of the nominal quantities under their tolerance, below which it is evidence
+HELD_OUT = 1.0  # standard deviations by which an effect must improve data held out
+FROM_NOTHING = (
+    3.0  # standard deviations, by the scatter between stretches too, that an effect must be away from absence
+)
+
+
+@dataclass(eq=False)
+class EffortStudy:
+    """Fits of hypotheses to the training data, kept; and their judgement on data held out."""
+
+    data: EffortData
+    held: EffortData
+    candidates: tuple[Candidate, ...]
+    fits: dict[frozenset[str], EffortFit] = field(default_factory=dict)
+
+    @property
+    def nominal(self) -> int:
+        return len(self.data.model.nominal)
+
+    def criterion(self, fitted: EffortFit) -> float:
+        """Extended Bayesian information criterion (Chen and Chen, Biometrika 95 (2008) 759, γ = 1)."""
+        count = len(fitted.hypothesis.members)
+        rare = sum(m.effect.rarity for m in fitted.hypothesis.members)
+        sets = log_choose(len(self.candidates), count)
+        return fitted.cost + fitted.hypothesis.size * float(np.log(self.data.samples)) + 2.0 * (sets + rare)
+
+    def fit(self, hypothesis: Hypothesis, starts: Sequence[Array]) -> EffortFit:
+        best = self.fits.get(hypothesis.identity)
+        for start in starts:
+            found = fit_effort(self.data, hypothesis, start)
+            if best is None or found.cost < best.cost:
+                best = found
+        assert best is not None
+        self.fits[hypothesis.identity] = best
+        return best
+
+    def held_rows(self, fitted: EffortFit) -> Array:
+        """Whitened residuals of the data held out, nothing fitted to them, in units of the noise that the fit left."""
+        rows, _ = self.held.rows(self.held.model.residuals(fitted.hypothesis, fitted.x))
+        raw, _ = self.data.rows(self.data.model.residuals(fitted.hypothesis, fitted.x))
+        return np.asarray(rows / float(np.sqrt(np.mean(raw**2))))
+
+    def heldout_z(self, smaller: EffortFit, larger: EffortFit) -> float:
+        """How much better the larger hypothesis predicts data held out, in standard deviations."""
+        rows, _ = self.held.rows(self.held.model.residuals(smaller.hypothesis, smaller.x))
+        other, _ = self.held.rows(self.held.model.residuals(larger.hypothesis, larger.x))
+        size = float(np.sqrt(np.mean(other**2)))
+        return heldout_gain(rows / size, other / size)
+
+    def from_nothing(self, fitted: EffortFit, k: int) -> float:
+        """Standard deviations that the first parameter of member ``k`` is away from where the effect is absent."""
+        first = fitted.hypothesis.members[k].effect.parameters[0]
+        at = self.nominal + fitted.hypothesis.span(k).start
+        sigma = float(spread(fitted, self.nominal)[at])
+        origin = first.neutral if np.isfinite(first.neutral) else 0.0
+        return abs(float(fitted.x[at]) - origin) / sigma if sigma > 0.0 else float("inf")
+
+    def weight(self, fitted: EffortFit) -> float:
+        """Criterion of the training data, and the same of the data held out without a fit: smaller is better."""
+        rows, _ = self.held.rows(self.held.model.residuals(fitted.hypothesis, fitted.x))
+        return self.criterion(fitted) + len(rows) * float(np.log(np.mean(rows**2)))
+
+    def ranked(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
+        """Candidates by the share of the residual that their trace explains beside what is fitted, with a start each."""
+        model = self.data.model
+        here, _ = self.data.rows(model.residuals(base.hypothesis, base.x))
+        size = float(np.sqrt(np.mean(here**2)))
+        # What the nominal quantities may still take is limited by their prior, so those columns carry it.
+        prior = np.zeros((self.nominal, base.jacobian.shape[1]))
+        prior[:, : self.nominal] = np.eye(self.nominal)
+        basis, _ = np.linalg.qr(np.vstack([base.jacobian, prior]))
+        rest = np.concatenate([here / size, base.x[: self.nominal]])
+        rest = rest - basis @ (basis.T @ rest)
+        out = []
+        for candidate in self.candidates:
+            if not compatible(base.hypothesis, candidate):
+                continue
+            hypothesis = base.hypothesis.with_(candidate)
+            best: tuple[float, Array] | None = None
+            for start in starts_of(candidate):
+                whole = np.concatenate([base.x, start])
+                there, _ = self.data.rows(model.residuals(hypothesis, whole))
+                trace = np.concatenate([(there - here) / size, np.zeros(self.nominal)])
+                trace = trace - basis @ (basis.T @ trace)
+                length = float(trace @ trace)
+                gain = float(trace @ rest) ** 2 / length if length > 1e-12 else 0.0
+                if np.isfinite(gain) and (best is None or gain > best[0]):
+                    best = (gain, start)
+            if best is not None:
+                out.append((best[0], candidate, best[1]))
+        return sorted(out, key=lambda item: -item[0])
+
+    def extend(self, base: EffortFit, candidate: Candidate, start: Array) -> EffortFit:
+        hypothesis = base.hypothesis.with_(candidate)
+        known = self.fits.get(hypothesis.identity)
+        return known or self.fit(hypothesis, [np.concatenate([base.x, start])])
+
+    def reduce(self, base: EffortFit, k: int) -> EffortFit:
+        """The best fit known of anything within ``base`` less member ``k``."""
+        hypothesis = base.hypothesis.without(k)
+        if hypothesis.identity not in self.fits:
+            span = base.hypothesis.span(k)
+            keep = np.ones(len(base.x), dtype=bool)
+            keep[self.nominal + span.start : self.nominal + span.stop] = False
+            self.fit(hypothesis, [base.x[keep], np.zeros(self.nominal) if not hypothesis.members else base.x[keep]])
+        return min((f for key, f in self.fits.items() if key <= hypothesis.identity), key=lambda f: f.cost)
+
+    def rivals(self, best: EffortFit, k: int) -> list[tuple[Candidate, EffortFit]]:
+        """Candidates that could stand in the place of member ``k``, likeliest first, with their fits."""
+        without = self.reduce(best, k)
+        limit = self.weight(best) + APART
+        out = []
+        for _, candidate, start in self.ranked(without)[: 2 * TRIED]:
+            if candidate.key in best.hypothesis.keys:
+                continue
+            found = self.extend(without, candidate, start)
+            if self.criterion(found) < self.criterion(best) + APART and self.weight(found) < limit:
+                out.append((candidate, found))
+        return sorted(out, key=lambda pair: self.weight(pair[1]))
+
+
+def starts_of(candidate: Candidate) -> list[Array]:
+    """Starting values of a candidate's parameters [SI]."""
+    each = [p.start_values(candidate.references) for p in candidate.effect.parameters]
+    combinations = [np.array(c) for c in product(*each)]
+    step = max(1, len(combinations) // MOST_STARTS)
+    if candidate.effect.name == "cogging_torque":
+        # Periods are whole numbers that no slope leads to.
+        phases = (-np.pi / 2.0, 0.0)
+        amplitude = each[0][0]
+        return [np.array([amplitude, float(n), phase]) for n in range(2, 13) for phase in phases]
+    return combinations[::step]
+
+
+def search(study: EffortStudy, progress: Callable[[str], None]) -> EffortFit:
+    """The best set of effects by the criterion, grown from nothing and pruned by the data held out."""
+    empty = study.fit(Hypothesis(), [np.zeros(study.nominal)])
+    beam = [empty]
+    best = empty
+    for depth in range(DEEPEST):
+        grown: list[EffortFit] = []
+        for base in beam:
+            for _, candidate, start in study.ranked(base)[:TRIED]:
+                grown.append(study.extend(base, candidate, start))
+        progress(f"efforts, {depth + 1} effects")
+        if not grown:
+            break
+        beam = sorted({id(f): f for f in grown}.values(), key=study.criterion)[:BEAM]
+        if study.criterion(beam[0]) >= study.criterion(best):
+            break
+        best = beam[0]
+    return settle(study, best)
+
+
+def _needed(smaller: EffortFit, larger: EffortFit) -> float:
+    """Standard deviations by which data held out must improve.
+
+    What the nominal model had to be stretched far beyond its tolerance to imitate cannot show there: the stretched model predicts
+    them as well. The stretch is then the evidence.
+    """
+    stretched = chi2.sf(max(smaller.prior - larger.prior, 0.0), larger.hypothesis.size) < STRETCHED
+    return -HELD_OUT if stretched else HELD_OUT
+
+
+def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
+    """The set with every member dropped that does not pay, or does not improve data held out, and rivals weighed."""
+    while fitted.hypothesis.members:
+        judged = []
+        for k in range(len(fitted.hypothesis.members)):
+            smaller = study.reduce(fitted, k)
+            pays = study.criterion(smaller) - study.criterion(fitted)
+            carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
+            clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING)
+            judged.append((min(pays, carries, clear), k, smaller))
+        worst, _, smaller = min(judged, key=lambda item: item[0])
+        if worst > 0.0:
+            break
+        fitted = smaller
+    for _ in range(len(fitted.hypothesis.members)):
+        options = [f for k in range(len(fitted.hypothesis.members)) for _, f in study.rivals(fitted, k)]
+        better = min(options, key=study.weight, default=fitted)
+        if study.weight(better) >= study.weight(fitted) - 1e-9:
+            break
+        fitted = better
+    return fitted

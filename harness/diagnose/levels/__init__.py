@@ -1,0 +1,1 @@
+"""Recordings that differ: a level of dry friction for each."""

@@ -1,0 +1,166 @@
+"""What a diagnosis says of dry friction that differs from recording to recording, where recordings ask for it.
+
+The laws that the diagnosis claims, or finds likeliest where it doubts dry friction, are fitted once more with a level of
+dry friction for every training recording (``levels.levels``), if friction was not equal at a chance that leaves no doubt
+(``levels.unequal_friction``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from harness.diagnose.claims.conclude import Conclusion
+from harness.diagnose.claims.rivals import ranking
+from harness.diagnose.criticism.doubt import LEVEL
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.levels.levels import LevelFit, fit_levels, free_run_error, labels
+from harness.diagnose.levels.unequal_friction import Unequal, rubbing, unequal_friction
+from harness.diagnose.selection.investigation import Outcome
+from harness.effects.room import STATED
+from harness.recording.recording import Recording
+from harness.system import Attachment, System
+
+LEAST = 0.03  # by which levels must differ to be worth telling
+TIED = 1e-6  # spread of levels that are all but one
+DRY = ("coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction")
+RANKED = 4  # likeliest hypotheses in which dry friction is looked for where none is claimed
+HOW = (
+    "Laws and levels are fitted to the training recordings alone, with one level for all (shared) or one each (levelled). What is "
+    "held out is predicted with the last training recording's level, its initial state fitted. That levels differ was judged on "
+    "all recordings."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Differing:
+    """Levels of dry friction that differ: for programs, in a sentence, and the model at the last training recording's level."""
+
+    document: Mapping[str, Any]
+    sentence: str
+    system: System
+
+
+def differing_levels(
+    outcome: Outcome, conclusion: Conclusion, train: Sequence[Recording], heldout: Sequence[Recording]
+) -> Differing | None:
+    """Levels of dry friction of the training recordings, or None where one level for all is enough or none can be told.
+
+    train, heldout: the recordings behind the problem's runs.
+    """
+    problem = outcome.problem
+    measured = {c.site for c in problem.channels if c.quantity == "position"}
+    if problem.driven or problem.system.flexible or problem.same_recording or len(train) < 2:
+        return None
+    if not measured.issuperset(problem.system.joint_names):
+        return None
+    fitted = next((f for f in _shortlist(outcome, conclusion) if rubbing(outcome, f)), None)
+    if fitted is None or not _can_be_levelled(fitted):
+        return None
+    asked = unequal_friction(outcome, fitted)
+    if asked is None or asked.chance > LEVEL or float(np.ptp(asked.levels)) < LEAST:
+        return None
+    start = _start(outcome, fitted)
+    anew = [_anew(outcome, fitted, k) for k in range(len(problem.runs))]
+    shared = fit_levels(start, train, spread=TIED, anew=anew[: len(train)])
+    levelled = fit_levels(shared.system, train, anew=anew[: len(train)])
+    if _equal(levelled):
+        return None
+    rows: list[dict[str, Any]] = [
+        {
+            "recording": name, "held_out": False, "factor": levelled.levels[name], "std": levelled.level_std[name],
+            "shared_rmse": shared.rmse[name], "levelled_rmse": levelled.rmse[name],
+        }
+        for name in labels(train)
+    ]  # fmt: skip
+    for recording, breaks in zip(heldout, anew[len(train) :], strict=True):
+        before, after = (free_run_error(found.system, recording, anew=breaks) for found in (shared, levelled))
+        rows.append(
+            {
+                "recording": recording.name, "held_out": True, "factor": None, "std": None,
+                "shared_rmse": before, "levelled_rmse": after,
+            }
+        )  # fmt: skip
+    document = {
+        "joints": list(rubbing(outcome, fitted)),
+        "chance": asked.chance,
+        "recordings": rows,
+        "laws": [_law(attachment) for attachment in levelled.system.attachments],
+        "how": HOW,
+    }
+    return Differing(document, _sentence(asked, rows), levelled.system)
+
+
+def _shortlist(outcome: Outcome, conclusion: Conclusion) -> list[Fit]:
+    """Sets whose dry friction may differ, the claimed one first, unless dry friction of the likeliest one is doubted."""
+    first = [conclusion.best, outcome.best]
+    if any(key.partition("@")[0] in DRY for key in conclusion.doubted):
+        # Friction that differs leaves a remainder, and the remainder is why friction is doubted.
+        first.reverse()
+    return [*first, *ranking(outcome, conclusion.best, RANKED)]
+
+
+def _can_be_levelled(fitted: Fit) -> bool:
+    """Whether every member is a law of a joint, a change of the rigid mechanism or a sensor without a clock."""
+    for member in fitted.hypothesis.members:
+        effect = member.effect
+        dated = effect.law is not None and effect.law.sideways
+        clock = effect.sensor is not None and effect.sensor.every_channel
+        if effect.adds_coordinates or dated or clock or effect.user is not None or effect.input is not None:
+            return False
+    return True
+
+
+def _start(outcome: Outcome, fitted: Fit) -> System:
+    """The nominal system with the members attached; where a member takes away what the model states, only the sum is."""
+    system = outcome.problem.system
+    attachments = []
+    for k, member in enumerate(fitted.hypothesis.members):
+        values = member.effect.named(outcome.predictor.effect_values(fitted.hypothesis, k, fitted.x))
+        field = STATED.get(member.effect.name)
+        if field is not None:
+            joint = system.joint(member.site)
+            (name, value), *_ = values.items()
+            none: dict[str, Any] = {field: 0.0}
+            system = system.replace_joint(replace(joint, **none))
+            if getattr(joint, field) + value <= 0.0:
+                continue
+            values = {name: getattr(joint, field) + value}
+        attachments.append(Attachment(member.effect.name, member.site, values))
+    return replace(system, attachments=(*system.attachments, *attachments))
+
+
+def _anew(outcome: Outcome, fitted: Fit, k: int) -> list[float]:
+    """Times [s] from the first sample at which windows of recording k begin, but for the first."""
+    time = outcome.problem.runs[k].time
+    return [float(time[w.first] - time[0]) for w in fitted.windows if w.run == k and w.first > 0]
+
+
+def _equal(found: LevelFit) -> bool:
+    """Whether levels of a fit are all one within their own uncertainty, or too near to it to matter."""
+    factors = np.array(list(found.levels.values())[:-1])
+    std = np.array(list(found.level_std.values())[:-1])
+    if not np.all(std > 0.0):
+        return True
+    square = float(np.sum(((factors - 1.0) / std) ** 2))
+    return float(chi2.sf(square, len(factors))) > LEVEL or float(np.ptp([*factors, 1.0])) < LEAST
+
+
+def _law(attachment: Attachment) -> dict[str, Any]:
+    return {
+        "effect": attachment.effect,
+        "site": attachment.site,
+        "parameters": {k: {"value": v, "std": attachment.std.get(k)} for k, v in attachment.parameters.items()},
+    }
+
+
+def _sentence(asked: Unequal, rows: Sequence[Mapping[str, Any]]) -> str:
+    factors = ", ".join(f"{row['factor']:.3g}" for row in rows if not row["held_out"])
+    return (
+        f"Dry friction differs from recording to recording beyond what one law for all explains (chance {asked.chance:.1g}): in "
+        f"the training recordings it is {factors} times that of the last one."
+    )

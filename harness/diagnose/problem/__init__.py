@@ -1,0 +1,1 @@
+"""The question: system, recordings, windows, candidate effects, hypotheses."""

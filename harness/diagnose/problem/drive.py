@@ -1,0 +1,81 @@
+"""How a recorded effort acts between its samples: smoothly through them, or held from each to the next.
+
+A measured torque passes smoothly through its samples. A controller's command is held until the next one, which for what a
+mechanism can follow is the smooth effort half an interval late.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.problem.problem import Run
+
+Array = NDArray[np.float64]
+
+
+class Drive:
+    """Recorded efforts of one run as they act: on a grid of a simulation, to be joined by straight lines or kept for a step.
+
+    signal: at the run's samples, (B, T).
+    """
+
+    def __init__(self, run: Run, signal: Array, *, held: bool) -> None:
+        stamps = run.time - run.time[0]
+        self.held = held
+        # Averaging in blocks h apart has lost this share, times (ω h)², of a wave.
+        averaging = (1.0 - 1.0 / run.averaged**2) / 24.0
+        if not held:
+            # Straight lines between samples h apart lose a twelfth.
+            self._times, self._values = stamps, _given_back(stamps, signal, 1.0 / 12.0 + averaging)
+            return
+        # Of a block the first sample was held from its own time on. Holding for a block's h loses a twenty-fourth, of which holding
+        # for the interval of recording did lose a part.
+        signal = _given_back(stamps, signal, 2.0 * averaging)
+        begins = stamps - 0.5 * (1.0 - 1.0 / run.averaged) * run.interval
+        # What was applied before the first sample, and is after the last one, is what these say.
+        far = stamps[-1] + run.interval
+        self._times = np.concatenate([[begins[0] - far], begins, [begins[-1] + far]])
+        self._forces = np.concatenate([signal[:, :1], signal], axis=1)
+        # What they have done to a free unit mass by the time of every change: its speed and its place.
+        lasts = np.diff(self._times)
+        self._impulse = _added(self._forces * lasts)
+        self._moved = _added(0.5 * (self._impulse[:, 1:] + self._impulse[:, :-1]) * lasts)
+
+    def at(self, when: Array, row: int = 0) -> Array:
+        """One of the efforts on an even grid ``when`` [s] from the run's first sample, (G,).
+
+        Held ones are the mean over the step that a point begins, so that none of their impulse is lost. What a change within a step
+        would do to the motion by its place there is made up for by the next step.
+        """
+        if not self.held:
+            return np.asarray(np.interp(when, self._times, self._values[row]))
+        step = when[1] - when[0]
+        edges = np.append(when, when[-1] + step)
+        last = np.clip(np.searchsorted(self._times, edges, side="right") - 1, 0, len(self._times) - 2)
+        since = edges - self._times[last]
+        force, before = self._forces[row][last], self._impulse[row][last]
+        impulse = before + force * since
+        moved = np.diff(self._moved[row][last] + before * since + 0.5 * force * since**2)
+        forces = np.diff(impulse) / step
+        delayed = 0.5 * (impulse[1:] + impulse[:-1]) / step - moved / step**2
+        forces -= delayed
+        forces[1:] += delayed[:-1]
+        return forces
+
+
+def _given_back(time: Array, signal: Array, share: float) -> Array:
+    """Samples (B, T) with (ω h)² times ``share`` added to their waves; a mechanism does not follow what lies far above."""
+    if len(time) < 3 or share == 0.0:
+        return signal
+    spacing = np.diff(time)
+    before, after = spacing[:-1], spacing[1:]
+    slopes = np.diff(signal, axis=-1) / spacing
+    out = signal.astype(np.float64, copy=True)
+    out[..., 1:-1] -= np.diff(slopes, axis=-1) * 2.0 / (before + after) * before * after * share
+    return out
+
+
+def _added(parts: Array) -> Array:
+    """Sums of the first 0, 1, 2 … of parts (B, T), (B, T + 1)."""
+    return np.concatenate([np.zeros((len(parts), 1)), np.cumsum(parts, axis=1)], axis=1)

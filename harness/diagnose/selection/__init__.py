@@ -1,0 +1,1 @@
+"""Which effects: score tests, multi-start, beam search over sets, exchange of members."""

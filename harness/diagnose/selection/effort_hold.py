@@ -1,0 +1,90 @@
+"""Whether recorded efforts act smoothly through their samples or are held from each to the next: the recordings tell.
+
+How an effort was logged is a convention and no physics that a model left out, so it is no effect, and costs none of the evidence.
+To a mechanism a held effort is a smooth one that is half an interval late, in every drive alike; where the two are equally good,
+efforts are taken as smooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.problem import Problem
+from harness.diagnose.selection.exchange import pruned
+from harness.diagnose.selection.study import FAR, HOPELESS, Study
+from harness.effects.catalogue import catalogue
+from harness.recording.recording import QualityNote, Recording
+
+PLAIN = 10.0  # in the criterion, beside noise as loud as what is left, from which holding counts as seen
+LATE = "actuator_delay"
+
+
+def either_way(study: Study, fitted: Fit) -> tuple[Study, Fit]:
+    """The study and a fit of it, or both with efforts held where that leaves plainly less, and little more than noise: beside what
+    else the model left out, a sensor that is late would look the same."""
+    if not study.problem.driven or study.problem.held:
+        return study, fitted
+    other = _turned(study)
+    found = other.fit(fitted.hypothesis, [fitted.x], fitted)
+    plainly = found.score < min(fitted.score - PLAIN * other.loudness(found), HOPELESS * other.samples)
+    return (other, found) if plainly else (study, fitted)
+
+
+def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tuple[Study, list[Fit]] | None:
+    """The study with efforts taken the other way and its fits, if the best set there is better; the ``count`` best are tried.
+
+    As good is enough to take them as smooth: what only a half interval more or less in every delay parts is no reason for holding.
+    It is one where nothing then is late at all: a finding less, as good.
+    """
+    best = ordered[0]
+    if not study.problem.driven or not (study.problem.held or _late(best) or not study.only_noise(best)):
+        return None
+    other = _turned(study)
+    near = [f for f in ordered[:count] if f.score < FAR * best.score]
+    for fitted in near:
+        other.fit(fitted.hypothesis, [fitted.x], fitted, target=best.score + PLAIN * study.loudness(best))
+    found = min(other.fits.values(), key=other.criterion)
+    if _late(found) and found.score < best.score + PLAIN * study.loudness(best):
+        found = pruned(other, found)
+    gain = study.criterion(best) - other.criterion(found)
+    least = -PLAIN if study.problem.held else PLAIN
+    if len(found.hypothesis.members) < len(best.hypothesis.members) and not _late(found):
+        least = 0.0
+    if gain < least * study.loudness(best):
+        return None
+    return other, sorted(other.fits.values(), key=other.criterion)
+
+
+def told(problem: Problem, recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings, with a quality note for every effort that was found to be held."""
+    if not problem.held:
+        return list(recordings)
+    return [replace(r, quality=(*r.quality, *(_note(r, e.column or e.name) for e in r.efforts))) for r in recordings]
+
+
+def _note(recording: Recording, column: str) -> QualityNote:
+    return QualityNote(
+        "held_effort",
+        column,
+        "acts from each sample to the next, as a controller's command does, or half an interval late",
+        "taken as held",
+        len(recording.time),
+        size=0.5 * recording.interval,
+    )
+
+
+def _turned(study: Study) -> Study:
+    """A study of the same windows and noise with efforts taken the other way, without any fits."""
+    problem = replace(study.problem, held=not study.problem.held)
+    return Study(
+        problem, study.predictor.taking(problem), replace(study.likelihood, problem=problem), study.candidates, study.windows,
+        first_states=study.first_states, swing=study.swing,
+    )  # fmt: skip
+
+
+def _late(fitted: Fit) -> bool:
+    """Whether a set has something in it that acts late or is read late."""
+    kin = {LATE, *catalogue()[LATE].confusable_with}
+    return any(member.effect.name in kin for member in fitted.hypothesis.members)

@@ -1,0 +1,342 @@
+"""One diagnosis from posed problem to selected hypothesis: noise, short windows, free runs, held-out judgement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.estimation.angle_waves import without_waves
+from harness.diagnose.estimation.horizon import Horizon
+from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.noise_colour import Colour, estimate_colour
+from harness.diagnose.estimation.vibration_windows import stages
+from harness.diagnose.estimation.window_states import measured_state
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.diagnose.problem.problem import Problem
+from harness.diagnose.problem.windows import Window, cut
+from harness.diagnose.selection.beam_search import Effort, grow, polish, transfer
+from harness.diagnose.selection.dissipation_starts import ordinary
+from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
+from harness.diagnose.selection.score_tests import carry_state
+from harness.diagnose.selection.short_window_starts import begun, far_off
+from harness.diagnose.selection.study import FAR, HOPELESS, Study
+
+Array = NDArray[np.float64]
+
+SWINGS = 1.5  # periods of the slowest swing in a short window
+MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected to have its power
+NONLINEAR = 3.0  # times the noise's cost, beyond which free runs of the nominal model say little about what is missing
+SAME_NOISE = 0.03  # relative difference of noise estimates that changes nothing
+EXACT = 1e-6  # of a channel's extent: sensors resolve no less, and computed motions agree to no more
+
+
+def crude_colours(problem: Problem) -> tuple[Colour, ...]:
+    """White noise from third differences, robustly: a first guess that needs no model."""
+    out = []
+    for c in range(len(problem.channels)):
+        sizes = [run.roughness[c] for run in problem.train]
+        out.append(Colour(max(float(np.median(sizes)), quietest(problem, c)), interval=problem.train[0].interval))
+    return tuple(out)
+
+
+def quietest(problem: Problem, channel: int) -> float:
+    """The least noise a channel can have: its resolution, or what the computed motion itself is certain to."""
+    extent = float(np.nanmax([np.nanmax(np.abs(run.values[channel])) for run in problem.train]))
+    return max(problem.steps[channel] / np.sqrt(12.0), EXACT * max(extent, 1e-12))
+
+
+def colours_from(
+    problem: Problem, likelihood: Likelihood, fitted: Fit, predictor: Predictor, motion_hz: float
+) -> tuple[Colour, ...]:
+    """Noise of every channel from the residuals of a fit."""
+    pieces: list[list[Array]] = [[] for _ in problem.channels]
+    places: list[list[Array]] = [[] for _ in problem.channels]
+    for window in fitted.windows:
+        run = problem.runs[window.run]
+        prediction = predictor.predict(fitted.hypothesis, fitted.x[None, :], [(0, window, fitted.states[window])])[0]
+        raw = prediction - run.values[:, window.first : window.last]
+        for c in range(len(problem.channels)):
+            good = np.isfinite(raw[c])
+            if good.sum() >= 32:
+                pieces[c].append(raw[c][good])
+                places[c].append(prediction[c][good])
+    out = []
+    for c, segments in enumerate(pieces):
+        if not segments:
+            out.append(likelihood.colours[c])
+            continue
+        if (problem.channels[c].quantity, problem.channels[c].unit) == ("position", "rad"):
+            segments, _ = without_waves(segments, places[c], problem.steps[c])
+        interval = problem.train[0].interval
+        found = estimate_colour(segments, interval, motion_hz, motion_hz / MOTION_HARMONICS)
+        floor = quietest(problem, c) / np.sqrt(problem.train[0].averaged)
+        out.append(found if found.std >= floor else Colour(floor, interval=interval))
+    return tuple(out)
+
+
+@dataclass(eq=False)
+class Outcome:
+    """What the search ended with, for judging and telling.
+
+    study: fits on all recordings, by which sets of effects are weighed. training: fits on the training recordings alone, whose
+    parameters are those that are told and judged on the data held out. judged, alone: fits on the data held out, of nothing but
+    initial states, and of everything. straight: training fits with the nominal quantities as stated. nominal: as stated, initial
+    states fitted (training).
+    """
+
+    problem: Problem
+    predictor: Predictor
+    study: Study
+    training: Study
+    nominal: Fit
+    empty: Fit
+    best: Fit
+    ordered: list[Fit]
+    held_windows: tuple[Window, ...]
+    motion_hz: float
+    period: float
+    judged: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
+    alone: dict[frozenset[str], Fit] = field(default_factory=dict)
+    straight: dict[frozenset[str], Fit] = field(default_factory=dict)
+
+
+def investigate(
+    problem: Problem,
+    candidates: Sequence[Candidate],
+    frequency: float,
+    *,
+    effort: Effort | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Outcome:
+    """Search for the set of effects that the recordings speak for.
+
+    frequency: of the slowest swing [Hz].
+    """
+    effort = effort or Effort()
+    predictor = Predictor(problem)
+    every = range(len(problem.runs))
+    motion_hz = MOTION_HARMONICS * frequency
+    period = 1.0 / frequency
+    likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
+    horizon = Horizon(problem, predictor, 2.0 * np.pi * frequency)
+    short = horizon.calm(cut(problem.runs, every, SWINGS * period))
+    first = _led_in(problem, predictor, likelihood, short, period)
+    for _ in range(2):
+        likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
+        study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states, swing=period)
+        study.fit(Hypothesis(), [first.x], first)
+        study, first = either_way(study, study.empty())
+        problem, predictor, likelihood = study.problem, study.predictor, study.likelihood
+    predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
+    progress("short windows")
+    groups = horizon.joined(first)
+
+    def lengthened(short: Study) -> tuple[Study, Fit]:
+        """The study of joined windows with the efforts of the short ones, and its nominal model."""
+        longer = Study(
+            short.problem, short.predictor, short.likelihood, tuple(candidates), groups,
+            first_states=first.states, swing=period, hints=short.tests,
+        )  # fmt: skip
+        return longer, longer.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
+
+    long_study, empty = lengthened(study)
+    progress("free runs of the nominal model")
+    seeds = [empty]
+    beginnings = begun(study, effort, progress) if far_off(study, first) else []
+    if beginnings and groups == short:
+        seeds += beginnings
+    if groups != short and (empty.score > NONLINEAR * long_study.samples or study.stretched(first)):
+        # Far from the truth, free runs have many wrong valleys; short windows have few. They find where to begin. What was
+        # bent beyond its tolerance is far from the truth too, however well it fits.
+        if not any(map(study.only_noise, beginnings)):
+            beginnings += ordinary(study, first)
+        short_study, ordered = _begun_with(study, [first, *beginnings], effort, progress)
+        if short_study is not study:
+            long_study, empty = lengthened(short_study)
+            seeds = [empty]
+        seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
+    if min(f.score for f in seeds) > NONLINEAR * long_study.samples:
+        seeds += ordinary(long_study, empty)
+        progress("friction and drag together")
+    likeliest = min(seeds, key=long_study.criterion)
+    held_study, _ = either_way(long_study, likeliest)
+    if held_study is not long_study:
+        long_study, seeds = held_study, _again(held_study, seeds, likeliest)
+        progress("efforts held between samples")
+    long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
+    empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [empty.x], empty)
+    # The noise once more, now behind the best model; a last round under it if it has changed.
+    predictor = long_study.predictor
+    refined = colours_from(long_study.problem, long_study.likelihood, ordered[0], predictor, motion_hz)
+    final = long_study
+    if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined):
+        final = Study(
+            long_study.problem, predictor, replace(long_study.likelihood, colours=refined), tuple(candidates), groups,
+            first_states=first.states, swing=period, hints=long_study.hints, before=long_study,
+        )  # fmt: skip
+        seeds = _again(final, ordered[: 2 * effort.beam], ordered[0])
+        empty = final.fit(Hypothesis(), [empty.x], empty)
+        ordered = grow(final, seeds, effort, progress)
+    final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
+    problem, predictor = final.problem, final.predictor
+    empty = final.known(Hypothesis()) or final.fit(Hypothesis(), [empty.x], empty)
+    own = tuple(w for w in groups if w.run < len(problem.train))
+    held = tuple(w for w in groups if w.run >= len(problem.train))
+    training = Study(
+        problem, predictor, final.likelihood, tuple(candidates), own, first_states=first.states, swing=period
+    )
+    frozen = np.ones(len(predictor.nominal), dtype=bool)
+    states = {w: empty.states[w] for w in own}
+    nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)
+    return Outcome(
+        problem, predictor, final, training, nominal, empty, ordered[0], ordered, held, motion_hz, period
+    )  # fmt: skip
+
+
+def _begun_with(
+    study: Study, seeds: Sequence[Fit], effort: Effort, progress: Callable[[str], None]
+) -> tuple[Study, list[Fit]]:
+    """Sets on short windows for whole runs to begin with; efforts are held from where that shows on."""
+    held: list[Study] = []
+
+    def shows(best: Fit) -> bool:
+        other, _ = either_way(study, best)
+        if other is not study:
+            held.append(other)
+        return bool(held)
+
+    ordered = grow(study, seeds, effort, progress, to_begin_with=True, stop=shows)
+    if not held:
+        return study, ordered
+    progress("efforts held between samples")
+    again = _again(held[0], ordered[: 2 * effort.beam], ordered[0])
+    return held[0], grow(held[0], again, effort, progress, to_begin_with=True)
+
+
+def _again(study: Study, fits: Sequence[Fit], best: Fit) -> list[Fit]:
+    """Fits of another study from where those stand that do not leave far more than the best one."""
+    return [study.fit(f.hypothesis, [f.x], f) for f in fits if f is best or f.score < FAR * best.score]
+
+
+def _other_way(
+    study: Study, ordered: list[Fit], effort: Effort, progress: Callable[[str], None]
+) -> tuple[Study, list[Fit]]:
+    """The search with efforts taken the other way (held, smooth), gone on with from there, where the best set is better so."""
+    turned = better_the_other_way(study, ordered, 2 * effort.beam)
+    if turned is None:
+        return study, ordered
+    progress("efforts taken otherwise")
+    return turned[0], grow(*turned, effort, progress)
+
+
+def _led_in(
+    problem: Problem, predictor: Predictor, likelihood: Likelihood, windows: Sequence[Window], period: float
+) -> Fit:
+    """The nominal model fitted on short windows, by way of shorter ones where its vibrations could slip by a cycle."""
+    near: Fit | None = None
+    x = np.zeros(len(predictor.nominal))
+    for cuts in [*stages(problem, windows), tuple(windows)]:
+        study = Study(problem, predictor, likelihood, (), cuts, swing=period)
+        near = study.fit(Hypothesis(), [x], None if near is None else _restated(near, cuts, Hypothesis()))
+        x = near.x
+    assert near is not None
+    return near
+
+
+def _differ(before: Sequence[Colour], after: Sequence[Colour]) -> bool:
+    """Whether noise estimates differ by more than tests at the usual sizes of recordings would notice."""
+    return any(
+        abs(np.log(a.std / b.std)) > SAME_NOISE or abs(np.log(a.innovation[1] / b.innovation[1])) > SAME_NOISE
+        for a, b in zip(before, after, strict=True)
+    )
+
+
+def _restated(fitted: Fit, windows: Sequence[Window], hypothesis: Hypothesis) -> Fit:
+    states = {w: fitted.states[v] for w in windows for v in fitted.windows if (v.run, v.first) == (w.run, w.first)}
+    return replace(fitted, states=states)
+
+
+def trained(outcome: Outcome, fitted: Fit) -> Fit:
+    """The same hypothesis fitted to the training recordings alone, from where it stands."""
+    if fitted.windows == outcome.training.windows:
+        return fitted
+    known = outcome.training.fits.get(fitted.hypothesis.identity)
+    return known or outcome.training.fit(fitted.hypothesis, [fitted.x], fitted)
+
+
+def judge(outcome: Outcome, fitted: Fit) -> Fit:
+    """The free run over the held-out windows of what was fitted to the training: nothing but the initial states is fitted."""
+    return _judged(outcome, fitted, trained(outcome, fitted))
+
+
+def judge_straight(outcome: Outcome, fitted: Fit) -> Fit:
+    """The same for a hypothesis whose nominal quantities are held to what is stated: what it predicts without bending the model."""
+    key = fitted.hypothesis.identity
+    if key not in outcome.straight:
+        training, k = outcome.training, len(outcome.predictor.nominal)
+        x = trained(outcome, fitted).x.copy()
+        x[:k] = 0.0
+        held = np.arange(len(x)) < k
+        outcome.straight[key] = fit(
+            training.objective(fitted.hypothesis), x,
+            training.states_for(fitted.hypothesis, fitted), fixed=held, others=training.others(fitted.hypothesis),
+        )  # fmt: skip
+    return _judged(outcome, fitted, outcome.straight[key])
+
+
+def _judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
+    """What ``own``, fitted to the training alone, predicts of the data held out. fitted: on all recordings, for its states."""
+    known = outcome.judged.get(id(own))
+    if known is not None:
+        return known[1]
+    states = {}
+    for window in outcome.held_windows:
+        state = fitted.states.get(window)
+        if state is None:
+            base = measured_state(outcome.problem, outcome.predictor, window)
+            state = carry_state(outcome.predictor, Hypothesis(), fitted.hypothesis, base)
+        states[window] = state
+    frozen = np.ones(len(own.x), dtype=bool)
+    held = fit(outcome.study.objective(own.hypothesis).on(outcome.held_windows), own.x, states, fixed=frozen)
+    outcome.judged[id(own)] = (own, held)
+    return held
+
+
+def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
+    """How much less the data held out cost under the larger hypothesis, in standard deviations; negative if they cost more.
+
+    The cost that they add to a fit of the training data when all is fitted again (a predictive likelihood): so what the training
+    leaves uncertain is not held against either hypothesis, and what only soaks up the training's error gains nothing. Where even
+    the larger leaves more than noise there, deviations are as large as what it leaves.
+    """
+    added = _added(outcome, larger)
+    gain = _added(outcome, smaller) - added
+    level = max(added / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0), 1.0)
+    return float(np.sign(gain) * np.sqrt(abs(gain) / level))
+
+
+def training_gain(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
+    """How much better the larger hypothesis fits the training data alone."""
+    return _within(outcome, smaller) - _within(outcome, larger)
+
+
+def _added(outcome: Outcome, fitted: Fit) -> float:
+    """Cost that the data held out add.
+
+    Either fit bounds the other: the one of all recordings costs no less on the training data than those do by themselves, and no
+    more in all than the training fit carried on to the data held out. A fit that has ended in a wrong valley is so found out.
+    """
+    carried_on = trained(outcome, fitted).score + judge(outcome, fitted).cost
+    return max(min(fitted.score, carried_on) - _within(outcome, fitted), 0.0)
+
+
+def _within(outcome: Outcome, fitted: Fit) -> float:
+    """Score of a hypothesis on the training data alone."""
+    own = trained(outcome, fitted)
+    pairs = zip(fitted.windows, fitted.linear.residuals, strict=True)
+    return min(own.score, fitted.prior + sum(float(r @ r) for window, r in pairs if window in own.windows))

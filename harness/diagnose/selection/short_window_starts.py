@@ -1,0 +1,61 @@
+"""Where to begin when the nominal model is altogether off: windows so short that a wrong force has no time to lead far away.
+
+A spring or a counterweight that the model does not have leaves it falling where the recording swings. Free runs over a swing say
+nothing then. Over a few samples any force shows as what it is, an acceleration, and every effect that is a force is as good as
+linear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.windows import equal_parts
+from harness.diagnose.selection.beam_search import Effort, grow, transfer
+from harness.diagnose.selection.study import Study
+
+EXPLAINS_NOTHING = 0.5  # share of how much a window's readings vary, that the nominal model leaves on average
+PARTS = 16  # of a short window, as far as samples allow
+
+
+def far_off(study: Study, fitted: Fit) -> bool:
+    """Whether a fit leaves much of how the readings vary within its windows, on any channel of any recording.
+
+    Not asked of what bends, whose vibrations have short windows of their own (``vibration_windows``).
+    """
+    problem, predictor = study.problem, study.predictor
+    if problem.system.flexible:
+        return False
+    lanes = [(0, window, fitted.states[window]) for window in fitted.windows]
+    left: dict[tuple[int, int], list[float]] = {}
+    for window, predicted in zip(
+        fitted.windows, predictor.predict(fitted.hypothesis, fitted.x[None], lanes), strict=True
+    ):
+        read = problem.runs[window.run].values[:, window.first : window.last]
+        for c in range(len(problem.channels)):
+            good = np.isfinite(read[c])
+            noise = study.likelihood.colours[c].std ** 2
+            varies = float(np.var(read[c, good])) if good.any() else 0.0
+            if varies > 4.0 * noise:
+                miss = float(np.mean(np.clip(predicted[c, good] - read[c, good], -1e9, 1e9) ** 2))
+                left.setdefault((window.run, c), []).append(miss / varies)
+    return any(float(np.median(shares)) > EXPLAINS_NOTHING for shares in left.values())
+
+
+def begun(study: Study, effort: Effort, progress: Callable[[str], None]) -> list[Fit]:
+    """Fits on a study's windows of the sets that very short windows ask for, best first."""
+    cuts = tuple(
+        piece
+        for window in study.windows
+        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_SAMPLES, 1, PARTS)))
+    )
+    fine = Study(study.problem, study.predictor, study.likelihood, study.candidates, cuts, swing=study.swing)
+    empty = fine.fit(Hypothesis(), [np.zeros(len(study.predictor.nominal))], None)
+    progress("very short windows")
+    ordered = grow(fine, [empty], effort, progress, to_begin_with=True)
+    found = transfer(study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
+    return sorted(found, key=study.criterion)
