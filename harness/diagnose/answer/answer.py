@@ -11,9 +11,11 @@ from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
 from harness.diagnose.answer.explain import finding_words, number, plainest, summary
+from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.replay import LONGEST, Opening
 from harness.diagnose.answer.zeros import Zero, zeros_of
 from harness.diagnose.claims.conclude import Claim, Conclusion
+from harness.diagnose.claims.grades import POSSIBLE, grade, loosened, repeatability, repeated
 from harness.diagnose.claims.held_out_only import held_names
 from harness.diagnose.claims.model_comparison import why_lost
 from harness.diagnose.claims.rivals import ranking as likeliest
@@ -26,7 +28,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.experiment.design import propose
 from harness.diagnose.levels.differing_levels import Differing
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.investigation import Outcome, judge, trained
+from harness.diagnose.selection.investigation import Outcome, as_read, judge, trained
 from harness.diagnose.selection.profile_likelihood import as_likely, profiled, spanning
 from harness.diagnose.selection.study import Study
 from harness.parallel import meanwhile
@@ -49,18 +51,29 @@ def answer(
     ]
     side, site = _side_and_site(outcome, conclusion)
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
-    values = _intervals(outcome, conclusion)
+    how = repeated(outcome, conclusion.best)
+    values = {key: loosened(outcome, how, key, own) for key, own in _intervals(outcome, conclusion).items()}
+    again = {claim.candidate.key: repeatability(outcome, how, claim.candidate.key) for claim in conclusion.claims}
+    grades = {
+        claim.candidate.key: grade(outcome, claim, values[claim.candidate.key], again[claim.candidate.key])
+        for claim in conclusion.claims
+    }
+    left = left_out(outcome, conclusion)
     zeros = {claim.candidate.key: zeros_of(outcome, conclusion.best, claim.index) for claim in conclusion.claims}
     rows = _fit_rows(outcome, conclusion)
     return Diagnosis(
         verdict=conclusion.verdict,
-        summary=" ".join([_summary(outcome, conclusion, values, zeros, rows), *([levels.sentence] if levels else [])]),
+        summary=" ".join(
+            [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
+        ),
         noise=noise,
         mismatch=[_mismatch(place) for place in places],
-        findings=_findings(outcome, conclusion, values, zeros),
+        findings=_findings(outcome, conclusion, values, zeros, grades, again),
         ranking=_ranking(outcome, conclusion),
         fit=rows,
         remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
+        explained_share=explained_share(rows),
+        discrepancy=left.document() if left is not None else [],
         next_experiment=next_experiment(),
         quality=[
             {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
@@ -73,7 +86,7 @@ def answer(
             conclusion.own.x,
             ((claim.candidate, values[claim.candidate.key]) for claim in conclusion.claims),
         ),
-        curves=curves(outcome, conclusion.own, conclusion.held),
+        curves=curves(outcome, as_read(outcome, conclusion.own), as_read(outcome, conclusion.held)),
         opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
         levelled=levels.system if levels else None,
@@ -104,11 +117,19 @@ def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
 
 
 def _findings(
-    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]]
-) -> list[dict[str, Any]]:
+    outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]],
+    grades: dict[str, str], again: dict[str, list[dict[str, Any]]],
+) -> list[dict[str, Any]]:  # fmt: skip
     """What is claimed; effects that modify another one at their site are told with it."""
     own = [
-        (c.candidate, _finding(outcome, c, values[c.candidate.key], zeros[c.candidate.key], conclusion.only_held))
+        (
+            c.candidate,
+            {
+                **_finding(outcome, c, values[c.candidate.key], zeros[c.candidate.key], conclusion.only_held),
+                "grade": grades[c.candidate.key],
+                **({"repeatability": again[c.candidate.key]} if again[c.candidate.key] else {}),
+            },
+        )
         for c in conclusion.claims
     ]
     whole = []
@@ -180,7 +201,7 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
 
 def _summary(
     outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]],
-    rows: Sequence[dict[str, Any]],
+    rows: Sequence[dict[str, Any]], grades: dict[str, str], left: LeftOut | None,
 ) -> str:  # fmt: skip
     """The answer in plain words; rows: of every channel, how well it is fitted and foretold."""
     severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=0.0)
@@ -194,13 +215,14 @@ def _summary(
             [f"{z['recording']} {number(z['zero'])} {z['unit']}" for z in zeros[c.candidate.key]],
         )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
+        if grades[c.candidate.key] != POSSIBLE
     ]
     rivals = [
         f"{c.candidate.effect.title.capitalize()} cannot be told here from " + ", ".join(rivals_of(_rivals(c))) + "."
         for c in conclusion.claims
-        if c.rivals
+        if c.rivals and grades[c.candidate.key] != POSSIBLE
     ]
-    return summary(conclusion, severity, titles, rivals, foretold)
+    return summary(conclusion, severity, titles, rivals, foretold, explained_share(rows), left)
 
 
 def _mismatch(place: Mismatch) -> dict[str, Any]:
@@ -222,6 +244,7 @@ def _fit_rows(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     for c, channel in enumerate(outcome.problem.channels):
         row: dict[str, Any] = {"channel": channel.name, "unit": channel.unit}
         for name, (train, held) in fits.items():
+            train, held = as_read(outcome, train), as_read(outcome, held)
             row[name] = {"train_rmse": rmse(outcome, train, c), "heldout_rmse": rmse(outcome, held, c)}
         rows.append({**row, "noise_floor": outcome.study.likelihood.colours[c].std})
     return rows
@@ -230,10 +253,10 @@ def _fit_rows(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
 def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     """The likeliest hypotheses, the one claimed first, and why the others lost."""
     study, best = outcome.study, conclusion.best
-    own = rmse(outcome, judge(outcome, best), 0)
+    own = rmse(outcome, as_read(outcome, judge(outcome, best)), 0)
     rows = []
     for fitted in likeliest(outcome, best, SHOWN):
-        error = rmse(outcome, judge(outcome, fitted), 0)
+        error = rmse(outcome, as_read(outcome, judge(outcome, fitted)), 0)
         rows.append(
             {
                 "effects": list(fitted.hypothesis.keys),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import resolved, spread
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.creep import WHERE_HELD
@@ -49,13 +50,17 @@ TELLING = 0.25
 
 
 def summary(
-    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: float
-) -> str:
+    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: float,
+    explained: float | None = None, left: LeftOut | None = None,
+) -> str:  # fmt: skip
     """The paragraph.
 
     severity, foretold: greatest error over all channels [standard deviations of noise], of the nominal model, and of what the data
-    fitted to predict of those held out.
+    fitted to predict of those held out. explained: share of the mismatch on data held out that the findings remove. left: the force
+    that they leave out.
     """
+    if left is not None:
+        return " ".join([*_beside_a_force(conclusion, severity, findings, foretold, explained, left), *rivals])
     size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
     rest = "a significant remainder stays"
     if not conclusion.remains.significant and not conclusion.doubted:
@@ -80,10 +85,51 @@ def summary(
     if conclusion.imitated:
         text += f" The remainder could have imitated {', '.join(conclusion.imitated)}, so that is not claimed."
     if conclusion.remains.significant:
-        left = plainest(conclusion)
-        where = ", ".join(w for w in left.where if w)
-        text += f" What is left shows as {left.name.split(' at ')[0]}" + (f" ({where})." if where else ".")
+        test = plainest(conclusion)
+        where = ", ".join(w for w in test.where if w)
+        text += f" What is left shows as {test.name.split(' at ')[0]}" + (f" ({where})." if where else ".")
     return text
+
+
+def _beside_a_force(
+    conclusion: Conclusion, severity: float, findings: Sequence[str], foretold: float, explained: float | None, left: LeftOut
+) -> list[str]:  # fmt: skip
+    """Sentences where the model leaves a force out that is more than noise: what is explained, what is left, where that lies."""
+    size = f"by {severity:.3g} times the sensors' noise"
+    if findings:
+        hold = "hold" if len(findings) > 1 else "holds"
+        share = (
+            f" and remove {_percent(explained)} of the mismatch there"
+            if explained is not None and explained > 0.0
+            else ""
+        )
+        if len(findings) == 1:
+            share = share.replace("remove", "removes", 1)
+        text = f"The nominal model leaves the recordings {size}; {' and '.join(findings)} {hold} up on data held out{share}."
+    else:
+        text = (
+            f"The nominal model leaves the recordings {size}, and nothing in the catalogue earns its place for certain."
+        )
+    force = left.largest
+    unit = force.unit.replace("*", "·")
+    sentences = [
+        text,
+        f"What is left of the data held out is {foretold:.2g} times the sensors' noise: a force of {force.size:.2g} {unit} at "
+        f"{force.joint}, {_percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
+        f"{force.memory:.2g} s.",
+    ]
+    if left.place is not None:
+        sentences.append(
+            f"{_percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
+            f"{_percent(left.place.of_time)} of the time."
+        )
+    if conclusion.doubted:
+        sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
+    return sentences
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.4g} %"
 
 
 def plainest(conclusion: Conclusion) -> Test:

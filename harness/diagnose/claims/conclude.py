@@ -276,7 +276,8 @@ def conclude(outcome: Outcome) -> Conclusion:
         remains, incomplete = _remains(outcome, best)
         shaky = [key for k, key in enumerate(best.hypothesis.keys) if not _stands(outcome, best, k, remains)]
         together = []
-    incomplete = incomplete or bool(doubted)
+    # A force that is left out is a remainder, whatever the tests beside it say.
+    incomplete = incomplete or bool(doubted) or outcome.force is not None
     claims = _claims(outcome, best, remains)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     verdict = with_ if claims else without

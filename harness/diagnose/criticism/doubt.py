@@ -219,7 +219,7 @@ def firm(outcome: Outcome, best: Fit, k: int) -> bool:
     Never of a force or error that could be put at many places: one of them always fits some of what something else makes, and
     recordings of one rig repeat that. Nor of what a sensor or drive does if a force might do it: not even the side is then known.
     """
-    if _nowhere(outcome, best, k) or _placed(best.hypothesis.members[k]) or a_force_as_well(outcome, best, k):
+    if _nowhere(outcome, best, k) or placed(best.hypothesis.members[k]) or a_force_as_well(outcome, best, k):
         return False
     smaller = outcome.study.below(best, k)
     if carries(outcome, best, smaller, AMPLY):
@@ -276,7 +276,7 @@ def _shakes(member: Candidate) -> bool:
     return member.effect.side == "dynamics" and {"frequency", "phase"} <= set(member.effect.parameter_names)
 
 
-def _placed(member: Candidate) -> bool:
+def placed(member: Candidate) -> bool:
     """Whether an effect was chosen among many places: numbers of periods, frequencies, angles."""
     return scanned(member) or "phase" in member.effect.parameter_names
 

@@ -7,7 +7,8 @@ very start of a window, whose past a sensor with memory would need, do not count
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +20,26 @@ from harness.diagnose.problem.windows import Window
 Array = NDArray[np.float64]
 
 
+class ModelError(Protocol):
+    """What an error of the model itself makes of residuals that the sensors' noise has whitened (``estimation.discrepancy``)."""
+
+    def discount(self, window: Window, white: Array) -> Array:
+        """Residuals (..., M) of a window as unit-variance ones under the model's error as well."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Likelihood:
     """Noise of every channel of a problem, and the samples' weights.
 
     colours: one a channel, at the sampling interval of the runs. lead: seconds at a window's start that do not count.
+    discrepancy: a force that every hypothesis leaves out, None where the sensors' noise is all there is.
     """
 
     problem: Problem
     colours: tuple[Colour, ...]
     lead: float = 0.0
+    discrepancy: ModelError | None = None
     _weights: dict[Window, Array] = field(default_factory=dict, init=False, repr=False)
 
     def weights(self, window: Window) -> Array:
@@ -74,7 +85,7 @@ class Likelihood:
                 raw[:, :, c] = colour.whiten(raw[:, :, c])
             raw *= np.array([self.weights(windows[k]) for k in which])[:, None]
             for k, own in zip(which, raw.reshape(len(which), lanes, -1), strict=True):
-                out[k] = own
+                out[k] = self.discounted(windows[k], own)
         return out
 
     def whiten_signal(self, window: Window, signal: Array) -> Array:
@@ -82,7 +93,16 @@ class Likelihood:
         for c, colour in enumerate(self.colours):
             signal[:, c] = colour.whiten(signal[:, c])
         signal *= self.weights(window)
-        return signal.reshape(len(signal), -1)
+        return self.discounted(window, signal.reshape(len(signal), -1))
+
+    def discounted(self, window: Window, white: Array) -> Array:
+        """What the sensors' noise has whitened (..., C·T), under the model's own error as well."""
+        return white if self.discrepancy is None else self.discrepancy.discount(window, white)
+
+    @property
+    def of_sensors(self) -> Likelihood:
+        """The same with nothing but the sensors' noise."""
+        return self if self.discrepancy is None else replace(self, discrepancy=None)
 
     def roundest(self, channel: int) -> float:
         """Mean square that rounding alone may reach in a stretch of a channel, in units of the noise's variance; one at least.
@@ -95,6 +115,11 @@ class Likelihood:
     def rounded(self) -> float:
         """The same of whichever channel is rounded most."""
         return max(self.roundest(c) for c in range(len(self.colours)))
+
+    def spread(self, windows: tuple[Window, ...]) -> float:
+        """Log-determinant of the sensors' noise over windows, by which different estimates of it are weighed."""
+        counts = np.sum([np.sum(self.weights(w) ** 2, axis=1) for w in windows], axis=0)
+        return float(sum(2.0 * n * np.log(c.innovation[1]) for n, c in zip(counts, self.colours, strict=True)))
 
     def samples(self, windows: tuple[Window, ...]) -> float:
         """Sum of the weights over windows: the number of independent readings."""

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.angle_waves import without_waves
+from harness.diagnose.estimation.discrepancy import Discrepancy
 from harness.diagnose.estimation.horizon import Horizon
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.noise_colour import Colour, estimate_colour
+from harness.diagnose.estimation.scatter import crude_colours, quietest
 from harness.diagnose.estimation.vibration_windows import stages
 from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.predictor import Predictor
@@ -22,6 +24,7 @@ from harness.diagnose.problem.windows import Window, cut
 from harness.diagnose.selection.beam_search import Effort, grow, polish, transfer
 from harness.diagnose.selection.dissipation_starts import ordinary
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
+from harness.diagnose.selection.model_error import under_model_error
 from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.short_window_starts import begun, far_off
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
@@ -32,22 +35,6 @@ SWINGS = 1.5  # periods of the slowest swing in a short window
 MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected to have its power
 NONLINEAR = 3.0  # times the noise's cost, beyond which free runs of the nominal model say little about what is missing
 SAME_NOISE = 0.03  # relative difference of noise estimates that changes nothing
-EXACT = 1e-6  # of a channel's extent: sensors resolve no less, and computed motions agree to no more
-
-
-def crude_colours(problem: Problem) -> tuple[Colour, ...]:
-    """White noise from third differences, robustly: a first guess that needs no model."""
-    out = []
-    for c in range(len(problem.channels)):
-        sizes = [run.roughness[c] for run in problem.train]
-        out.append(Colour(max(float(np.median(sizes)), quietest(problem, c)), interval=problem.train[0].interval))
-    return tuple(out)
-
-
-def quietest(problem: Problem, channel: int) -> float:
-    """The least noise a channel can have: its resolution, or what the computed motion itself is certain to."""
-    extent = float(np.nanmax([np.nanmax(np.abs(run.values[channel])) for run in problem.train]))
-    return max(problem.steps[channel] / np.sqrt(12.0), EXACT * max(extent, 1e-12))
 
 
 def colours_from(
@@ -103,6 +90,13 @@ class Outcome:
     judged: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
     alone: dict[frozenset[str], Fit] = field(default_factory=dict)
     straight: dict[frozenset[str], Fit] = field(default_factory=dict)
+    read: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
+
+    @property
+    def force(self) -> Discrepancy | None:
+        """The force that every hypothesis leaves out, None where noise is all there is."""
+        found = self.study.likelihood.discrepancy
+        return found if isinstance(found, Discrepancy) else None
 
 
 def investigate(
@@ -169,20 +163,29 @@ def investigate(
         long_study, seeds = held_study, _again(held_study, seeds, likeliest)
         progress("efforts held between samples")
     long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
+    # What is far above the noise is weighed with a force that is left out; where nothing is, noise is the measure again.
+    under = None
+    if ordered[0].score >= HOPELESS * long_study.samples:
+        under = under_model_error(long_study, ordered, period, effort, progress)
+        if under is not None and under[0].likelihood.discrepancy is None:
+            long_study, ordered, under = replace(under[0], hints=long_study.hints), under[1], None
     empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [empty.x], empty)
-    # The noise once more, now behind the best model; a last round under it if it has changed.
-    predictor = long_study.predictor
-    refined = colours_from(long_study.problem, long_study.likelihood, ordered[0], predictor, motion_hz)
-    final = long_study
-    if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined):
-        final = Study(
-            long_study.problem, predictor, replace(long_study.likelihood, colours=refined), tuple(candidates), groups,
-            first_states=first.states, swing=period, hints=long_study.hints, before=long_study,
-        )  # fmt: skip
-        seeds = _again(final, ordered[: 2 * effort.beam], ordered[0])
-        empty = final.fit(Hypothesis(), [empty.x], empty)
-        ordered = grow(final, seeds, effort, progress)
-    final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
+    if under is None:
+        # The noise once more, now behind the best model; a last round under it if it has changed.
+        predictor = long_study.predictor
+        refined = colours_from(long_study.problem, long_study.likelihood, ordered[0], predictor, motion_hz)
+        final, near = long_study, ordered[0].score < HOPELESS * long_study.samples
+        if near and _differ(likelihood.colours, refined):
+            final = Study(
+                long_study.problem, predictor, replace(long_study.likelihood, colours=refined), tuple(candidates), groups,
+                first_states=first.states, swing=period, hints=long_study.hints, before=long_study,
+            )  # fmt: skip
+            seeds = _again(final, ordered[: 2 * effort.beam], ordered[0])
+            empty = final.fit(Hypothesis(), [empty.x], empty)
+            ordered = grow(final, seeds, effort, progress)
+        final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
+        under = under_model_error(final, ordered, period, effort, progress) if near else None
+    final, ordered = under or (final, ordered)
     problem, predictor = final.problem, final.predictor
     empty = final.known(Hypothesis()) or final.fit(Hypothesis(), [empty.x], empty)
     own = tuple(w for w in groups if w.run < len(problem.train))
@@ -305,6 +308,22 @@ def _judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
     held = fit(outcome.study.objective(own.hypothesis).on(outcome.held_windows), own.x, states, fixed=frozen)
     outcome.judged[id(own)] = (own, held)
     return held
+
+
+def as_read(outcome: Outcome, fitted: Fit) -> Fit:
+    """The fit with initial states that bring it as near to the readings as it comes: what a free run leaves, for telling.
+
+    Under a likelihood with a force that is left out, states are fitted to what that force does not explain.
+    """
+    sensors = outcome.study.likelihood.of_sensors
+    if sensors is outcome.study.likelihood:
+        return fitted
+    known = outcome.read.get(id(fitted))
+    if known is None:
+        objective = replace(outcome.study.objective(fitted.hypothesis).on(fitted.windows), likelihood=sensors)
+        every = np.ones(len(fitted.x), dtype=bool)
+        known = outcome.read[id(fitted)] = fitted, fit(objective, fitted.x, fitted.states, fixed=every)
+    return known[1]
 
 
 def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:

@@ -1,0 +1,77 @@
+"""What is told of the force that the augmented model still leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.diagnose.claims.conclude import Conclusion
+from harness.diagnose.criticism.left_force import Place, left_force, place_of
+from harness.diagnose.selection.investigation import Outcome
+from harness.effects.scale import references
+
+
+@dataclass(frozen=True)
+class AtJoint:
+    """The force left out at one joint: standard deviation, its unit, its share of the natural force there, its memory [s]."""
+
+    joint: str
+    size: float
+    unit: str
+    share: float
+    memory: float
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """The force left out at every joint, and the one place where most of it lies."""
+
+    joints: tuple[AtJoint, ...]
+    place: Place | None
+
+    @property
+    def largest(self) -> AtJoint:
+        """Where it is largest against the natural force of its joint."""
+        return max(self.joints, key=lambda one: one.share)
+
+    def document(self) -> list[dict[str, Any]]:
+        """As plain data, a row a joint."""
+        rows: list[dict[str, Any]] = []
+        for one in self.joints:
+            row: dict[str, Any] = {
+                "joint": one.joint, "size": one.size, "unit": one.unit, "share": one.share, "memory": one.memory
+            }  # fmt: skip
+            if self.place is not None and self.place.joint == one.joint:
+                row["place"] = {"where": self.place.where, "share": self.place.share, "of_time": self.place.of_time}
+            rows.append(row)
+        return rows
+
+
+def left_out(outcome: Outcome, conclusion: Conclusion) -> LeftOut | None:
+    """The force that the best set leaves out; None where noise is all that is left."""
+    force = outcome.force
+    if force is None:
+        return None
+    rows = []
+    for joint, size in zip(force.joints, force.sizes, strict=True):
+        unit = outcome.problem.system.joint(joint).force_unit
+        natural = references(outcome.problem.system, joint).torque
+        rows.append(AtJoint(joint, size, unit, size / natural, force.memory))
+    return LeftOut(tuple(rows), place_of(outcome, left_force(outcome, conclusion.best, force)))
+
+
+def explained_share(rows: Sequence[Mapping[str, Any]]) -> float | None:
+    """Share of the nominal model's mean-square mismatch on data held out that the augmented model removes.
+
+    rows: of ``fit``, a row a channel; channels are weighed by their noise. None where the nominal model leaves nothing.
+    """
+    before, after = (
+        float(np.sum([(row[which]["heldout_rmse"] / row["noise_floor"]) ** 2 for row in rows]))
+        for which in ("nominal", "augmented")
+    )
+    if not np.isfinite(before) or not np.isfinite(after) or before <= 0.0:
+        return None
+    return 1.0 - after / before

@@ -1,0 +1,106 @@
+"""How firmly a finding stands, and how its numbers repeat from recording to recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.diagnose.claims.conclude import Claim
+from harness.diagnose.criticism.doubt import placed
+from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
+from harness.diagnose.estimation.intervals import WIDE, Estimate, widened
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.selection.investigation import Outcome
+
+ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
+
+
+@dataclass(frozen=True, eq=False)
+class Repeated:
+    """The fit of all recordings seen recording by recording, or stretch by stretch where there are too few of them.
+
+    recordings: whether by recordings.
+    """
+
+    fitted: Fit
+    spread: Dispersion
+    recordings: bool
+
+
+def repeated(outcome: Outcome, best: Fit) -> Repeated | None:
+    """How the numbers of a fit spread over the recordings; None where nothing can be said."""
+    names = [outcome.problem.runs[window.run].name for window in best.windows]
+    by_recording = len(set(names)) >= FEWEST
+    clusters: list[Any] = names if by_recording else list(range(len(names)))
+    found = dispersion(best, len(outcome.predictor.nominal), clusters)
+    return None if found is None else Repeated(best, found, by_recording)
+
+
+def loosened(outcome: Outcome, how: Repeated | None, key: str, values: Mapping[str, Estimate]) -> dict[str, Estimate]:
+    """Estimates as far apart as recordings of the rig are; as they are where noise is all that is left."""
+    if how is None or outcome.force is None or key not in how.fitted.hypothesis.keys:
+        return dict(values)
+    factors = how.spread.factors[_own(outcome, how.fitted, key)]
+    member = how.fitted.hypothesis.members[how.fitted.hypothesis.keys.index(key)]
+    pairs = zip(member.effect.parameters, factors, strict=True)
+    return {p.name: widened(values[p.name], float(factor), p.lower, p.upper) for p, factor in pairs}
+
+
+def repeatability(outcome: Outcome, how: Repeated | None, key: str) -> list[dict[str, Any]]:
+    """Every parameter of a finding as it is without one of the recordings, by the linear view of the fit."""
+    if how is None or not how.recordings or key not in how.fitted.hypothesis.keys:
+        return []
+    rows = []
+    k = how.fitted.hypothesis.keys.index(key)
+    member, places = how.fitted.hypothesis.members[k], _own(outcome, how.fitted, key)
+    for name, (x, std) in how.spread.without.items():
+        values = [
+            outcome.predictor.effect_values(how.fitted.hypothesis, k, x + sense * np.nan_to_num(std))
+            for sense in (0.0, -WIDE, WIDE)
+        ]
+        parameters = {
+            p.name: {"value": values[0][j], "ci95": sorted((values[1][j], values[2][j]))}
+            for j, p in enumerate(member.effect.parameters)
+            if np.isfinite(std[places][j])
+        }
+        rows.append({"without": str(name), "parameters": parameters})
+    return rows
+
+
+def grade(outcome: Outcome, claim: Claim, values: Mapping[str, Estimate], rows: Sequence[Mapping[str, Any]]) -> str:
+    """How firmly a claim stands.
+
+    Where noise is all that is left: established. Beside a force that is left out: possible, if it was chosen among many places (one
+    of them always fits some of what something else makes) or may as well be absent; likely, if there are too few recordings to
+    say whether it repeats, or leaving one out takes it away; else established.
+
+    values: its parameters; rows: see ``repeatability``.
+    """
+    if outcome.force is None:
+        return ESTABLISHED
+    first = next(iter(claim.candidate.effect.parameters), None)
+    if placed(claim.candidate) or (
+        first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
+    ):
+        return POSSIBLE
+    stands = [
+        first is None
+        or first.name not in row["parameters"]
+        or not _holds(first.neutral, *row["parameters"][first.name]["ci95"])
+        for row in rows
+    ]
+    return ESTABLISHED if stands and all(stands) else LIKELY
+
+
+def _holds(neutral: float, low: float, high: float) -> bool:
+    return low <= neutral <= high
+
+
+def _own(outcome: Outcome, fitted: Fit, key: str) -> slice:
+    """Where a member's parameters stand in the vector."""
+    span = fitted.hypothesis.span(fitted.hypothesis.keys.index(key))
+    first = len(outcome.predictor.nominal)
+    return slice(first + span.start, first + span.stop)

@@ -1,0 +1,242 @@
+"""An unknown force at every joint in the likelihood: what a model's own error does to predictions, beside the sensors' noise.
+
+Where a model is wrong by more than its sensors are, a likelihood of sensor noise alone calls every further law significant and
+every interval narrow. Here the force that a hypothesis leaves out at a joint is a stochastic process with a size and a memory
+(Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425): stationary, exponentially correlated in time. Channels answer to it
+linearly along the motion of a fit, so that its covariance is known without a further run, and whitening a residual means to
+count less in a few directions. Size and memory are estimated by restricted maximum likelihood (Patterson and Thompson,
+Biometrika 58 (1971) 545), the initial states projected out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, qr
+from scipy.optimize import minimize
+from scipy.stats import chi2
+
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linear_response import Response, channels_moved, respond, responsive
+from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.windows import Window, contains
+
+Array = NDArray[np.float64]
+
+MOST_KNOTS = 180  # of a window's forces, all joints together: bounds the work
+FINEST = 40.0  # knots in the period of the slowest swing at most: what is faster moves no joint
+LONGEST = 8.0  # periods of the slowest swing: a force that lasts longer is a constant one
+IMMATERIAL = 1e-4  # variance in units of the sensor's, below which a direction is left as it is
+CHANCE = 1e-6  # of the gain in likelihood under sensor noise alone, below which there is such a force
+SMALLEST, LARGEST = 1e-7, 1e2  # sizes that are looked at, in units of the natural torque
+
+
+@dataclass(frozen=True, eq=False)
+class Forced:
+    """How a window's whitened channels answer to forces at the joints: Q (M, K) orthonormal, R (K, n·k), times of the k knots."""
+
+    q: Array
+    r: Array
+    knots: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Discrepancy:
+    """Size and memory of the force that a model leaves out, and what they make of a whitened residual.
+
+    joints: where it acts; sizes: standard deviations [N·m or N]; memory: correlation time [s]; gain: twice the log-likelihood over
+    none; scale: natural force that the responses are in [N·m].
+    """
+
+    joints: tuple[str, ...]
+    sizes: tuple[float, ...]
+    memory: float
+    gain: float
+    scale: float
+    responses: Responses
+    _filters: dict[Window, tuple[Array, Array]] = field(default_factory=dict, repr=False)
+
+    def discount(self, window: Window, white: Array) -> Array:
+        """Residuals (..., M) whitened by the sensors' noise, as unit-variance ones under the force as well."""
+        directions, shrink = self._filter(window)
+        return np.asarray(white - ((white @ directions) * shrink) @ directions.T)
+
+    def _filter(self, window: Window) -> tuple[Array, Array]:
+        if window not in self._filters:
+            forced = self.responses.of(window)
+            spread = forced.r @ covariance_at(forced.knots, np.array(self.sizes) / self.scale, self.memory) @ forced.r.T
+            values, vectors = np.linalg.eigh(spread)
+            seen = values > IMMATERIAL
+            self._filters[window] = forced.q @ vectors[:, seen], 1.0 - 1.0 / np.sqrt(1.0 + values[seen])
+        return self._filters[window]
+
+
+@dataclass(eq=False)
+class Responses:
+    """Answers of the whitened channels to forces along the motion of one fit, in its windows and in pieces of them."""
+
+    probe: Whitening
+    found: Mapping[Window, Response]
+    torque: float
+    period: float
+    _known: dict[Window, Forced] = field(default_factory=dict)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Where forces may act: at the joints, not at the coordinates of what gives or bends."""
+        names = self.probe.predictor.mechanism(self.probe.fitted.hypothesis).names
+        return tuple(name for name in names if name in self.probe.predictor.problem.system.joint_names)
+
+    def of(self, window: Window) -> Forced:
+        """The answer in a window or in a piece of one; nothing where the fit has no motion."""
+        if window not in self._known:
+            self._known[window] = self._made(window)
+        return self._known[window]
+
+    def _made(self, window: Window) -> Forced:
+        motion = self.motion(window)
+        channels = len(self.probe.predictor.problem.channels)
+        if motion is None:
+            return Forced(np.zeros((channels * window.size, 0)), np.zeros((0, 0)), np.zeros(0))
+        names = self.probe.predictor.mechanism(self.probe.fitted.hypothesis).names
+        places = [names.index(joint) for joint in self.joints]
+        span = float(motion.time[-1])
+        count = int(np.clip(np.ceil(span * FINEST / self.period), 2, max(MOST_KNOTS // len(places), 2)))
+        knots = np.linspace(0.0, span, count + 1)
+        hats = np.maximum(1.0 - np.abs(motion.time - knots[:, None]) / (knots[1] - knots[0]), 0.0)
+        columns = [
+            channels_moved(
+                self.probe.predictor, self.probe.likelihood, self.probe.fitted, motion,
+                partial(motion.by_force, place), len(hats),
+                lambda own: self.torque * hats[own],
+            ).T
+            for place in places
+        ]  # fmt: skip
+        q, r = qr(np.nan_to_num(np.hstack(columns)), mode="economic", check_finite=False)
+        return Forced(q, r, knots)
+
+    def motion(self, window: Window) -> Response | None:
+        """The motion of the fit in a window or in a piece of one, None where it has none."""
+        if window in self.found:
+            return self.found[window]
+        whole = next((w for w in self.found if contains(w, window)), None)
+        if whole is None:
+            return None
+        run = self.probe.predictor.problem.runs[window.run]
+        motion, predictor = self.found[whole], self.probe.predictor
+        size = len(predictor.grid(window, predictor.margin(self.probe.fitted.hypothesis)).own)
+        since = run.time[window.first] - run.time[whole.first]
+        first = max(min(int(np.searchsorted(motion.time, since + 1e-9)) - 1, len(motion.time) - size), 0)
+        part, steps = slice(first, first + size), slice(first, first + size - 1)
+        return replace(
+            motion, window=window, time=motion.time[part] - motion.time[first], q=motion.q[part],
+            qd=motion.qd[part], qdd=motion.qdd[part], transition=motion.transition[steps], force=motion.force[steps],
+            base=motion.base[steps],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Whitening:
+    """The fit that forces act along, and the sensors' noise alone that whitens what they do."""
+
+    predictor: Predictor
+    likelihood: Likelihood
+    fitted: Fit
+
+
+def responses(
+    predictor: Predictor, likelihood: Likelihood, fitted: Fit, torque: float, period: float
+) -> Responses | None:
+    """Answers to forces along a fit; None where channels do not answer linearly. torque: natural size [N·m]; period [s]."""
+    if not responsive(predictor):
+        return None
+    motions = {window: respond(predictor, fitted, window, torque) for window in fitted.windows}
+    return Responses(Whitening(predictor, likelihood.of_sensors, fitted), motions, torque, period)
+
+
+def covariance_at(knots: Array, sizes: Array, memory: float) -> Array:
+    """Covariance (n·k, n·k) of the forces at the knots, in natural units, joint after joint."""
+    one = np.exp(-np.abs(knots[:, None] - knots) / max(memory, 1e-12))
+    return np.asarray(np.kron(np.diag(sizes**2), one))
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A window's residual seen by the forces, the initial state projected out: cost outside, Qᵀr, R, knots."""
+
+    along: Array
+    r: Array
+    knots: Array
+
+
+def _pieces(found: Responses, fitted: Fit, residuals: Sequence[Array]) -> list[_Piece]:
+    out = []
+    for window, residual, basis in zip(fitted.windows, residuals, fitted.linear.bases, strict=True):
+        forced = found.of(window)
+        if not forced.q.shape[1]:
+            continue
+        states = np.linalg.qr(basis)[0] if basis.shape[1] else np.zeros((len(residual), 0))
+        seen = states.T @ forced.q
+        # H = Q R less its part along the initial states, factorised again in the small space.
+        small = np.eye(len(seen.T)) - seen.T @ seen
+        values, vectors = np.linalg.eigh(small)
+        kept = values > 1e-10
+        root = np.sqrt(values[kept])
+        projected = residual - states @ (states.T @ residual)
+        along = (vectors[:, kept].T @ (forced.q.T @ projected)) / root
+        out.append(_Piece(along, (root[:, None] * vectors[:, kept].T) @ forced.r, forced.knots))
+    return out
+
+
+def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float) -> float:
+    """Twice the restricted log-likelihood with such a force over that of none."""
+    total = 0.0
+    for piece in pieces:
+        spread = piece.r @ covariance_at(piece.knots, sizes, memory) @ piece.r.T
+        spread[np.diag_indices_from(spread)] += 1.0
+        factor = cho_factor(spread, lower=True, check_finite=False)
+        total += float(piece.along @ piece.along) - float(piece.along @ cho_solve(factor, piece.along))
+        total -= 2.0 * float(np.sum(np.log(np.diag(factor[0]))))
+    return total
+
+
+def estimate(found: Responses, fitted: Fit, residuals: Sequence[Array], joints: Sequence[str]) -> Discrepancy | None:
+    """Size and memory of the force that a fit leaves out; None where sensor noise alone will do.
+
+    residuals: of the fit, whitened by the sensors' noise alone, per window (M,).
+    """
+    pieces = _pieces(found, fitted, residuals)
+    if not pieces:
+        return None
+    n = len(joints)
+    shortest = max(float(np.median([p.knots[1] - p.knots[0] for p in pieces])), 1e-9)
+    bounds = [(np.log(SMALLEST), np.log(LARGEST))] * n + [(np.log(shortest), np.log(LONGEST * found.period))]
+
+    def loss(z: Array) -> float:
+        return -_gain(pieces, np.exp(z[:n]), float(np.exp(z[n])))
+
+    best: tuple[float, Array] | None = None
+    for memory in (2.0 * shortest, 0.25 * found.period):
+        start = np.log(np.array([*np.full(n, _first_size(pieces, n, memory)), memory]))
+        start = np.clip(start, *np.array(bounds).T)
+        ended = minimize(loss, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": 25, "ftol": 1e-7})
+        if best is None or ended.fun < best[0]:
+            best = float(ended.fun), np.asarray(ended.x)
+    assert best is not None
+    gain = -best[0]
+    if chi2.sf(max(gain, 0.0), n + 1) >= CHANCE:
+        return None
+    sizes = tuple(float(s) * found.torque for s in np.exp(best[1][:n]))
+    return Discrepancy(tuple(joints), sizes, float(np.exp(best[1][n])), gain, found.torque, found)
+
+
+def _first_size(pieces: Sequence[_Piece], joints: int, memory: float) -> float:
+    """A size that accounts for the excess of the residual over noise, in natural units."""
+    excess = sum(max(float(p.along @ p.along) - len(p.along), 0.0) for p in pieces)
+    one = sum(float(np.sum((p.r @ covariance_at(p.knots, np.ones(joints), memory)) * p.r)) for p in pieces)
+    return float(np.clip(np.sqrt(max(excess, 1e-12) / max(one, 1e-300)), 10.0 * SMALLEST, 0.1 * LARGEST))

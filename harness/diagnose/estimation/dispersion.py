@@ -1,0 +1,85 @@
+"""How far a fit's numbers differ from recording to recording, beyond what its likelihood expects, and what that says of intervals.
+
+Where a model leaves something out, recordings of one rig disagree about its numbers by more than any noise inside one of them
+says. Each recording's share of the gradient at the fit tells what it alone would change (one Newton step, no further run); the
+spread of these is a sandwich estimate with recordings as clusters (Liang and Zeger, Biometrika 73 (1986) 13). Of few recordings
+it is a poor estimate by itself, so every parameter's is held together with the pooled one of all (Smyth, Stat. Appl. Genet. Mol.
+Biol. 3 (2004) 3), and intervals have the quantiles of Student's distribution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm, t
+
+from harness.diagnose.estimation.least_squares import Fit
+
+Array = NDArray[np.float64]
+
+POOLED = 4.0  # recordings that the spread of all parameters together counts as, beside a parameter's own
+FEWEST = 3  # clusters without which nothing can be said
+
+
+@dataclass(frozen=True, eq=False)
+class Dispersion:
+    """What recordings say of a fit one by one.
+
+    factors: on standard deviations and half-widths of intervals, at least one, (P,). without: the shared parameters with one
+    cluster left out, by its name, (P,); each with its standard deviations (P,).
+    """
+
+    factors: Array
+    without: Mapping[Hashable, tuple[Array, Array]]
+
+
+def dispersion(fitted: Fit, nominal: int, clusters: Sequence[Hashable]) -> Dispersion | None:
+    """The spread of a fit's shared parameters over clusters of its windows; None of fewer than ``FEWEST`` clusters.
+
+    nominal: number of leading parameters with a unit normal prior. clusters: of every window of the fit.
+    """
+    names = list(dict.fromkeys(clusters))
+    free = np.flatnonzero(fitted.free)
+    count = len(names)
+    if count < FEWEST or not len(free):
+        return None
+    # As many rows of every window as its triangle has (``linearisation.eliminated``).
+    edges = np.cumsum([min(len(r), len(fitted.x) + 1) for r in fitted.linear.residuals])[:-1]
+    rows = np.split(fitted.linear.matrix[:, free], edges)
+    right = np.split(fitted.linear.vector, edges)
+    information = {name: np.zeros((len(free), len(free))) for name in names}
+    slopes = {name: np.zeros(len(free)) for name in names}
+    for cluster, a, b in zip(clusters, rows, right, strict=True):
+        information[cluster] += a.T @ a
+        slopes[cluster] += a.T @ b
+    prior = np.diag((free < nominal).astype(np.float64))
+    whole = _inverse(sum(information.values()) + prior)
+    sigma = np.sqrt(np.diag(whole))
+    pull = prior @ fitted.x[free]
+    # What the prior pulls is shared out, so that the clusters' slopes add up to nothing at the fit.
+    moved = np.array([whole @ (slopes[name] + pull / count) for name in names])
+    own = np.sum((moved - moved.mean(axis=0)) ** 2, axis=0) * count / (count - 1)
+    seen = sigma > 0.0
+    ratio = np.where(seen, own / np.where(seen, sigma, 1.0) ** 2, 1.0)
+    pooled = max(float(np.mean(ratio[seen])) if seen.any() else 1.0, 1.0)
+    moderated = np.maximum((POOLED * pooled + (count - 1) * ratio) / (POOLED + count - 1), 1.0)
+    student = float(t.ppf(0.975, POOLED + count - 1) / norm.ppf(0.975))
+    factors = np.ones(len(fitted.x))
+    factors[free] = np.sqrt(moderated) * student
+    without = {}
+    for name in names:
+        rest = _inverse(sum(information.values()) - information[name] + prior)
+        x, std = fitted.x.copy(), np.full(len(fitted.x), np.nan)
+        x[free] += rest @ slopes[name]
+        std[free] = np.sqrt(np.diag(rest) * moderated)
+        without[name] = x, std
+    return Dispersion(factors, without)
+
+
+def _inverse(matrix: Array) -> Array:
+    values, vectors = np.linalg.eigh(matrix)
+    values = np.maximum(values, 1e-14 * max(float(values.max(initial=0.0)), 1e-300))
+    return np.asarray((vectors / values) @ vectors.T)

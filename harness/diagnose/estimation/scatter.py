@@ -1,0 +1,25 @@
+"""Noise of the sensors as the recordings alone show it: how rough readings are from sample to sample."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.problem.problem import Problem
+
+EXACT = 1e-6  # of a channel's extent: sensors resolve no less, and computed motions agree to no more
+
+
+def crude_colours(problem: Problem) -> tuple[Colour, ...]:
+    """White noise from third differences, robustly: a first guess that needs no model."""
+    out = []
+    for c in range(len(problem.channels)):
+        sizes = [run.roughness[c] for run in problem.train]
+        out.append(Colour(max(float(np.median(sizes)), quietest(problem, c)), interval=problem.train[0].interval))
+    return tuple(out)
+
+
+def quietest(problem: Problem, channel: int) -> float:
+    """The least noise a channel can have: its resolution, or what the computed motion itself is certain to."""
+    extent = float(np.nanmax([np.nanmax(np.abs(run.values[channel])) for run in problem.train]))
+    return max(problem.steps[channel] / np.sqrt(12.0), EXACT * max(extent, 1e-12))

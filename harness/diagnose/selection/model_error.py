@@ -1,0 +1,138 @@
+"""The search once more under a likelihood that knows that every hypothesis leaves something out.
+
+Where the best set still leaves more than the sensors' noise, that noise is no measure of what a further law is worth: thousands
+of samples call any of them significant. Sets are then weighed by the likelihood with an unknown force at every joint beside the
+sensors' noise (``estimation.discrepancy``), its size and memory estimated for each set by itself, so that a law pays by making
+that force smaller, in steps that hundreds of samples which err together cannot make look large.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from harness.diagnose.estimation.discrepancy import Discrepancy, Responses, estimate, responses
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.scatter import crude_colours
+from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.selection.beam_search import Effort, grow, polish
+from harness.diagnose.selection.study import Study
+from harness.effects.scale import references
+
+COMPARED = 12  # sets whose own force is estimated, to choose the one that the first likelihood is made from
+SETTLED = 0.2  # relative change of a force's size that changes no weighing
+ROUNDS = 3  # of estimating the force and weighing again
+
+
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """A set with what else is at work as it says itself: a force, or none, beside noise of these sensors; its criterion."""
+
+    fitted: Fit
+    value: float
+    sensors: Likelihood
+    force: Discrepancy | None
+
+
+def weighed(study: Study, ways: Sequence[Responses], fitted: Fit) -> Weighed:
+    """The criterion of a set, size and memory of the force that it leaves out its own, under the likeliest noise of the sensors.
+
+    ways: how channels answer to forces, under several takes on the sensors' noise. A slow error of the model looks like coloured
+    noise of a sensor, and only the whole likelihood tells which it is: noise that the channels' own scatter does not show, or a
+    force that moves the joints. Comparable under any of them: −2 log L with the determinant in it.
+    """
+    rows = []
+    for found in ways:
+        sensors = found.probe.likelihood
+        objective = replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=sensors)
+        ((cost, residuals),) = objective.residuals([(fitted.x, fitted.states)])
+        force = estimate(found, fitted, residuals, found.joints)
+        gain = 0.0 if force is None else force.gain - 2.0 * (len(found.joints) + 1)
+        colours = 2.0 * sum(1.0 for colour in sensors.colours if colour.coloured > 0.0)
+        rows.append((cost - gain + sensors.spread(fitted.windows) + 2.0 * colours, sensors, force))
+    value, sensors, force = min(rows, key=lambda row: row[0])
+    return Weighed(fitted, study.criterion(fitted) - fitted.cost + value, sensors, force)
+
+
+def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
+    """How the channels answer to forces along a fit, whitened by the noise as estimated and by the channels' own scatter alone.
+
+    None where they do not answer linearly.
+    """
+    system = study.problem.system
+    torque = max(references(system, joint).torque for joint in system.joint_names)
+    takes = [study.likelihood.of_sensors]
+    if any(colour.coloured > 0.0 for colour in study.likelihood.colours):
+        takes.append(replace(takes[0], colours=crude_colours(study.problem)))
+    found = (responses(study.predictor, sensors, fitted, torque, period) for sensors in takes)
+    return [one for one in found if one is not None]
+
+
+def under_model_error(
+    study: Study, ordered: Sequence[Fit], period: float, effort: Effort, progress: Callable[[str], None]
+) -> tuple[Study, list[Fit]] | None:
+    """The study with the force that is left out in its likelihood, and its sets, best first; None where there is no such force.
+
+    Where the search under such a force finds sets that leave nothing but noise, theirs is a study without. period: of the slowest
+    swing [s].
+    """
+    if study.only_noise(ordered[0]) and not any(colour.coloured > 0.0 for colour in study.likelihood.colours):
+        return None
+    ways = answers(study, ordered[0], period)
+    if not ways:
+        return None
+    near = sorted(study.fits.values(), key=study.criterion)[:COMPARED]
+    rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
+    if rows[0].force is None:
+        return None
+    progress("a force that is left out")
+    taken, wider, ranked = rows[0], study, [row.fitted for row in rows]
+    for turn in range(ROUNDS):
+        wider = _with_force(study, taken)
+        fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
+        if not turn:
+            empty = wider.fit(Hypothesis(), [study.empty().x], study.empty())
+            fits = polish(wider, grow(wider, [empty, *fits], effort, progress), effort, progress)
+        found = least(wider, ways, sorted(fits, key=wider.criterion), progress)
+        ranked = [found.fitted, *(f for f in fits if f is not found.fitted)]
+        if found.force is None:
+            # What was found on the way leaves nothing but noise: no force is left out.
+            plain = _with_force(study, found)
+            return plain, sorted(
+                (plain.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]), key=plain.criterion
+            )
+        settled, taken = _alike(taken, found), found
+        if settled:
+            break
+    return wider, ranked
+
+
+def _alike(one: Weighed, other: Weighed) -> bool:
+    """Whether two likelihoods weigh alike."""
+    if one.force is None or other.force is None or one.sensors is not other.sensors:
+        return False
+    pairs = zip(one.force.sizes, other.force.sizes, strict=True)
+    return all(abs(a - b) <= SETTLED * max(a, b) for a, b in pairs)
+
+
+def _with_force(study: Study, taken: Weighed) -> Study:
+    """A study of the same windows, nothing fitted yet, with such noise and such a force in its likelihood."""
+    return Study(
+        study.problem, study.predictor, replace(taken.sensors, discrepancy=taken.force), study.candidates, study.windows,
+        first_states=study.first_states, swing=study.swing,
+    )  # fmt: skip
+
+
+def least(study: Study, ways: Sequence[Responses], ordered: Sequence[Fit], progress: Callable[[str], None]) -> Weighed:
+    """The set whose own likelihood is best, among those found and, one member after the other left out, the best one's parts."""
+    best = min((weighed(study, ways, fitted) for fitted in ordered[:COMPARED]), key=lambda row: row.value)
+    while best.fitted.hypothesis.members:
+        members = range(len(best.fitted.hypothesis.members))
+        parts = [weighed(study, ways, study.below(best.fitted, k)) for k in members]
+        smaller = min(parts, key=lambda row: row.value)
+        if smaller.value >= best.value:
+            break
+        best = smaller
+        progress(" + ".join(best.fitted.hypothesis.keys) or "nothing")
+    return best
