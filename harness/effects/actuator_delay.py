@@ -1,6 +1,6 @@
 """A drive that acts late."""
 
-from harness.effects.effect import Effect, Family, Input, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, Input, Parameter, Plausible, SiteKind
 from harness.effects.measurement import held_delay
 from harness.effects.scale import Scale
 
@@ -18,6 +18,10 @@ EFFECT = Effect(
             upper=10.0,
             scale=Scale(2.0, interval=1),
             starts=(1.0, 5.0),
+            plausible=Plausible(
+                Scale(0.02),
+                "buses and drives of laboratory rigs, some milliseconds (Åström and Wittenmark, Computer-Controlled Systems, 1997)",
+            ),
         ),
     ),
     signature="The response to every change of the drive is late by the same time.",

@@ -1,6 +1,6 @@
 """A drive that gives more or less than is recorded: a wrong torque constant, a wrong gear ratio."""
 
-from harness.effects.effect import Effect, Family, Input, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, Input, Parameter, Plausible, SiteKind
 from harness.effects.measurement import gain
 from harness.effects.scale import Scale
 
@@ -19,6 +19,7 @@ EFFECT = Effect(
             neutral=1.0,
             scale=Scale(0.05),
             starts=(1.0, -1.0, 6.0, -6.0),
+            plausible=Plausible(Scale(0.1), "torque constants of motors, 10 % by their data sheets"),
         ),
     ),
     signature="The response to the drive is too large or too small by one factor; free motion is as modelled.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.system import System
 
@@ -29,6 +29,10 @@ EFFECT = Effect(
             scale=Scale(0.05, inertia=1),
             starts=(0.4, 4.0),
             linear_unit="kg",
+            plausible=Plausible(
+                Scale(1.0, inertia=1),
+                "rotors seen through gears are as heavy as the arm they drive (Armstrong et al., ICRA 1986)",
+            ),
         ),
     ),
     signature="The swing is slower than modelled by the same factor at every amplitude, and gravity torque is right.",

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.effects.directions import turning_axis
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.system import System
 from harness.system.description import constant
@@ -35,6 +35,7 @@ EFFECT = Effect(
             upper=np.pi,
             scale=Scale(0.02),
             starts=(1.0, -1.0),
+            plausible=Plausible(Scale(0.035), "two degrees: a bench is set level by eye or by a spirit level"),
         ),
     ),
     signature="The equilibrium is shifted by the angle, and the whole swing with it, at every amplitude alike.",

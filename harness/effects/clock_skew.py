@@ -1,6 +1,6 @@
 """A logger whose clock runs fast or slow; acts on every channel."""
 
-from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import clock_skew
 from harness.effects.scale import Scale
 
@@ -19,6 +19,7 @@ EFFECT = Effect(
             neutral=1.0,
             scale=Scale(0.005),
             starts=(1.0, -1.0, 10.0, -10.0),
+            plausible=Plausible(Scale(1e-4), "crystal oscillators keep time to 1e-4 (Ridoux and Veitch, 2010)"),
         ),
     ),
     signature="Everything is slower or faster by the same factor; the phase runs away steadily.",

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.errors import InputError
 from harness.system import System
@@ -34,6 +34,7 @@ EFFECT = Effect(
             "shift away from the joint, mass and inertia about the centre of mass unchanged",
             scale=Scale(0.03, length=1),
             starts=(0.5, -0.5, 2.0),
+            plausible=Plausible(Scale(0.1, length=1), "a tenth of the link: from drawings without cables and screws"),
         ),
     ),
     signature="The swing's frequency is off by the same factor at every amplitude; the equilibrium stays.",

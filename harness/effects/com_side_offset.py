@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.errors import InputError
 from harness.system import System
@@ -35,6 +35,9 @@ EFFECT = Effect(
             "shift along axis × centre of mass, mass and inertia about the centre of mass unchanged",
             scale=Scale(0.02, length=1),
             starts=(1.0, -1.0),
+            plausible=Plausible(
+                Scale(0.05, length=1), "a twentieth of the link: from drawings without cables and screws"
+            ),
         ),
     ),
     signature="The equilibrium is shifted, the swing about it as modelled; for one link alone the same as a tilted "

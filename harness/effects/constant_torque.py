@@ -1,6 +1,6 @@
 """A torque that is always there: a hanging cable, a preload, an offset of the drive."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -16,6 +16,7 @@ EFFECT = Effect(
             scale=Scale(0.02, torque=1),
             starts=(1.0, -1.0),
             linear_unit="N",
+            plausible=Plausible(Scale(0.3, torque=1), "a counterweight or a current's zero, below what gravity does"),
         ),
     ),
     signature="The equilibrium is shifted, and by a torque: at large amplitude the two sides differ otherwise than "

@@ -46,6 +46,21 @@ class SiteKind(StrEnum):
 
 
 @dataclass(frozen=True)
+class Plausible:
+    """How far from absence a number usually is, and why: the scale of a Cauchy prior, whose tails rule nothing out.
+
+    size: in the parameter's unit. source: where that is from.
+    """
+
+    size: Scale
+    source: str
+
+    def surprise(self, away: float, references: References) -> float:
+        """−2 log of the prior's density, less its greatest value, at a distance from absence."""
+        return float(2.0 * np.log1p((away / self.size(references)) ** 2))
+
+
+@dataclass(frozen=True)
 class Parameter:
     """One number of an effect.
 
@@ -59,6 +74,7 @@ class Parameter:
         "line" where steady lines of the channel must, "range" where the motion's range must (the misfit has no slope far from the
         truth), "size" where the starts are tried as they are, because equations are stiff near absence.
     inexact: relative error at most of what the effect's model makes of it, whatever the recording.
+    plausible: how large it usually is, where that is known.
     """
 
     name: str
@@ -72,6 +88,7 @@ class Parameter:
     search: str = "gradient"
     linear_unit: str = ""
     inexact: float = 0.0
+    plausible: Plausible | None = None
 
     @property
     def positive(self) -> bool:

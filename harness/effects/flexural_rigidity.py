@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.errors import InputError
 from harness.system import System
@@ -41,6 +41,7 @@ EFFECT = Effect(
             scale=Scale(0.1),
             starts=(1.0, -1.0, 5.0, -5.0),
             search="spectrum",
+            plausible=Plausible(Scale(0.2), "moduli and thicknesses of stock, 5 % each, the latter to the third power"),
         ),
     ),
     signature="The vibration's frequency is off (as the square root of the factor), and static deflection inversely.",

@@ -17,6 +17,9 @@ stands beside what the model states already.
 (torque: largest gravity torque about the joint; inertia about its axis; frequency: √(torque/inertia) in rad/s; signal: half the
 channel's range; effort: the largest applied; duration; interval between samples; gravity; mass carried; length to the tip).
 
+*Usually* says how large a number is as a rule, the scale of a Cauchy prior: of effects that recordings cannot part, the one that
+is plausible at its size is named first. It rules nothing out that recordings show.
+
 Friction that depends on direction needs no effect of its own: T₊ one way and T₋ the other is exactly `coulomb_friction` of
 (T₊ + T₋)/2 with `constant_torque` of (T₋ − T₊)/2, sliding and sticking.
 
@@ -45,6 +48,11 @@ def _section(effect: Effect) -> str:
         f"- **Signature** {_sentence(effect.signature)}",
         f"- **Shown by** {_sentence(effect.shows_in)}",
         f"- **Engines** {'; '.join(f'{engine}: {how}' for engine, how in effect.expressed_by.items())}.",
+    ]
+    lines += [
+        f"- **Usually** `{parameter.name}` is within {parameter.plausible.size} of absence: {parameter.plausible.source}."
+        for parameter in effect.parameters
+        if parameter.plausible is not None
     ]
     if effect.modifies:
         lines.append(

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale, tip_of
 from harness.system import System
 from harness.system.description import constant
@@ -37,6 +37,7 @@ EFFECT = Effect(
             lower=0.0,
             scale=Scale(0.05, mass=1),
             starts=(0.4, 4.0),
+            plausible=Plausible(Scale(0.3, mass=1), "a tool or weight of a fraction of what the joint carries"),
         ),
     ),
     signature="The swing is slower than modelled (for a link that is not a point at its end already), and a driven "

@@ -1,6 +1,6 @@
 """A sensor, or its logger, that is late."""
 
-from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import delay
 from harness.effects.scale import Scale
 
@@ -18,6 +18,10 @@ EFFECT = Effect(
             upper=10.0,
             scale=Scale(2.0, interval=1),
             starts=(1.0, 5.0),
+            plausible=Plausible(
+                Scale(0.02),
+                "buses and filters of laboratory rigs, some milliseconds (Åström and Wittenmark, Computer-Controlled Systems, 1997)",
+            ),
         ),
     ),
     signature="The signal is the modelled one shifted in time, against the known drive or the other channels.",

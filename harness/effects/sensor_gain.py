@@ -1,6 +1,6 @@
 """A sensor whose scale is off."""
 
-from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import gain
 from harness.effects.scale import Scale
 
@@ -17,6 +17,9 @@ EFFECT = Effect(
             neutral=1.0,
             scale=Scale(0.03),
             starts=(1.0, -1.0),
+            plausible=Plausible(
+                Scale(0.02), "accuracy classes of industrial transducers, 0.1 to 2 % (Doebelin, 2004, ch. 3)"
+            ),
         ),
     ),
     signature="The signal is too large or too small by the same factor at every time; a pendulum's frequency then "

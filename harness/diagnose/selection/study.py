@@ -98,12 +98,23 @@ class Study:
         count = len(fitted.hypothesis.members)
         sets = log_choose(len(self.candidates), count)
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
-        return fitted.score + self.paid(fitted) + 2.0 * (sets + rare)
+        return fitted.score + self.paid(fitted) + 2.0 * (sets + rare) + self.surprise(fitted)
 
     def paid(self, fitted: Fit) -> float:
         """What the Bayesian criterion asks for a fit's numbers, those that are every window's own among them."""
         own = fitted.hypothesis.own_numbers(fitted.windows, self.predictor.runs)
         return (fitted.hypothesis.size + own) * float(np.log(self.samples)) + BEGUN * fitted.vibrating
+
+    def surprise(self, fitted: Fit) -> float:
+        """−2 log of how plausible the sizes of a fit's effects are: of what recordings cannot part, the usual comes first."""
+        total = 0.0
+        for k, member in enumerate(fitted.hypothesis.members):
+            values = self.predictor.effect_values(fitted.hypothesis, k, fitted.x)
+            for parameter, value in zip(member.effect.parameters, values, strict=True):
+                if parameter.plausible is not None:
+                    away = value - (parameter.neutral if np.isfinite(parameter.neutral) else 0.0)
+                    total += parameter.plausible.surprise(float(away), member.references)
+        return total
 
     def evidence(self, fitted: Fit) -> float:
         """−2 log of the evidence (Laplace's method) up to a constant, to weigh rivals with equally many members.
@@ -125,7 +136,7 @@ class Study:
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
         volume = min(volume, fitted.hypothesis.size * float(np.log(self.samples)))
         every = fitted.hypothesis.own_numbers(fitted.windows, self.predictor.runs) * float(np.log(self.samples))
-        return fitted.score + volume + every + BEGUN * fitted.vibrating + 2.0 * rare
+        return fitted.score + volume + every + BEGUN * fitted.vibrating + 2.0 * rare + self.surprise(fitted)
 
     def price(self, candidate: Candidate, members: int = 0) -> float:
         """What the criterion asks for one more effect beside ``members``."""
