@@ -20,7 +20,7 @@ EFFECT = Effect(
             starts=(1.0, 5.0),
             plausible=Plausible(
                 Scale(0.02),
-                "buses and filters of laboratory rigs, some milliseconds (Åström and Wittenmark, Computer-Controlled Systems, 1997)",
+                "buses and filters, some milliseconds (Åström and Wittenmark, Computer-Controlled Systems, 1997)",
             ),
         ),
     ),
