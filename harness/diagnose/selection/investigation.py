@@ -163,12 +163,10 @@ def investigate(
         long_study, seeds = held_study, _again(held_study, seeds, likeliest)
         progress("efforts held between samples")
     long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
-    # What is far above the noise is weighed with a force that is left out; where nothing is, noise is the measure again.
-    under = None
-    if ordered[0].score >= HOPELESS * long_study.samples:
-        under = under_model_error(long_study, ordered, period, effort, progress)
-        if under is not None and under[0].likelihood.discrepancy is None:
-            long_study, ordered, under = replace(under[0], hints=long_study.hints), under[1], None
+    # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
+    under = under_model_error(long_study, ordered, period, effort, progress)
+    if under is not None and under[0].likelihood.discrepancy is None:
+        long_study, ordered, under = replace(under[0], hints=long_study.hints), under[1], None
     empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [empty.x], empty)
     if under is None:
         # The noise once more, now behind the best model; a last round under it if it has changed.
@@ -184,7 +182,6 @@ def investigate(
             empty = final.fit(Hypothesis(), [empty.x], empty)
             ordered = grow(final, seeds, effort, progress)
         final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
-        under = under_model_error(final, ordered, period, effort, progress) if near else None
     final, ordered = under or (final, ordered)
     problem, predictor = final.problem, final.predictor
     empty = final.known(Hypothesis()) or final.fit(Hypothesis(), [empty.x], empty)
