@@ -105,7 +105,8 @@ def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -
             name, answer["kind"], "error", planted, (), tuple(answer["visibility"]), False, False, planted, (),
             None, None, error=str(found["error"]), outside=strange,
         )  # fmt: skip
-    findings = one_by_one(found["findings"])
+    # What is only possible is no claim.
+    findings = [f for f in one_by_one(found["findings"]) if f.get("grade") != "possible"]
     named = tuple((f["effect"], f["site"]) for f in findings)
     classes = {
         (f["effect"], f["site"]): {f["effect"]} | {_effect(x) for x in f.get("indistinguishable_from", [])}

@@ -24,7 +24,7 @@ from harness.diagnose.problem.windows import Window, cut
 from harness.diagnose.selection.beam_search import Effort, grow, polish, transfer
 from harness.diagnose.selection.dissipation_starts import ordinary
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
-from harness.diagnose.selection.model_error import under_model_error
+from harness.diagnose.selection.model_error import Structure, under_model_error
 from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.short_window_starts import begun, far_off
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
@@ -106,10 +106,11 @@ def investigate(
     *,
     effort: Effort | None = None,
     progress: Callable[[str], None] = lambda _: None,
+    structure: Structure = lambda study, fitted: 0.0,
 ) -> Outcome:
     """Search for the set of effects that the recordings speak for.
 
-    frequency: of the slowest swing [Hz].
+    frequency: of the slowest swing [Hz]. structure: see ``under_model_error``.
     """
     effort = effort or Effort()
     predictor = Predictor(problem)
@@ -164,7 +165,7 @@ def investigate(
         progress("efforts held between samples")
     long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
     # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
-    under = under_model_error(long_study, ordered, period, effort, progress)
+    under = under_model_error(long_study, ordered, period, effort, progress, structure)
     if under is not None and under[0].likelihood.discrepancy is None:
         long_study, ordered, under = replace(under[0], hints=long_study.hints), under[1], None
     empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [empty.x], empty)

@@ -69,13 +69,22 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     return [one for one in found if one is not None]
 
 
+Structure = Callable[[Study, Fit], float]
+"""What the likeliest error of one known shape (a jump, a leak, a force over the state …) gains beyond its price beside a set."""
+
+
 def under_model_error(
-    study: Study, ordered: Sequence[Fit], period: float, effort: Effort, progress: Callable[[str], None]
+    study: Study,
+    ordered: Sequence[Fit],
+    period: float,
+    effort: Effort,
+    progress: Callable[[str], None],
+    structure: Structure = lambda study, fitted: 0.0,
 ) -> tuple[Study, list[Fit]] | None:
     """The study with the force that is left out in its likelihood, and its sets, best first; None where there is no such force.
 
     Where the search under such a force finds sets that leave nothing but noise, theirs is a study without. period: of the slowest
-    swing [s].
+    swing [s]. structure: a force of no shape has to be likelier than one error of a shape that is known.
     """
     if study.only_noise(ordered[0]) and not any(colour.coloured > 0.0 for colour in study.likelihood.colours):
         return None
@@ -85,6 +94,9 @@ def under_model_error(
     near = sorted(study.fits.values(), key=study.criterion)[:COMPARED]
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
     if rows[0].force is None:
+        return None
+    simple = study.criterion(ordered[0]) + study.likelihood.spread(study.windows) - structure(study, ordered[0])
+    if simple < rows[0].value:
         return None
     progress("a force that is left out")
     taken, wider, ranked = rows[0], study, [row.fitted for row in rows]
