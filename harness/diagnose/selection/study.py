@@ -106,7 +106,10 @@ class Study:
         return (fitted.hypothesis.size + own) * float(np.log(self.samples)) + BEGUN * fitted.vibrating
 
     def surprise(self, fitted: Fit) -> float:
-        """−2 log of how plausible the sizes of a fit's effects are: of what recordings cannot part, the usual comes first."""
+        """−2 log of how plausible the sizes of a fit's effects are: of what recordings cannot part, the usual comes first.
+
+        It chooses which one is named; what else it could be is told by the recordings alone (``evidence``).
+        """
         total = 0.0
         for k, member in enumerate(fitted.hypothesis.members):
             values = self.predictor.effect_values(fitted.hypothesis, k, fitted.x)
@@ -136,7 +139,7 @@ class Study:
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
         volume = min(volume, fitted.hypothesis.size * float(np.log(self.samples)))
         every = fitted.hypothesis.own_numbers(fitted.windows, self.predictor.runs) * float(np.log(self.samples))
-        return fitted.score + volume + every + BEGUN * fitted.vibrating + 2.0 * rare + self.surprise(fitted)
+        return fitted.score + volume + every + BEGUN * fitted.vibrating + 2.0 * rare
 
     def price(self, candidate: Candidate, members: int = 0) -> float:
         """What the criterion asks for one more effect beside ``members``."""
