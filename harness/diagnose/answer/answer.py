@@ -12,6 +12,7 @@ from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
 from harness.diagnose.answer.explain import finding_words, number, plainest, summary
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
+from harness.diagnose.answer.predictive import Predictive, predictive
 from harness.diagnose.answer.replay import LONGEST, Opening
 from harness.diagnose.answer.zeros import Zero, zeros_of
 from harness.diagnose.claims.conclude import Claim, Conclusion
@@ -60,7 +61,8 @@ def answer(
     }
     left = left_out(outcome, conclusion)
     zeros = {claim.candidate.key: zeros_of(outcome, conclusion.best, claim.index) for claim in conclusion.claims}
-    rows = _fit_rows(outcome, conclusion)
+    best = predictive(outcome, conclusion)
+    rows = _fit_rows(outcome, conclusion, best)
     return Diagnosis(
         verdict=conclusion.verdict,
         summary=" ".join(
@@ -74,6 +76,8 @@ def answer(
         remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
         explained_share=explained_share(rows),
         discrepancy=left.document() if left is not None else [],
+        predicting=best.fitted.hypothesis.keys if best is not None else (),
+        predictive=best.system if best is not None else None,
         next_experiment=next_experiment(),
         quality=[
             {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
@@ -233,12 +237,13 @@ def _mismatch(place: Mismatch) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _fit_rows(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
+def _fit_rows(outcome: Outcome, conclusion: Conclusion, best: Predictive | None = None) -> list[dict[str, Any]]:
     """Errors of every channel before and after, on the data fitted and on those held out."""
     fits = {
         "nominal": (outcome.nominal, judge(outcome, outcome.nominal)),
         "refitted": (trained(outcome, outcome.empty), judge(outcome, outcome.empty)),
         "augmented": (conclusion.own, conclusion.held),
+        **({"predictive": (best.fitted, best.held)} if best is not None else {}),
     }
     rows = []
     for c, channel in enumerate(outcome.problem.channels):

@@ -49,6 +49,7 @@ class Diagnosis:
     engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
     with its laws fitted beside such levels, where recordings ask for them. explained_share: share of the nominal model's
     mean-square mismatch on data held out that the findings remove. discrepancy: the force that they leave out, a row a joint.
+    predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them.
     """
 
     verdict: str
@@ -69,6 +70,8 @@ class Diagnosis:
     replay: Sequence[Mapping[str, Any]] = ()
     explained_share: float | None = None
     discrepancy: Sequence[Mapping[str, Any]] = ()
+    predicting: Sequence[str] = ()
+    predictive: System | None = None
 
     def replayed(self) -> Diagnosis:
         """The same answer with the augmented model run in every installed engine that can express what was found."""
@@ -93,6 +96,8 @@ class Diagnosis:
             "explained_share": self.explained_share,
             "discrepancy": list(self.discrepancy),
         }
+        if self.predictive is not None:
+            document["predictive"] = {"effects": list(self.predicting)}
         if self.replay:
             document["replay"] = list(self.replay)
         if self.levels is not None:

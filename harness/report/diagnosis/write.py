@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from harness.system import System
 
 
-MODELS = ("augmented.toml", "augmented.urdf", "augmented.xml", "levelled.toml")
+MODELS = ("augmented.toml", "augmented.urdf", "augmented.xml", "levelled.toml", "predictive.toml")
 
 
 def write_diagnosis(
@@ -25,14 +25,14 @@ def write_diagnosis(
 
     The model is ``augmented.toml``, and ``augmented.urdf`` and ``augmented.xml`` (MJCF) as far as these can say it; ``said`` is
     told what they leave out. Where dry friction differs from recording to recording, the model at the last training
-    recording's level is ``levelled.toml``.
+    recording's level is ``levelled.toml``. Where a force is left out, the model that predicts best is ``predictive.toml``.
     """
     from harness.report.diagnosis.page import diagnosis_html
 
     document = found.to_json()
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     written = write_folder(folder, {"diagnosis.json": text, "report.html": diagnosis_html(document, found.curves)})
-    for model, name in ((found.augmented, "augmented"), (found.levelled, "levelled")):
+    for model, name in ((found.augmented, "augmented"), (found.levelled, "levelled"), (found.predictive, "predictive")):
         if model is None:
             continue
         target = Path(folder) / f"{name}.toml"
