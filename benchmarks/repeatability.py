@@ -1,0 +1,101 @@
+"""Error bars that repeat: what one half of a rig's recordings says of every number that is found, against the other half.
+
+``python benchmarks/repeatability.py [RIG …] [--recordings DIR] [--json FILE]``
+
+Every rig with two recordings or more is diagnosed whole. What is claimed there is then asked of each half alone (every second
+recording), with nothing else in the catalogue. Two estimates repeat if they differ by no more than 1.96 of their joint standard
+deviation, as 95 % of right ones do. Recordings are found as by ``real_recordings.py``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import harness
+
+from real_recordings import folder_of_recordings  # isort: skip
+
+JOINT = 1.96
+LEAST = 2  # recordings
+
+
+def claimed(found: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The findings of a document that are told in its summary."""
+    return [f for f in found["findings"] if f.get("grade") != "possible"]
+
+
+def of_half(files: Sequence[Path], model: Path, effects: Sequence[str]) -> dict[str, Mapping[str, Any]]:
+    """Parameters that a half gives, by ``effect@site.parameter``."""
+    document = harness.diagnose([str(f) for f in files], model=str(model), only=list(effects)).to_json()
+    return {
+        f"{f['effect']}@{f['site']}.{name}": value
+        for f in document["findings"]
+        for name, value in f["parameters"].items()
+    }
+
+
+def apart(one: Mapping[str, Any], other: Mapping[str, Any]) -> float | None:
+    """How many joint standard deviations two estimates differ by; None where one has none."""
+    if not one["std"] or not other["std"]:
+        return None
+    return float(abs(one["value"] - other["value"]) / np.hypot(one["std"], other["std"]))
+
+
+def examine(folder: Path) -> list[dict[str, Any]]:
+    """Rows of one rig, one a number."""
+    files, model = sorted(folder.glob("*.csv*")), folder / "model.urdf"
+    started = time.perf_counter()
+    whole = harness.diagnose([str(f) for f in files], model=str(model)).to_json()
+    effects = list(dict.fromkeys(f["effect"] for f in claimed(whole)))
+    if not effects:
+        return []
+    halves = [of_half(files[k::2], model, effects) for k in range(2)]
+    rows = []
+    for finding in claimed(whole):
+        for name, value in finding["parameters"].items():
+            key = f"{finding['effect']}@{finding['site']}.{name}"
+            both = [half.get(key) for half in halves]
+            distance = apart(*both) if both[0] is not None and both[1] is not None else None
+            rows.append({
+                "rig": folder.name, "number": key, "unit": value["unit"], "whole": value["value"], "ci95": value["ci95"],
+                "halves": [None if b is None else {"value": b["value"], "std": b["std"]} for b in both],
+                "apart": distance, "repeats": None if distance is None else distance <= JOINT,
+                "seconds": time.perf_counter() - started,
+            })  # fmt: skip
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rigs", nargs="*")
+    parser.add_argument("--recordings")
+    parser.add_argument("--json", type=Path)
+    given = parser.parse_args()
+    folder = folder_of_recordings(given.recordings)
+    if folder is None:
+        parser.error("no folder of recordings: give --recordings DIR")
+    names = given.rigs or sorted(p.name for p in folder.iterdir() if (p / "model.urdf").is_file())
+    rows: list[dict[str, Any]] = []
+    for name in names:
+        if len(list((folder / name).glob("*.csv*"))) < LEAST:
+            continue
+        for row in examine(folder / name):
+            rows.append(row)
+            text = "no two estimates" if row["apart"] is None else f"{row['apart']:.2f} joint deviations apart"
+            print(f"{row['rig']:24} {row['number']:48} {row['whole']:.4g} {row['unit']:16} {text}", flush=True)
+    told = [row["repeats"] for row in rows if row["repeats"] is not None]
+    print(f"{sum(told)} of {len(told)} numbers repeat from half to half")
+    if given.json is not None:
+        document = {"schema": "denoc.repeatability/1", "version": harness.__version__, "rows": rows}
+        given.json.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
