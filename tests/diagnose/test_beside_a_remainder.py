@@ -49,7 +49,8 @@ def test_drag_in_one_sense_is_not_told_as_a_torque_and_friction() -> None:
     told = diagnose([braked_one_way(seed) for seed in (3, 4, 5)], model=rotor(), only=ROTOR_LAWS)
     assert told.verdict in ("unexplained", "partly_explained")
     assert told.remainder["significant"]
-    assert not {"constant_torque", "stribeck_friction"} & {f["effect"] for f in told.findings}
+    firmly = {f["effect"] for f in told.findings if f["grade"] != "possible"}
+    assert not {"constant_torque", "stribeck_friction"} & firmly
 
 
 def test_beside_a_magnet_no_law_of_friction_is_told_for_certain() -> None:

@@ -56,7 +56,7 @@ def answer(
     values = {key: loosened(outcome, how, key, own) for key, own in _intervals(outcome, conclusion).items()}
     again = {claim.candidate.key: repeatability(outcome, how, claim.candidate.key) for claim in conclusion.claims}
     grades = {
-        claim.candidate.key: grade(outcome, claim, values[claim.candidate.key], again[claim.candidate.key])
+        claim.candidate.key: grade(outcome, conclusion, claim, values[claim.candidate.key], again[claim.candidate.key])
         for claim in conclusion.claims
     }
     left = left_out(outcome, conclusion)
@@ -73,7 +73,7 @@ def answer(
         findings=_findings(outcome, conclusion, values, zeros, grades, again),
         ranking=_ranking(outcome, conclusion),
         fit=rows,
-        remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted),
+        remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted, left is not None),
         explained_share=explained_share(rows),
         discrepancy=left.document() if left is not None else [],
         predicting=best.fitted.hypothesis.keys if best is not None else (),
@@ -273,10 +273,10 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     return rows
 
 
-def _remainder(system: System, remains: Remains, doubted: Sequence[str]) -> dict[str, Any]:
-    """What is left: its tests, its sparsest form and its map."""
+def _remainder(system: System, remains: Remains, doubted: Sequence[str], force: bool) -> dict[str, Any]:
+    """What is left: its tests, its sparsest form and its map; force: whether one is left out that has no shape."""
     found: dict[str, Any] = {
-        "significant": remains.significant,
+        "significant": remains.significant or force,
         "tests": [{"what": t.name, "gain": t.gain, "chance": t.chance, "where": list(t.where)} for t in remains.tests],
         "doubted": list(doubted),
     }

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.diagnose.claims.conclude import Claim
-from harness.diagnose.criticism.doubt import placed
+from harness.diagnose.claims.conclude import Claim, Conclusion
+from harness.diagnose.criticism.doubt import FAKED, placed
 from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
 from harness.diagnose.estimation.intervals import WIDE, Estimate, widened
 from harness.diagnose.estimation.least_squares import Fit
@@ -70,17 +70,27 @@ def repeatability(outcome: Outcome, how: Repeated | None, key: str) -> list[dict
     return rows
 
 
-def grade(outcome: Outcome, claim: Claim, values: Mapping[str, Estimate], rows: Sequence[Mapping[str, Any]]) -> str:
+def grade(
+    outcome: Outcome,
+    conclusion: Conclusion,
+    claim: Claim,
+    values: Mapping[str, Estimate],
+    rows: Sequence[Mapping[str, Any]],
+) -> str:
     """How firmly a claim stands.
 
     Where noise is all that is left: established. Beside a force that is left out: possible, if it was chosen among many places (one
-    of them always fits some of what something else makes) or may as well be absent; likely, if there are too few recordings to
-    say whether it repeats, or leaving one out takes it away; else established.
+    of them always fits some of what something else makes), if it may as well be absent, or if it explains not much more than what
+    is left and has a shape over the state (a law that nobody has named may be pieced together from several); likely, if there are
+    too few recordings to say whether it repeats, or leaving one out takes it away; else established.
 
     values: its parameters; rows: see ``repeatability``.
     """
     if outcome.force is None:
         return ESTABLISHED
+    remains = conclusion.remains
+    if remains.significant and claim.gain < FAKED * remains.excess:
+        return POSSIBLE
     first = next(iter(claim.candidate.effect.parameters), None)
     if placed(claim.candidate) or (
         first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)

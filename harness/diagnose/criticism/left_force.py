@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 
 from harness.diagnose.estimation.discrepancy import Discrepancy, covariance_at
 from harness.diagnose.estimation.least_squares import Fit
@@ -60,10 +59,10 @@ def left_force(outcome: Outcome, fitted: Fit, force: Discrepancy) -> list[LeftFo
         if motion is None or not len(forced.knots):
             continue
         spread = covariance_at(forced.knots, np.array(force.sizes) / force.scale, force.memory)
-        seen = forced.r @ spread @ forced.r.T
-        seen[np.diag_indices_from(seen)] += 1.0
+        values, vectors = np.linalg.eigh(forced.r @ spread @ forced.r.T)
+        own_axes = vectors.T @ (forced.q.T @ residual) / (1.0 + np.maximum(values, 0.0))
         # Residuals are prediction − measurement: what pushes the measurement is what the prediction lacks.
-        course = -spread @ forced.r.T @ cho_solve(cho_factor(seen), forced.q.T @ residual)
+        course = -spread @ forced.r.T @ (vectors @ own_axes)
         for joint, own in zip(force.joints, np.split(course, len(force.joints)), strict=True):
             k = names.index(joint)
             size = force.scale * np.interp(motion.time, forced.knots, own)

@@ -198,11 +198,22 @@ def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float) -> float:
     total = 0.0
     for piece in pieces:
         spread = piece.r @ covariance_at(piece.knots, sizes, memory) @ piece.r.T
-        spread[np.diag_indices_from(spread)] += 1.0
-        factor = cho_factor(spread, lower=True, check_finite=False)
-        total += float(piece.along @ piece.along) - float(piece.along @ cho_solve(factor, piece.along))
-        total -= 2.0 * float(np.sum(np.log(np.diag(factor[0]))))
+        total += float(piece.along @ piece.along) - sum(_weighed(spread, piece.along))
     return total
+
+
+def _weighed(spread: Array, along: Array) -> tuple[float, float]:
+    """aᵀ (I + S)⁻¹ a and the log-determinant of I + S."""
+    whole = spread + np.eye(len(spread))
+    try:
+        factor = cho_factor(whole, lower=True, check_finite=False)
+    except np.linalg.LinAlgError:
+        # Where nothing pulls a joint back, slow forces move it so far that rounding makes small directions negative.
+        values, vectors = np.linalg.eigh(spread)
+        values = 1.0 + np.maximum(values, 0.0)
+        return float(np.sum((vectors.T @ along) ** 2 / values)), float(np.sum(np.log(values)))
+    inside = float(along @ cho_solve(factor, along, check_finite=False))
+    return inside, 2.0 * float(np.sum(np.log(np.diag(factor[0]))))
 
 
 def estimate(found: Responses, fitted: Fit, residuals: Sequence[Array], joints: Sequence[str]) -> Discrepancy | None:

@@ -95,8 +95,9 @@ def under_model_error(
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
     if rows[0].force is None:
         return None
-    simple = study.criterion(ordered[0]) + study.likelihood.spread(study.windows) - structure(study, ordered[0])
-    if simple < rows[0].value:
+    # A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too.
+    simple = min(study.criterion(fitted) - structure(study, fitted) for fitted in _best_of_each_size(study))
+    if simple + study.likelihood.spread(study.windows) < rows[0].value:
         return None
     progress("a force that is left out")
     taken, wider, ranked = rows[0], study, [row.fitted for row in rows]
@@ -118,6 +119,16 @@ def under_model_error(
         if settled:
             break
     return wider, ranked
+
+
+def _best_of_each_size(study: Study) -> list[Fit]:
+    """The best set of every number of members."""
+    best: dict[int, Fit] = {}
+    for fitted in study.fits.values():
+        size = len(fitted.hypothesis.members)
+        if size not in best or study.criterion(fitted) < study.criterion(best[size]):
+            best[size] = fitted
+    return list(best.values())
 
 
 def _alike(one: Weighed, other: Weighed) -> bool:
