@@ -83,6 +83,8 @@ def _whole_rows(path: Path, layout: Layout) -> tuple[list[Row], list[QualityNote
     if len(body) > 1 and len(body[-1].cells) < width:
         notes.append(QualityNote("cut_off", "", f"line {body[-1].line}, the last, is cut off", "left out"))
         body = body[:-1]
+    if all(len(row.cells) == width for row in body):
+        return body, notes
     whole = []
     for row in body:
         cells = row.cells

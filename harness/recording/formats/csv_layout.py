@@ -8,6 +8,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from harness.errors import InputError
 from harness.recording.formats.cells import is_absent, is_number, is_stamp
@@ -19,8 +20,9 @@ SAMPLE = 40  # rows that are looked at
 BRACKETED = re.compile(r"^[\[(].*[\])]$")
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
+    """A line of the file and its cells."""
+
     line: int
     cells: tuple[str, ...]
     comment: bool = False
@@ -54,11 +56,14 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
     samples = [row for row in rows if not row.comment]
     sizes = Counter(len(row.cells) for row in samples[max(0, len(samples) // 2 - SAMPLE) :])
     width = max(sizes, key=lambda size: (sizes[size], size))
-    counts = [_numbers(row, delimiter) for row in samples[len(samples) // 2 :] if len(row.cells) == width]
-    usual = sorted(counts)[len(counts) // 2]
-    fit = [not row.comment and len(row.cells) == width and _is_sample(row, delimiter, usual) for row in rows]
+    middle = [row for row in samples[len(samples) // 2 :] if len(row.cells) == width][:SAMPLE]
+    usual = sorted(_numbers(row, delimiter) for row in middle)[len(middle) // 2] if middle else 0
+
+    def fits(row: Row) -> bool:
+        return not row.comment and len(row.cells) == width and _is_sample(row, delimiter, usual)
+
     # A row of numbers among those of the header (identifiers of markers) has none below it.
-    first = next((k for k in range(len(rows)) if fit[k] and (k + 1 == len(rows) or fit[k + 1])), None)
+    first = next((k for k in range(len(rows)) if fits(rows[k]) and (k + 1 == len(rows) or fits(rows[k + 1]))), None)
     if first is None or usual == 0:
         if len(samples) == 1:
             raise InputError("has a header but no samples", mend="record again or name another file", source=path)
@@ -118,8 +123,10 @@ def _with_header(path: Path, delimiter: str, head: list[Row], body: list[Row], w
 
 def _row(line: int, text: str, delimiter: str) -> Row:
     stripped = text.lstrip()
-    mark = next((mark for mark in COMMENTS if stripped.startswith(mark)), "")
+    mark = next((mark for mark in COMMENTS if stripped.startswith(mark)), "") if stripped[:1] in "#%/" else ""
     content = stripped[len(mark) :].lstrip("#% ") if mark else text
+    if delimiter != " " and '"' not in content:
+        return Row(line, tuple(content.split(delimiter)), bool(mark))
     if delimiter == " ":
         content = " ".join(content.split())
         if '"' not in content:
