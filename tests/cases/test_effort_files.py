@@ -53,7 +53,7 @@ def test_what_never_acts_is_told(tmp_path):
 
 
 def test_what_cannot_be_used_is_refused(tmp_path):
-    with pytest.raises(InputError, match="has no column <joint>.effort"):
+    with pytest.raises(InputError, match=r"has no column <joint>\.effort"):
         drive_from(write(tmp_path, 0.0, "time,rail.position"), TIME, SLIDER)
     with pytest.raises(InputError, match="no movable joint 'nowhere'"):
         drive_from(write(tmp_path, 0.0, "time,nowhere.effort"), TIME, SLIDER)
