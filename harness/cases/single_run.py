@@ -15,6 +15,9 @@ from harness.engines import registry
 from harness.engines.expressed import realised
 from harness.engines.protocol import EngineError
 from harness.errors import InputError, UnsupportedError
+from harness.recording.efforts import read_efforts
+from harness.recording.recording import QualityNote
+from harness.recording.units import factor_to_si
 from harness.system import System
 from harness.system.suggest import did_you_mean
 
@@ -41,8 +44,6 @@ def assignments(texts: Sequence[str], option: str, quantity: str, system: System
 
     Raises InputError for what is not of that form, an unknown joint, a joint given twice, a unit that does not fit.
     """
-    from harness.recording.units import factor_to_si
-
     values: dict[str, float] = {}
     for text in texts:
         name, equals, value = text.rpartition("=")
@@ -80,42 +81,39 @@ def sample_times(duration: float, rate: float) -> Array:
     return np.arange(int(np.floor(count * (1.0 + 1e-12))) + 1) / rate
 
 
-def effort_from(path: str | Path, time: Array, system: System, *, hold: str = "zero") -> Array:
-    """Applied efforts at the sample times from a recording's ``<joint>.effort`` columns, shape (T, n).
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Applied efforts at the sample times of a run, shape (T, n), and what there is to tell of the file they are from."""
+
+    tau: Array
+    notes: tuple[QualityNote, ...] = ()
+
+
+def drive_from(path: str | Path, time: Array, system: System, *, hold: str = "zero") -> Drive:
+    """Applied efforts at the sample times from a file's ``<joint>.effort`` columns, whose first sample is the run's time 0.
 
     hold: between the file's samples the last one holds ("zero"), as a controller's command does, or they are joined by straight
-    lines ("linear"), as is right for a measured effort. Before the first and after the last it is zero.
+    lines ("linear"), as is right for a measured effort. After the last it is zero. Raises InputError for what cannot be used.
     """
-    from harness.recording.table import read_table
-    from harness.recording.units import factor_to_si
-
-    table = read_table(Path(path))
-    columns = {}
-    for header, values in table.columns.items():
-        name, _, unit = header.partition("[")
-        columns[name.strip()] = (np.asarray(values, dtype=np.float64), unit.rstrip("] "))
-    if "time" not in columns:
-        raise InputError("has no column time", source=path, mend="name the columns time and <joint>.effort")
-    stamps = columns["time"][0] * factor_to_si(columns["time"][1], "time", prismatic=None)[0]
-    efforts = {name.removesuffix(".effort"): pair for name, pair in columns.items() if name.endswith(".effort")}
-    if not efforts:
-        raise InputError("has no column <joint>.effort", source=path, mend="name the columns time and <joint>.effort")
-    if not np.isfinite(stamps).all() or (np.diff(stamps) <= 0.0).any():
-        raise InputError("time does not ascend", source=path, column="time", mend="sort the rows, drop repeated ones")
+    file = read_efforts(path, system)
     tau = np.zeros((len(time), len(system.coordinate_names)))
-    place = np.searchsorted(stamps, time * (1.0 + 1e-12) + 1e-12, side="right") - 1
-    inside = (place >= 0) & (time <= stamps[-1] * (1.0 + 1e-12))
-    for joint, (values, unit) in efforts.items():
-        if joint not in system.joint_names:
-            raise InputError(f"no joint is named {joint!r}", source=path, mend=did_you_mean(joint, system.joint_names))
-        if not np.isfinite(values).all():
-            raise InputError(
-                "is not a finite number everywhere", source=path, column=f"{joint}.effort", mend="fill the gaps"
-            )
-        factor, _ = factor_to_si(unit, "effort", prismatic=system.joint(joint).prismatic, source=path)
-        acting = values[place[inside]] if hold == "zero" else np.interp(time[inside], stamps, values)
-        tau[inside, system.coordinate_names.index(joint)] = factor * acting
-    return tau
+    stamps = file.time
+    # Stamps since 1970 are kept to a quarter of a microsecond only.
+    slack = 1e-12 + 4.0 * np.finfo(np.float64).eps * abs(file.start)
+    place = np.searchsorted(stamps, time * (1.0 + 1e-12) + slack, side="right") - 1
+    inside = (place >= 0) & (time <= stamps[-1] * (1.0 + 1e-12) + slack)
+    notes = list(file.notes)
+    for effort in file.efforts:
+        acting = effort.values[place[inside]] if hold == "zero" else np.interp(time[inside], stamps, effort.values)
+        tau[inside, system.coordinate_names.index(effort.site)] = acting
+        if not acting.any() and effort.values.any():
+            first = float(stamps[np.flatnonzero(effort.values)[0]])
+            what = f"is 0 until {first:.4g} s, after the run of {time[-1]:.4g} s has ended"
+            notes.append(QualityNote("idle_effort", effort.name, what, "the joint is not driven"))
+    if stamps[-1] < time[-1] * (1.0 - 1e-9):
+        what = f"the file ends at {stamps[-1]:.4g} s, the run at {time[-1]:.4g} s"
+        notes.append(QualityNote("short_effort", "time", what, "no effort after that"))
+    return Drive(tau, tuple(notes))
 
 
 def run_once(

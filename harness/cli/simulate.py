@@ -61,7 +61,7 @@ def simulate(
 
     from harness.cases.beam_shapes import told_shapes
     from harness.cases.case import NATIVE
-    from harness.cases.single_run import assignments, effort_from, run_once, sample_times
+    from harness.cases.single_run import assignments, drive_from, run_once, sample_times
     from harness.report.run_files import csv_text, write_plot, write_recording
     from harness.system import load
 
@@ -73,7 +73,11 @@ def simulate(
     time = sample_times(duration, rate)
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)
-    tau = None if effort is None else effort_from(effort, time, mechanism, hold=hold)
+    drive = None if effort is None else drive_from(effort, time, mechanism, hold=hold)
+    notes = [] if drive is None else [note.words() for note in drive.notes]
+    for line in notes:
+        click.echo(f"note: {effort}: {line}", err=True)
+    tau = None if drive is None else drive.tau
     run = run_once(mechanism, time, start, speed, engine=engine, tau=tau, hold=hold, step=step)
     screen = console(json_file)
     shapes = told_shapes(mechanism) if engine == NATIVE else ()
@@ -97,6 +101,7 @@ def simulate(
             "final": {name: float(values[-1]) for name, values in run.columns.items()},
             "energy_change": run.energy,
             "shapes": list(shapes),
+            "notes": notes,
         }
         write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
     if out is None and plot is None and json_file is None:

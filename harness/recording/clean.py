@@ -1,4 +1,4 @@
-"""Each channel looked at by itself: missing samples, wrapped angles, outliers, steps, plateaus at the extremes."""
+"""Each channel looked at by itself: missing samples, outliers, steps, plateaus at the extremes."""
 
 from __future__ import annotations
 
@@ -12,75 +12,12 @@ from harness.errors import InputError
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
-TURN = 2.0 * np.pi
-SAFE_STEP = 0.5 * np.pi  # largest true motion from sample to sample at which a wrap is beyond doubt
 OUTLIER_SIGMAS = 8.0  # some eleven of the samples' own: a cubic through four neighbours errs more than a sample does
 NEIGHBOURHOOD = 101  # samples that say how loud noise is around a sample
 BESIDE = 1.5  # of such deviations that neighbours of an outlier may be off by themselves
 LONE = 0.2  # of an outlier's distance: what its neighbours may be off; 0.3 at a corner on a sample
 PLATEAU = 4  # equal samples in a row at an extreme
-MANY = 4  # jumps that no counter makes
 SHORT_GAP = 5  # samples of an effort that are filled by a straight line
-
-
-def unwrap_angle(name: str, time: Array, values: Array, source: Path) -> tuple[Array, tuple[QualityNote, ...]]:
-    """A revolute joint's angle [rad] made continuous if its record jumps by whole turns.
-
-    Raises InputError where a jump could as well be motion: steps of more than a quarter turn beside the wraps, a jump over
-    a gap, or one that is no whole turn.
-    """
-    present = np.flatnonzero(np.isfinite(values))
-    angle, stamps = values[present], time[present]
-    steps = np.diff(angle)
-    jumps = np.flatnonzero(np.abs(steps) > np.pi)
-    if not len(jumps):
-        return values, ()
-    left = steps - TURN * np.round(steps / TURN)
-    if float(np.ptp(angle)) > 1.02 * TURN:
-        at = float(stamps[jumps[0] + 1])
-        raise InputError(
-            f"the angle jumps by {steps[jumps[0]]:.3g} rad at {at:.4g} s, in a record that is not wrapped to one turn",
-            mend="a dropped sample or a reset counter; cut the recording there"
-            if len(jumps) < MANY
-            else f"it does so {len(jumps)} times; if it is in degrees, write {name} [deg] in the header",
-            source=source,
-            column=name,
-        )
-    doubtful = np.flatnonzero(np.abs(left) > SAFE_STEP)
-    if len(doubtful):
-        at = float(stamps[doubtful[0] + 1])
-        raise InputError(
-            f"the angle is wrapped, and at {at:.4g} s it moves by {abs(left[doubtful[0]]):.3g} rad or a turn less that "
-            "from one sample to the next",
-            mend="sample faster or record the angle unwrapped",
-            source=source,
-            column=name,
-        )
-    intervals = np.diff(stamps)
-    usual = float(np.median(intervals))
-    speed = np.abs(left) / intervals
-    near = np.maximum(np.concatenate([speed[:1], speed[:-1]]), np.concatenate([speed[1:], speed[-1:]]))
-    blind = np.flatnonzero((intervals > 3.0 * usual) & (near * intervals > SAFE_STEP))
-    if len(blind):
-        at = float(stamps[blind[0]])
-        raise InputError(
-            f"the angle is wrapped, and in the gap at {at:.4g} s it may have gone round",
-            mend="cut the recording at the gap or record the angle unwrapped",
-            source=source,
-            column=name,
-        )
-    mended = values.copy()
-    mended[present] = angle[0] + np.concatenate([[0.0], np.cumsum(left)])
-    note = QualityNote(
-        "wrapped_angle",
-        name,
-        f"{len(jumps)} jumps by a turn",
-        "made continuous",
-        len(jumps),
-        tuple((float(stamps[k]), float(stamps[k + 1])) for k in jumps[:16]),
-        TURN,
-    )
-    return mended, (note,)
 
 
 def quantisation_step(values: Array) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -14,13 +14,16 @@ from harness.recording.recording import JOINT_QUANTITIES, LINK_QUANTITIES, QUANT
 from harness.system import System
 from harness.system.suggest import did_you_mean
 
+INDEX = re.compile(r"\S\[\d+\]$")  # /strain/data[0]: of an array, no unit
+IGNORE = "ignore"
 BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]]*?)[\])]\s*$")
-LIKELY_TIME = ("t", "time_s", "timestamp", "stamp", "seconds", "zeit", "times", "sec", "time_ms", "timestamps")
+LIKELY_TIME = ("t", "time_s", "timestamp", "stamp", "seconds", "zeit", "times", "sec", "time_ms", "timestamps", "tout")
+CLOCKS = ("time", "__time", "%time")  # whatever their capitals
 
 
 @dataclass(frozen=True)
 class Rule:
-    """``foreign = ours [unit]``: which column of the file is which of ours.
+    """``foreign = ours [unit]``: which column of the file is which of ours; ``ignore`` for what to leave out.
 
     sign: −1 where the mapping says ``foreign=-ours``. optional: a rule for several files, that one may lack.
     """
@@ -50,6 +53,8 @@ class Column:
 
 def split_unit(header: str) -> tuple[str, str]:
     """Name and unit of a header, the unit "" if it has none."""
+    if INDEX.search(header.strip()) and header.split("[")[0].rpartition(".")[2] not in QUANTITIES:
+        return header.strip(), ""
     match = BRACKETS.match(header.strip())
     return (match["name"].strip(), match["unit"].strip()) if match else (header.strip(), "")
 
@@ -73,12 +78,14 @@ def make_rule(foreign: str, ours: str, *, optional: bool, source: str) -> Rule:
     if ours[:1] in "+-":
         sign, ours = (-1.0 if ours[0] == "-" else 1.0), ours[1:]
     name, unit = split_unit(ours)
-    if name != "time":
+    if name not in ("time", IGNORE):
         _, dot, quantity = name.rpartition(".")
         if not dot or quantity not in QUANTITIES:
             raise InputError(
                 f"mapping of {foreign!r}: {name!r} is no column of a recording",
-                mend=did_you_mean(quantity, QUANTITIES) if dot else "time, <joint>.position, <link>.tip_deflection, …",
+                mend=did_you_mean(quantity, QUANTITIES)
+                if dot
+                else "time, <joint>.position, <link>.tip_deflection, …, or ignore",
                 source=source,
             )
     return Rule(foreign, name, unit, sign, optional, source)
@@ -116,64 +123,164 @@ def rules_beside(path: Path) -> tuple[Rule, ...]:
     return ()
 
 
-def resolve(
-    headers: Sequence[str], rules: Iterable[Rule], system: System | None, *, source: Path
-) -> tuple[tuple[Column, ...], tuple[str, ...]]:
-    """What each header is, time first; and the headers that are nothing of ours.
+@dataclass(frozen=True)
+class Found:
+    """What the headers are: columns of ours, time first, and which are left out, each with the reason."""
 
-    Raises InputError for a missing time, a rule for a column that is not there, a joint or link that the system has not,
-    a quantity that looks misspelt, and two columns for one quantity.
+    columns: tuple[Column, ...]
+    ignored: tuple[tuple[str, str], ...]
+
+
+def resolve(
+    headers: Sequence[str],
+    rules: Iterable[Rule],
+    system: System | None,
+    *,
+    source: Path,
+    aliases: Mapping[str, str] | None = None,
+) -> Found:
+    """What each header is.
+
+    aliases: other names that headers go by. Joints that the system has not are left out beside others that it has,
+    unless they look misspelt. Raises InputError for a missing time, a rule for a column that is not there, a joint or link
+    that the system has not, a quantity that looks misspelt, and two columns for one quantity.
     """
-    rules = tuple(rules)
+    rules, aliases = tuple(rules), aliases or {}
     found: list[Column] = []
-    ignored: list[str] = []
+    ignored: list[tuple[str, str]] = []
+    strangers: list[tuple[Column, InputError]] = []
     taken: dict[str, str] = {}
     used: set[Rule] = set()
+    clock = _clock(headers, rules)
     for header in headers:
+        alias = aliases.get(header, "")
         name, unit = split_unit(header)
-        rule = next((r for r in rules if r.foreign in (header, name)), None)
+        rule = next((r for r in rules if r.ours != IGNORE and _is_named(r.foreign, header, alias)), None)
+        drop = next((r for r in rules if r.ours == IGNORE and _is_within(r.foreign, header, alias)), None)
+        if rule is None and drop is not None:
+            used.add(drop)
+            ignored.append((header, "is mapped to ignore"))
+            continue
         if rule is not None:
             used.add(rule)
             ours, unit, sign = rule.ours, rule.unit or unit, rule.sign
         else:
-            ours, sign = name, 1.0
+            ours, sign = "time" if header == clock else _spelt_ours(alias or name, system), 1.0
         if ours == "time":
             column = Column(header, "", "time", unit, sign)
         else:
             site, _, quantity = ours.rpartition(".")
             if not site or quantity not in QUANTITIES:
-                _refuse_misspelt(ours, site, quantity, system, source)
-                ignored.append(header)
+                if "/" not in header:
+                    _refuse_misspelt(ours, site, quantity, system, source)
+                ignored.append((header, "is no column of ours"))
                 continue
-            if system is not None:
-                _check_site(site, quantity, system, source, header)
             column = Column(header, site, quantity, unit, sign)
+            stranger = _stranger(site, quantity, system, source, header) if system is not None else None
+            if stranger is not None and rule is not None:
+                raise stranger
+            if stranger is not None:
+                strangers.append((column, stranger))
+                continue
         if column.name in taken:
             raise InputError(
                 f"columns {taken[column.name]!r} and {header!r} are both {column.name}",
-                mend="map one of them to something else or remove it",
+                mend=f"leave one out, as --map '{header}=ignore', or remove it",
                 source=source,
             )
         taken[column.name] = header
         found.append(column)
     for rule in rules:
         if rule not in used and not rule.optional:
+            names = [split_unit(h)[0] for h in headers] + [split_unit(a)[0] for a in aliases.values()]
             raise InputError(
                 f"there is no column {rule.foreign!r} to map to {rule.ours}",
-                mend=did_you_mean(rule.foreign, [split_unit(h)[0] for h in headers]),
+                mend=did_you_mean(rule.foreign, names),
                 source=source,
             )
     if "time" not in taken:
         raise InputError("there is no column 'time'", mend=_time_mend(headers), source=source)
+    ignored += _left_out(strangers, found, system)
     if len(found) < 2:
-        names = ", ".join(repr(h) for h in ignored[:6]) or "none"
+        names_ = ", ".join(repr(h) for h, _ in ignored[:6]) or "none"
         raise InputError(
-            f"no column besides time is known; found {names}",
+            f"no column besides time is known; found {names_}",
             mend="name it <joint>.position, … or map it: --map 'theta=<joint>.position[deg]'",
             source=source,
         )
     found.sort(key=lambda column: column.quantity != "time")
-    return tuple(found), tuple(ignored)
+    return Found(tuple(found), tuple(ignored))
+
+
+def _clock(headers: Sequence[str], rules: Sequence[Rule]) -> str | None:
+    """The header that is the time by itself: ``time`` before ``Time`` and the like, and none if one is mapped to it."""
+    if any(rule.ours == "time" and _is_named(rule.foreign, h, "") for rule in rules for h in headers):
+        return None
+    exact = next((h for h in headers if split_unit(h)[0] == "time"), None)
+    return exact or next((h for h in headers if split_unit(h)[0].lower() in CLOCKS), None)
+
+
+def _dotted(name: str) -> str:
+    return name.replace("/", ".").strip(".")
+
+
+def _is_named(foreign: str, header: str, alias: str) -> bool:
+    """Whether a rule's word is a header, with or without its unit, or its alias; slashes and dots are one."""
+    names = {_dotted(text) for whole in (header, alias) if whole for text in (whole, split_unit(whole)[0])}
+    return _dotted(foreign) in names
+
+
+def _is_within(foreign: str, header: str, alias: str) -> bool:
+    """Whether a rule's word is a header or what it belongs to: a joint, a link, a topic."""
+    name = _dotted(foreign)
+    return _is_named(foreign, header, alias) or any(
+        _dotted(text).startswith(name + ".") for text in (header, alias) if text
+    )
+
+
+def _spelt_ours(name: str, system: System | None) -> str:
+    """``/joint_states/pivot/position`` as ``pivot.position``; joints may have slashes in their names."""
+    if "/" not in name:
+        return name
+    path, _, quantity = name.rpartition("/")
+    if "." in quantity and quantity.rpartition(".")[2] in QUANTITIES:
+        return quantity
+    if quantity not in QUANTITIES:
+        return name
+    sites = () if system is None else (*system.joint_names, *(link.name for link in system.links))
+    site = next((site for site in sites if path == site or path.endswith("/" + site)), path.rpartition("/")[2])
+    return f"{site}.{quantity}"
+
+
+def _left_out(
+    strangers: Sequence[tuple[Column, InputError]], found: Sequence[Column], system: System | None
+) -> list[tuple[str, str]]:
+    """Columns of joints and links that the model has not; refused if nothing else is there, or if they look misspelt."""
+    if not strangers or system is None:
+        return []
+    if not any(column.quantity not in ("time", "effort") for column in found):
+        raise strangers[0][1]
+    reasons = []
+    for column, fault in strangers:
+        joint = column.quantity in JOINT_QUANTITIES
+        sites = system.joint_names if joint else tuple(link.name for link in system.links)
+        seen = {c.site for c in found if (c.quantity in JOINT_QUANTITIES) == joint}
+        others = [site for site in sites if site not in seen]
+        if column.site in [link.name for link in system.links] and joint:
+            others = [name for name in others if name == system.carrier(column.site).name]
+            misspelt = bool(others)
+        else:
+            misspelt = bool(get_close_matches(column.site, others, n=1, cutoff=0.6))
+        if misspelt:
+            raise InputError(
+                fault.what,
+                mend=f"{fault.mend}; or leave it out: --map '{column.site}=ignore'",
+                source=fault.source,
+                column=fault.column,
+            )
+        kind = "joint" if joint else "link"
+        reasons.append((column.header, f"is of a {kind} that the model has not, or not as one that moves"))
+    return reasons
 
 
 def _time_mend(headers: Sequence[str]) -> str:
@@ -204,12 +311,13 @@ def _refuse_misspelt(ours: str, site: str, quantity: str, system: System | None,
         )
 
 
-def _check_site(site: str, quantity: str, system: System, source: Path, header: str) -> None:
+def _stranger(site: str, quantity: str, system: System, source: Path, header: str) -> InputError | None:
+    """Why the system has no such joint or link, None if it has."""
     joints = system.joint_names
     links = tuple(link.name for link in system.links)
     wants_joint = quantity in JOINT_QUANTITIES
     if site in (joints if wants_joint else links):
-        return
+        return None
     kind = "joint" if wants_joint else "link"
     if wants_joint and site in links:
         carrier = system.carrier(site)
@@ -220,7 +328,7 @@ def _check_site(site: str, quantity: str, system: System, source: Path, header: 
         mend = "that joint is fixed"
     else:
         mend = did_you_mean(site, joints if wants_joint else links)
-    raise InputError(
+    return InputError(
         f"the model has no movable joint {site!r}" if kind == "joint" else f"the model has no link {site!r}",
         mend=mend,
         source=source,

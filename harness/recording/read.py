@@ -14,27 +14,29 @@ from harness.recording.clean import (
     find_outliers,
     find_saturation,
     quantisation_step,
-    unwrap_angle,
 )
+from harness.recording.clocks import one_clock
 from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_beside
+from harness.recording.folded import unfold
+from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
 from harness.recording.stale import find_stale
-from harness.recording.table import Table, read_table
 from harness.recording.timing import Timing, grouped_mean, mend_time
 from harness.recording.units import factor_to_si
 from harness.system import System
 from harness.system.description import Array, constant
 
 FEWEST = 20  # samples below which neither motion nor noise can be told
+FEW_COLUMNS = 6  # left out for one reason that are named one by one
 COARSE_SHARE = 0.02  # of equal neighbours, from which a step is worth a word
 
 
 def read_recording(path: str | Path, *, mapping: Sequence[str] = (), system: System | None = None) -> Recording:
     """Read one recording.
 
-    path: CSV, ``.csv.gz``, Parquet, HDF5, MATLAB or MCAP with JSON messages, told by content.
+    path: CSV, Parquet, HDF5, netCDF, MATLAB, NumPy, MCAP or a ROS bag, packed or not, told by content.
     mapping: rules for foreign headers, ``theta_meas=pivot.position[deg]``; they go before those of a TOML file beside it.
     system: to check joints and links against, and to tell revolute from prismatic ones.
     Raises InputError, naming file, line and column, for what cannot be used; what was mended stands in ``quality``.
@@ -77,13 +79,15 @@ def read_recordings(
 
 def recording_from_table(table: Table, rules: Sequence[Rule], system: System | None, file: Path) -> Recording:
     """The recording that a table holds; see ``read_recording``."""
-    columns, ignored = resolve(tuple(table.columns), rules, system, source=file)
-    notes = [QualityNote("cut_off", "", remark, "left out") for remark in table.remarks]
-    notes += [QualityNote("ignored_column", header, "is no column of ours", "left out") for header in ignored]
+    found = resolve(tuple(table.columns), rules, system, source=file, aliases=table.aliases)
+    notes = [*table.notes, *ignored_notes(found.ignored)]
+    columns, empty = _with_numbers(found.columns, table, file)
+    notes += empty
+    if table.interleaved:
+        table, told = one_clock(table, columns)
+        notes += told
     clock = columns[0]
-    factor, _ = factor_to_si(
-        clock.unit or table.units.get(clock.header, ""), "time", prismatic=None, source=file, column=clock.header
-    )
+    factor, _ = factor_to_si(unit_of_column(clock, table), "time", prismatic=None, source=file, column=clock.header)
     _refuse_short(int(np.isfinite(table.columns[clock.header]).sum()), file)
     timing = mend_time(_finite(table.columns[clock.header]) * factor * clock.sign, table.lines, file)
     notes += timing.notes
@@ -91,8 +95,8 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
     channels: list[Channel] = []
     efforts: list[Channel] = []
     for column in columns[1:]:
-        channel, found = _channel(column, table, timing, system, file)
-        notes += found
+        channel, seen = _channel(column, table, timing, system, file)
+        notes += seen
         (efforts if column.quantity == "effort" else channels).append(channel)
     if not channels:
         raise InputError(
@@ -121,8 +125,52 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
         channels=tuple(channels),
         efforts=tuple(efforts),
         quality=tuple(notes + filled),
-        start=timing.start + first,
+        start=timing.start + first + table.origins.get(clock.header, 0.0) * factor,
     )
+
+
+def ignored_notes(ignored: Sequence[tuple[str, str]]) -> list[QualityNote]:
+    """A note for each column that is left out; one for all where many are for one reason."""
+    by_reason: dict[str, list[str]] = {}
+    for header, reason in ignored:
+        by_reason.setdefault(reason, []).append(header)
+    notes = []
+    for reason, headers in by_reason.items():
+        if len(headers) <= FEW_COLUMNS:
+            notes += [QualityNote("ignored_column", header, reason, "left out") for header in headers]
+        else:
+            some = ", ".join(headers[:4])
+            what = f"{len(headers)} columns ({some}, …): each {reason}"
+            notes.append(QualityNote("ignored_column", "", what, "left out", len(headers)))
+    return notes
+
+
+def _with_numbers(columns: Sequence[Column], table: Table, file: Path) -> tuple[tuple[Column, ...], list[QualityNote]]:
+    """The columns that hold numbers; those that hold none are left out and told, unless nothing is left to be fitted."""
+    kept, notes = [], []
+    for column in columns:
+        if np.isfinite(table.numbers(column.header)).any() or column.quantity == "time":
+            kept.append(column)
+        else:
+            notes.append(QualityNote("empty_column", column.name, "holds no number", "left out"))
+    if notes and all(column.quantity in ("time", "effort") for column in kept):
+        lost = next(c for c in columns if c.quantity not in ("time", "effort") and c not in kept)
+        raise InputError("holds no number", mend="map another column or remove it", source=file, column=lost.header)
+    return tuple(kept), notes
+
+
+def _count(table: Table, column: Column, factor: float) -> float:
+    """One of the file's numbers [channel unit] where they are all whole ones, as counts are, else 0."""
+    raw = table.columns[column.header]
+    finite = raw[np.isfinite(raw)]
+    counts = bool(np.all(finite == np.round(finite))) and len(np.unique(finite)) > FEWEST
+    return abs(factor) if counts else 0.0
+
+
+def unit_of_column(column: Column, table: Table) -> str:
+    """What the header says, else what the format does; stamps of the calendar are in seconds whatever the header says."""
+    told = table.units.get(column.header, "")
+    return told if told and column.header in table.origins else column.unit or told
 
 
 def _refuse_short(samples: int, file: Path) -> None:
@@ -146,34 +194,25 @@ def _channel(
     if system is not None and column.site in system.joint_names:
         prismatic = system.joint(column.site).prismatic
     factor, unit = factor_to_si(
-        column.unit or table.units.get(column.header, ""),
-        column.quantity,
-        prismatic=prismatic,
-        source=file,
-        column=column.header,
+        unit_of_column(column, table), column.quantity, prismatic=prismatic, source=file, column=column.header
     )
-    rows = _finite(table.columns[column.header]) * (factor * column.sign)
-    if not np.isfinite(rows).any():
-        raise InputError("holds no number", mend="map another column or remove it", source=file, column=column.header)
+    factor *= column.sign
+    rows = _finite(table.columns[column.header] + table.origins.get(column.header, 0.0)) * factor
     notes: list[QualityNote] = []
-    angle = column.quantity == "position" and unit == "rad"
-    if angle and len(timing.time) == len(rows):
-        # Unwrapped in the file's own samples: the mean of two of them across a wrap would be no angle.
-        values, found = unwrap_angle(
-            column.name, timing.time, grouped_mean(rows, timing.groups, len(timing.time)), file
-        )
-        notes += found
-    elif angle:
-        first = np.full(len(timing.time), -1, dtype=np.intp)
-        for row in np.flatnonzero(timing.groups >= 0)[::-1]:
-            first[timing.groups[row]] = row
-        values, found = unwrap_angle(column.name, timing.time, rows[first], file)
-        if not found:
-            values = grouped_mean(rows, timing.groups, len(timing.time))
-        notes += found
-    else:
-        values = grouped_mean(rows, timing.groups, len(timing.time))
-    step = quantisation_step(values)
+    values = grouped_mean(rows, timing.groups, len(timing.time))
+    if column.quantity == "position":
+        # Made continuous in the file's own samples: the mean of two of them across a jump would be neither.
+        samples = values
+        if len(timing.time) != len(rows):
+            first = np.full(len(timing.time), -1, dtype=np.intp)
+            for row in np.flatnonzero(timing.groups >= 0)[::-1]:
+                first[timing.groups[row]] = row
+            samples = rows[first]
+        grain = quantisation_step(samples) or _count(table, column, factor)
+        whole, told = unfold(column.name, unit, timing.time, samples, grain, factor, file)
+        values = whole if told else values
+        notes += told
+    step = quantisation_step(values) or _count(table, column, factor)
     if column.quantity != "effort":
         values, stale = find_stale(column.name, timing.time, values, step)
         if stale is not None:

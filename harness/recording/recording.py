@@ -46,7 +46,8 @@ class QualityNote:
     """Something found in a recording.
 
     kind: ``uneven_sampling``, ``gap``, ``unordered_time``, ``repeated_time``, ``rounded_time``, ``missing``, ``outlier``,
-        ``wrapped_angle``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``cut_off``,
+        ``wrapped_angle``, ``folded``, ``quantisation``, ``saturation``, ``constant``, ``ignored_column``, ``empty_column``,
+        ``cut_off``, ``not_read``, ``packed``, ``fill_value``, ``other_clock``, ``idle_effort``, ``short_effort``,
         ``timing_jitter``, ``stale``, ``carried_start``, ``held_start``, ``carried_end``, ``outside_push``,
         ``rezeroed``, ``other_zero``, ``held_effort``.
     channel: its name, or ``time``. where: windows [s] from the first sample; empty if everywhere.
@@ -60,6 +61,11 @@ class QualityNote:
     count: int = 0
     where: tuple[tuple[float, float], ...] = ()
     size: float = float("nan")
+
+    def words(self) -> str:
+        """The note as one line: ``pivot.position: 20 jumps by a turn; made continuous``."""
+        place = f"{self.channel}: " if self.channel else ""
+        return f"{place}{self.what}; {self.done}" if self.done else f"{place}{self.what}"
 
 
 @dataclass(frozen=True, eq=False)

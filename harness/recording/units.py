@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,23 +15,44 @@ from harness.recording.recording import LINEAR_UNITS, UNITS
 if TYPE_CHECKING:
     import pint
 
+# The table's "mil" is a tenth of the angular one, of which 6400 make a turn.
+DEFINITIONS = (
+    "mil = 2 * pi / 6400 * radian = _ = mils",
+    "strain = 1",
+    "microstrain = 1e-6",
+    "rev = 2 * pi * radian = _ = revs",
+    "dps = degree / second",
+    "RPM = 2 * pi * radian / minute",
+)
+# Lengths of typesetting: a camera's pixels are none of 1/96 inch.
+PRINTED = ("css_pixel", "pixel", "dot", "point", "pica", "scaled_point", "didot", "cicero")
+
 # Words that mean something else to a measuring engineer than to a table of units.
-SPELLINGS = {
-    "tip_acceleration": {
-        "g": "standard_gravity",
-        "G": "standard_gravity",
-        "gn": "standard_gravity",
-        "g0": "standard_gravity",
-    },
-    "root_strain": {
-        "µε": "microstrain",
-        "με": "microstrain",
-        "ue": "microstrain",
-        "uε": "microstrain",
-        "ustrain": "microstrain",
-    },
+GRAVITY = {
+    **dict.fromkeys(("g", "G", "gn", "g0", "g_n", "gs", "g's", "gee", "gees"), "standard_gravity"),
+    **dict.fromkeys(("mg", "mG"), "0.001 standard_gravity"),
+    **dict.fromkeys(("ug", "µg", "uG"), "0.000001 standard_gravity"),
 }
-AMBIGUOUS = {"velocity": ("Hz", "hertz", "1/s", "rps", "cps")}
+MICROSTRAIN = dict.fromkeys(("µε", "ue", "uε", "ustrain", "uE", "µE", "ustr", "µstrain"), "microstrain")
+SPELLINGS = {
+    "tip_acceleration": GRAVITY,
+    "root_strain": {**MICROSTRAIN, "ε": "strain", "‰": "0.001 strain"},
+    "velocity": dict.fromkeys(("r/min", "U/min"), "RPM"),
+    "tip_deflection": {"mil": "thou", "mils": "thou"},
+}
+# Torques as data sheets write them; a mass stands for its weight there.
+TORQUES = (
+    (re.compile(r"(?<![A-Za-z])([kmuµcM]?)N[ .*-]?([cmuµ]?m)(?![A-Za-z0-9])"), r"\1N*\2"),
+    (re.compile(r"(?<![A-Za-z])(k?)gf?[ .*-]?([cm]?m)(?![A-Za-z0-9])"), r"\1gf*\2"),
+    (re.compile(r"(?<![A-Za-z])ozf?[ .*-]?in(ch)?(?![A-Za-z0-9])"), "force_ounce*inch"),
+    (re.compile(r"(?<![A-Za-z])(in|ft)[ .*-]?lb[fs]?(?![A-Za-z0-9])"), r"\1*force_pound"),
+    (re.compile(r"(?<![A-Za-z])lbf?[ .*-]?(in|ft)(?![A-Za-z0-9])"), r"\1*force_pound"),
+)
+COUNTED = re.compile(r"(?i)\b(counts?|cts|ticks?|pulses?|steps?|lsbs?|incs?|increments?|samples?|frames?|digits?)\b")
+SIGNS = str.maketrans({"·": "*", "⋅": "*", "×": "*", "•": "*", "²": "**2", "³": "**3", "^": "**", "μ": "µ", "º": "°"})
+POWER = re.compile(r"(?<=[A-Za-z°])(-?[23])(?![A-Za-z0-9.])")  # m/s2
+VOLTS = re.compile(r"(?<![A-Za-zµ])[mµu]?(V|volts?)(?![A-Za-z])")
+PURE_STRAIN = ("percent", "ppm", "strain", "microstrain")
 
 
 @cache
@@ -38,9 +60,9 @@ def _registry() -> pint.UnitRegistry:
     # A third of a second, and most recordings are in SI.
     import pint
 
-    registry: pint.UnitRegistry = pint.UnitRegistry(cache_folder=None)
-    registry.define("strain = 1")
-    registry.define("microstrain = 1e-6")
+    registry: pint.UnitRegistry = pint.UnitRegistry(cache_folder=None, on_redefinition="ignore")
+    for definition in DEFINITIONS:
+        registry.define(definition)
     return registry
 
 
@@ -51,7 +73,8 @@ def factor_to_si(
 
     unit: as in the header, "" for SI; may carry a number (``2*pi/4096 rad`` for counts of an encoder).
     quantity: "time" or one of ``QUANTITIES``. prismatic: kind of joint, None if not known.
-    Raises InputError for words that are no unit, units of another kind, and those that could mean two things.
+    Raises InputError for words that are no unit, units of another kind, plain numbers and counts, and those that could mean two
+    things.
     """
     wanted = "s" if quantity == "time" else UNITS[quantity]
     linear = LINEAR_UNITS.get(quantity, "")
@@ -63,35 +86,104 @@ def factor_to_si(
         return 1.0, candidates[0]
     if text in candidates:
         return 1.0, text
-    if text in AMBIGUOUS.get(quantity, ()) and not prismatic:
+    given = _parsed(text, quantity, prismatic)
+    if given is None:
         raise InputError(
-            f"unit {text!r} of a velocity could mean turns or radians",
-            mend="write rad/s, deg/s, rpm or turn/s",
+            f"{text!r} is not a unit", mend=_mend(text, None, quantity, prismatic), source=source, column=column
+        )
+    registry = _registry()
+    # Root units keep radians, counts and bits, which are plain numbers to a table of units: as such, counts would pass for radians
+    # and hertz for rad/s.
+    roots = _roots(given)
+    if (
+        quantity == "velocity"
+        and not prismatic
+        and (text in ("rps", "cps") or roots in ({"second": -1}, {"count": 1, "second": -1}))
+    ):
+        raise InputError(
+            f"unit {text!r} of a velocity could mean turns or radians, or counts",
+            mend="write rad/s, deg/s, rpm or turn/s; counts need their number a turn, as 2*pi/4096 rad/s",
             source=source,
             column=column,
         )
-    spelt = SPELLINGS.get(quantity, {}).get(text, text).replace("·", "*").replace("²", "**2").replace("³", "**3")
-    registry = _registry()
-    try:
-        given = registry.Quantity(1.0) * registry.parse_expression(spelt)
-    except Exception as failure:  # pint raises its own, tokenizer and attribute errors alike
-        raise InputError(
-            f"{text!r} is not a unit", mend=f"use for example {_examples(quantity)}", source=source, column=column
-        ) from failure
     for target in candidates:
-        goal = registry.parse_units("dimensionless" if target == "1" else target)
-        if not given.is_compatible_with(goal):
+        goal = registry.Quantity(1.0, "dimensionless" if target == "1" else target)
+        if roots != _roots(goal) or _is_printed(given) or (target == "1" and not _is_strain(text, given)):
             continue
-        size = float(given.to(goal).magnitude)
+        size = float(given.to(goal.units).magnitude)
         if not np.isfinite(size) or size == 0.0:
             break
         return size, target
+    what = f"{'an' if quantity == 'effort' else 'a'} {quantity.replace('_', ' ')}"
     raise InputError(
-        f"unit {text!r} does not fit a {quantity.replace('_', ' ')}, which is in {' or '.join(candidates)}",
-        mend=f"use for example {_examples(quantity)}",
+        f"unit {text!r} does not fit {what}, which is in {' or '.join(candidates)}",
+        mend=_mend(text, given, quantity, prismatic),
         source=source,
         column=column,
     )
+
+
+def _parsed(text: str, quantity: str, prismatic: bool | None) -> Any:
+    """A ``pint`` quantity, or None if the text is none."""
+    spelt = text.translate(SIGNS)
+    spelt = SPELLINGS.get(quantity, {}).get(spelt, spelt)
+    if quantity == "position" and prismatic and spelt in ("mil", "mils"):
+        spelt = "thou"
+    if quantity == "effort":
+        for pattern, replacement in TORQUES:
+            spelt = pattern.sub(replacement, spelt)
+    spelt = POWER.sub(r"**(\1)", spelt).replace("%", "percent")
+    registry = _registry()
+    # "Seconds", "DEG": capitals are tried as such first, for they part milli from mega.
+    for attempt in (spelt, spelt.lower()):
+        try:
+            return registry.Quantity(1.0) * registry.parse_expression(attempt)
+        except Exception:  # pint raises its own, tokenizer and attribute errors alike
+            continue
+    return None
+
+
+def _roots(given: Any) -> dict[str, float]:
+    """Root units of a quantity with their powers."""
+    return {name: float(power) for name, power in given.to_root_units().unit_items() if power}
+
+
+def _words(given: Any) -> list[str]:
+    """The units that a quantity is written in, without prefixes."""
+    registry = _registry()
+    names = [name for name, _ in given.unit_items()]
+    return [next((root for _, root, _ in registry.parse_unit_name(name)), name) for name in names]
+
+
+def _is_printed(given: Any) -> bool:
+    return any(word in PRINTED for word in _words(given))
+
+
+def _is_strain(text: str, given: Any) -> bool:
+    """Whether a plain number is a strain: a ratio of lengths or a share, not of volts or any other two alike."""
+    lengths = [word for word in _words(given) if word not in PURE_STRAIN]
+    return not VOLTS.search(text) and all(_registry().get_dimensionality(word) == {"[length]": 1} for word in lengths)
+
+
+def _mend(text: str, given: Any, quantity: str, prismatic: bool | None) -> str:
+    counted = COUNTED.search(text) is not None if given is None else set(_roots(given)) <= {"count", "bit", "second"}
+    if quantity in ("position", "velocity") and counted:
+        per = "/s" if quantity == "velocity" else ""
+        if prismatic:
+            return f"a plain number needs what it stands for, as 0.005 mm{per} for a count of 5 µm"
+        return f"a plain number needs what it stands for, as 2*pi/4096 rad{per} for a count of 4096 a turn"
+    if quantity == "time" and (COUNTED.search(text) or (given is not None and _roots(given) == {"count": 1})):
+        return "counts need their length, as 0.001 s for a thousand a second"
+    if quantity == "root_strain" and VOLTS.search(text):
+        return (
+            "write the strain that one of it stands for, by gauge factor and bridge, as 2000 microstrain for a mV/V of a quarter "
+            "bridge of gauge factor 2"
+        )
+    if quantity == "effort" and given is not None and set(_roots(given)) >= {"ampere"}:
+        return f"write what one {text} stands for, as 0.07 N*m by a motor's torque constant"
+    if given is not None and _is_printed(given):
+        return "write what one pixel is, as 0.05 mm"
+    return f"use for example {_examples(quantity)}"
 
 
 def _examples(quantity: str) -> str:
@@ -104,3 +196,8 @@ def _examples(quantity: str) -> str:
         "root_strain": "1, microstrain, percent",
         "tip_acceleration": "m/s**2, g",
     }[quantity]
+
+
+def is_unit(text: str) -> bool:
+    """Whether a word is a unit of anything."""
+    return _parsed(text, "", None) is not None

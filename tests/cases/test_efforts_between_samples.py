@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.cases.single_run import effort_from, run_once
+from harness.cases.single_run import drive_from, run_once
 from harness.errors import InputError
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
@@ -28,7 +28,7 @@ def ramp(tmp_path):
 @pytest.mark.parametrize("rate", [10, 100])
 def test_a_measured_effort_runs_straight_between_its_samples(ramp, engine, rate):
     time = np.arange(rate + 1) / rate
-    tau = effort_from(ramp, time, SLIDER, hold="linear")
+    tau = drive_from(ramp, time, SLIDER, hold="linear").tau
     assert np.allclose(tau[:, 0], RISE * time, rtol=0.0, atol=1e-12)
     run = run_once(SLIDER, time, {}, {}, engine=engine, tau=tau, hold="linear", step=1e-3)
     # m v = RISE t²/2, whatever the samples; what is recorded is the effort itself.
@@ -38,7 +38,7 @@ def test_a_measured_effort_runs_straight_between_its_samples(ramp, engine, rate)
 
 def test_a_command_holds_until_the_next(ramp):
     time = np.arange(101) / 100
-    tau = effort_from(ramp, time, SLIDER)
+    tau = drive_from(ramp, time, SLIDER).tau
     run = run_once(SLIDER, time, {}, {}, tau=tau)
     # Each of the ten is held for 0.1 s: m v(1 s) = RISE · 0.1² · (0 + 1 + … + 9).
     assert run.columns["rail.velocity"][-1] == pytest.approx(RISE * COARSE**2 * 45.0 / MASS, abs=1e-9)
@@ -46,5 +46,5 @@ def test_a_command_holds_until_the_next(ramp):
 
 def test_what_has_no_such_joint_is_refused(ramp):
     ramp.write_text("time,nowhere.effort\n0,1\n1,1\n")
-    with pytest.raises(InputError, match="no joint is named 'nowhere'"):
-        effort_from(ramp, np.arange(2.0), SLIDER, hold="linear")
+    with pytest.raises(InputError, match="no movable joint 'nowhere'"):
+        drive_from(ramp, np.arange(2.0), SLIDER, hold="linear")

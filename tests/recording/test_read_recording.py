@@ -245,7 +245,6 @@ REFUSED_TEXT = [
     ("1.0,2.0\n1.1,2.1\n", "the first line is numbers, not a header"),
     ("t,pivot.position\n1,2\n", "--map 't=time[s]'"),
     ("time,pivot.position,pivot.position\n1,2,3\n", "two columns are named 'pivot.position'"),
-    ("time,,pivot.position\n1,2,3\n", "a column has no name"),
     ("time,temperature\n1,2\n2,3\n", "no column besides time is known"),
     ("time,pivot.postion\n1,2\n2,3\n", "did you mean 'position'?"),
     ("time,pivot.torque\n1,2\n2,3\n", "no quantity of a recording"),
@@ -292,13 +291,16 @@ def test_a_cut_off_last_line_is_left_out_and_told(tmp_path):
 
 REFUSED_BYTES = [
     (bytes(range(256)) * 8, "is not text and no format that is known"),
-    (b"PK\x03\x04" + b"\x00" * 64, "zip archive or spreadsheet"),
+    (b"PK\x03\x04" + b"\x00" * 64, "damaged zip archive"),
     (gzip.compress(csv_text().encode())[:200], "damaged gzip file"),
     (b"PAR1" + b"\x01" * 300, "damaged Parquet file"),
     (b"\x89HDF\r\n\x1a\n" + b"\x01" * 300, "damaged HDF5 file"),
     (b"\x89MCAP0\r\n" + b"\x01" * 300, "damaged MCAP file"),
     (b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + b"\x07" * 90, "MATLAB file"),
-    (b"#ROSBAG V2.0\n" + b"\x00" * 64, "a ROS 1 bag"),
+    (b"#ROSBAG V2.0\n" + b"\x00" * 64, "damaged or unknown bag"),
+    (b"SQLite format 3\x00" + b"\x00" * 500, "damaged or unknown bag"),
+    (b"CDF\x01" + b"\x07" * 90, "damaged netCDF file"),
+    (b"\x93NUMPY" + b"\x07" * 90, "damaged NumPy file"),
 ]
 
 
@@ -310,7 +312,9 @@ def test_refused_bytes(tmp_path, content, words):
 
 
 def test_mcap_of_another_encoding_is_refused_by_name(tmp_path):
-    refusal(write_mcap(tmp_path, encoding="cdr"), "topic '/joint_states' is encoded as 'cdr'")
+    refusal(write_mcap(tmp_path, encoding="protobuf"), "topic '/joint_states' is encoded as 'protobuf'")
+    # JSON behind the name of another encoding.
+    refusal(write_mcap(tmp_path, encoding="cdr"), "200 messages are damaged (/joint_states)")
 
 
 def test_missing_file_and_directory(tmp_path):

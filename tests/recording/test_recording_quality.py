@@ -244,4 +244,12 @@ def test_too_short_and_nothing_measured(tmp_path):
     with pytest.raises(InputError, match="nothing is measured"):
         read(tmp_path, TIME, noisy(), header="time,pivot.effort")
     with pytest.raises(InputError, match="holds no number"):
-        read(tmp_path, TIME, noisy(), np.full(len(TIME), np.nan), header="time,pivot.position,pivot.velocity")
+        read(tmp_path, TIME, np.full(len(TIME), np.nan), np.sin(TIME), header="time,pivot.position,pivot.effort")
+
+
+@pytest.mark.parametrize("other", ["pivot.velocity", "pivot.effort", "elbow.position"])
+def test_columns_without_a_number_are_left_out_and_told(tmp_path, other):
+    # Drivers fill what they do not measure with nan.
+    recording = read(tmp_path, TIME, noisy(), np.full(len(TIME), np.nan), header=f"time,pivot.position,{other}")
+    assert recording.channel_names == ("pivot.position",) and not recording.efforts
+    assert [note.channel for note in notes(recording, "empty_column")] == [other]

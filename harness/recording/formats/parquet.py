@@ -10,23 +10,24 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from harness.errors import InputError
-from harness.recording.table import Table
+from harness.recording.formats.table import Table, left_out
 
 
-def read_parquet(path: Path) -> Table:
-    """Numeric columns of a Parquet file, nulls as nan; time stamps in seconds. Other columns are left out, with a remark.
+def read_parquet(path: Path, file: Path) -> Table:
+    """Numeric columns of a Parquet file, nulls as nan; time stamps in seconds. Other columns are left out, with a note.
 
     Raises InputError for a damaged file or one without rows.
     """
     try:
-        table = pq.read_table(path)
+        table = pq.read_table(file)
     except (pa.ArrowException, OSError) as failure:
         raise InputError(f"damaged Parquet file: {failure}", mend="write it again", source=path) from None
     if table.num_rows == 0:
         raise InputError("has columns but no samples", mend="record again or name another file", source=path)
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
-    remarks = []
+    notes = []
+    origins: dict[str, float] = {}
     for field_, column in zip(table.schema, table.columns, strict=True):
         name, kind = field_.name, field_.type
         if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
@@ -36,13 +37,15 @@ def read_parquet(path: Path) -> Table:
             first = next((value for value in ticks.to_pylist() if value is not None), 0)
             values = np.array([np.nan if v is None else (v - first) * scale for v in ticks.to_pylist()])
             columns[name] = values
+            units[name] = "s"
+            origins[name] = first * scale
         elif pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind):
             numbers = pc.cast(column, pa.float64(), safe=False)
             columns[name] = np.asarray(numbers.to_numpy(zero_copy_only=False), dtype=np.float64)
         else:
-            remarks.append(f"column {name!r} holds {kind}, not numbers, and was left out")
+            notes.append(left_out(name, f"holds {kind}, not numbers"))
             continue
         stated = (field_.metadata or {}).get(b"unit") or (field_.metadata or {}).get(b"units")
         if stated:
             units[name] = stated.decode("utf-8", "replace")
-    return Table(columns, units, remarks=tuple(remarks))
+    return Table(columns, units, origins=origins, notes=tuple(notes))

@@ -1,0 +1,100 @@
+"""Which reader a file is for: told by its first bytes, not by its ending."""
+
+from __future__ import annotations
+
+import bz2
+import gzip
+import lzma
+import tempfile
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from harness.errors import InputError
+from harness.recording.formats.csv import read_text
+from harness.recording.formats.table import Table
+
+PACKED: dict[bytes, Callable[[bytes], bytes]] = {
+    b"\x1f\x8b": gzip.decompress,
+    b"BZh": bz2.decompress,
+    b"\xfd7zXZ\x00": lzma.decompress,
+}
+# Readers bring heavy packages along, so each is loaded when a file asks for it. MATLAB 7.3 is HDF5 behind 512 bytes of text.
+READERS = (
+    (b"PAR1", "parquet", "read_parquet"),
+    (b"\x89HDF\r\n\x1a\n", "hdf5", "read_hdf5"),
+    (b"MATLAB 7.3 MAT-file", "hdf5", "read_hdf5"),
+    (b"MATLAB 5.0 MAT-file", "matlab", "read_matlab"),
+    (b"CDF\x01", "netcdf", "read_netcdf"),
+    (b"CDF\x02", "netcdf", "read_netcdf"),
+    (b"\x93NUMPY", "numpy_arrays", "read_numpy"),
+    (b"PK\x03\x04", "numpy_arrays", "read_numpy"),
+    (b"\x89MCAP0\r\n", "mcap", "read_mcap"),
+    (b"SQLite format 3", "rosbag", "read_ros2_bag"),
+    (b"#ROSBAG", "rosbag", "read_ros1_bag"),
+)
+OTHERS = {
+    b"\xd0\xcf\x11\xe0": "an old office document",
+    b"%PDF": "a PDF",
+    b"\x89PNG": "a picture",
+    b"MDF ": "an MDF measurement file",
+    b"\x28\xb5\x2f\xfd": "packed by zstd",
+    b"7z\xbc\xaf": "a 7-zip archive",
+    b"TDSm": "a LabVIEW TDMS file",
+}
+READABLE = "CSV, Parquet, HDF5, netCDF, MATLAB .mat, NumPy .npz, MCAP or a ROS bag"
+
+
+def read_table(path: Path) -> Table:
+    """The columns of a recording file; its format is told by content, not by its ending. A ROS 2 bag may be its folder.
+
+    Raises InputError for a missing, empty or unreadable file and for a format that is not read.
+    """
+    if path.is_dir():
+        if (path / "metadata.yaml").is_file():
+            return _read("rosbag", "read_ros2_folder", path, path)
+        raise InputError("is a directory", mend="name the recording file in it", source=path)
+    return _read_file(path, path)
+
+
+def _read_file(path: Path, file: Path) -> Table:
+    """path: as the user knows it. file: where its bytes are, unpacked."""
+    try:
+        with file.open("rb") as stream:
+            head = stream.read(512)
+    except FileNotFoundError:
+        raise InputError("no such file", mend="check the path", source=path) from None
+    except OSError as failure:
+        raise InputError(f"cannot be read: {failure.strerror}", mend="check its rights", source=path) from None
+    if not head:
+        raise InputError("the file is empty", mend="record again or name another file", source=path)
+    for magic, unpack in PACKED.items():
+        if head.startswith(magic):
+            return _unpacked(path, file, unpack)
+    for magic, module, reader in READERS:
+        if head.startswith(magic):
+            return _read(module, reader, path, file)
+    for magic, kind in OTHERS.items():
+        if head.startswith(magic):
+            raise InputError(f"is {kind}, not a recording", mend=f"export it as {READABLE}", source=path)
+    return read_text(path, file.read_bytes(), READABLE)
+
+
+def _read(module: str, reader: str, path: Path, file: Path) -> Table:
+    table: Table = getattr(import_module(f"harness.recording.formats.{module}"), reader)(path, file)
+    return table
+
+
+def _unpacked(path: Path, file: Path, unpack: Callable[[bytes], bytes]) -> Table:
+    try:
+        content = unpack(file.read_bytes())
+    except (OSError, EOFError, ValueError, lzma.LZMAError) as failure:
+        raise InputError(
+            f"damaged {'gzip file' if unpack is gzip.decompress else 'archive'}: {failure}",
+            mend="copy or pack it again",
+            source=path,
+        ) from None
+    with tempfile.TemporaryDirectory() as folder:
+        inner = Path(folder) / "unpacked"
+        inner.write_bytes(content)
+        return _read_file(path, inner)
