@@ -61,8 +61,8 @@ def examine(folder: Path) -> list[dict[str, Any]]:
     for finding in claimed(whole):
         for name, value in finding["parameters"].items():
             key = f"{finding['effect']}@{finding['site']}.{name}"
-            both = [half.get(key) for half in halves]
-            distance = apart(*both) if both[0] is not None and both[1] is not None else None
+            one, other = both = [half.get(key) for half in halves]
+            distance = apart(one, other) if one is not None and other is not None else None
             rows.append({
                 "rig": folder.name, "number": key, "unit": value["unit"], "whole": value["value"], "ci95": value["ci95"],
                 "halves": [None if b is None else {"value": b["value"], "std": b["std"]} for b in both],
