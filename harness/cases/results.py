@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.cases.case import Row, Series
+from harness.cases.table import aligned
 from harness.errors import InputError
 
 SCHEMA = "denoc.results/1"
@@ -65,9 +66,7 @@ class Results:
         return json.dumps(self.to_json(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
     def __str__(self) -> str:
-        from harness.cases.table import text
-
-        return text(self)
+        return aligned(self.rows)
 
 
 def row_as_dict(row: Row) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from harness.cli.options import console, output_options, progress, wide_options,
 @click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine beside the native one.")
 @click.option("--all-robots", is_flag=True, help="Every URDF of the package example-robot-data instead of the suite.")
 @click.option("--allow-unphysical", is_flag=True, help="Compare models whose inertia no body can have all the same.")
-@click.option("--rows", "every_row", is_flag=True, help="Print every row, not the worst of each case and engine.")
+@click.option("--rows", "every_row", is_flag=True, help="Print every row, not a line for each group and what failed.")
 @click.option("--list", "list_cases", is_flag=True, help="List the cases of the suite and their sources.")
 @wide_options
 def validate(
@@ -84,20 +84,17 @@ def validate(
         screen.print(f"{len(chosen or ())} robots compared, {len(refused)} refused.")
     if out is not None:
         screen.print(f"Written to {out}: open {out / 'report.html'} in a browser.", markup=False)
+    elif not every_row:
+        screen.print("Every row: --rows; with the reason for what is allowed, and pictures: --out DIR.", style="dim")
     return 0 if results.ok else 1
 
 
 def _list() -> int:
-    from rich.table import Table
-
     from harness.cases.discover import built_in
+    from harness.report.columns import print_table
 
-    table = Table(box=None, header_style="bold")
-    for head in ("case", "group", "what", "truth"):
-        table.add_column(head, overflow="fold", no_wrap=head in ("case", "group"))
-    for case in built_in().values():
-        table.add_row(case.name, case.group, case.title, case.source)
-    console().print(table)
+    lines = [(case.name, case.group, case.title, case.source) for case in built_in().values()]
+    print_table(console(), ("case", "group", "what", "truth"), lines)
     return 0
 
 

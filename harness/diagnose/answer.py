@@ -31,6 +31,7 @@ from harness.diagnose.uncertainty import Estimate, across, estimates, no_more_ex
 from harness.diagnose.zeros import Zero, zeros_of
 from harness.parallel import meanwhile
 from harness.recording import Recording
+from harness.recording.units import written
 from harness.system import System
 
 SHOWN = 8  # hypotheses in the ranking
@@ -191,7 +192,7 @@ def _summary(
             c.candidate.site,
             values[c.candidate.key],
             _units(outcome, c),
-            [f"{z['recording']} {number(z['zero'])} {z['unit']}" for z in zeros[c.candidate.key]],
+            [f"{z['recording']} {number(z['zero'])} {written(z['unit'])}" for z in zeros[c.candidate.key]],
         )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
     ]
@@ -253,8 +254,8 @@ def _remainder(system: System, remains: Remains, doubted: Sequence[str]) -> dict
         "doubted": list(doubted),
     }
     if remains.form is not None:
-        unit = system.joint(remains.form.joint).force_unit.replace("*", "·")
-        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} {unit}"
+        unit = system.joint(remains.form.joint).force_unit
+        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} {written(unit)}"
     if remains.force_map is not None:
         m = remains.force_map
         found["map"] = {"joint": m.joint, "position": m.position, "velocity": m.velocity, "torque": m.force}

@@ -10,6 +10,7 @@ from harness.diagnose.doubt import AT_FLOOR, LEVEL
 from harness.diagnose.probe import Test
 from harness.diagnose.resolved import resolved, spread
 from harness.diagnose.uncertainty import Estimate
+from harness.recording.units import written
 
 VERDICTS = {
     "consistent": "The model and the recordings agree: what is left is at the level of the noise, and no effect of the catalogue "
@@ -30,8 +31,7 @@ def finding_words(
     """One finding with its parameters and further numbers in words."""
     parts = list(further)
     for name, e in values.items():
-        unit = units[name] if units[name] != "1" else ""
-        parts.append(f"{name.replace('_', ' ')} {_value(e)}{_spread(e)} {unit}".strip())
+        parts.append(f"{name.replace('_', ' ')} {_value(e)}{_spread(e)} {written(units[name])}".strip())
     return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
 
 

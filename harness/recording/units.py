@@ -104,3 +104,10 @@ def _examples(quantity: str) -> str:
         "root_strain": "1, microstrain, percent",
         "tip_acceleration": "m/s**2, g",
     }[quantity]
+
+
+def written(unit: str) -> str:
+    """A unit as people write it: ``N*m*s**2/rad**2`` as ``N·m·s²/rad²``; empty for a bare 1."""
+    if unit == "1":
+        return ""
+    return unit.replace("**2", "²").replace("**3", "³").replace("*", "·")
