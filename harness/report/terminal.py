@@ -59,7 +59,7 @@ def _print_groups(rows: Sequence[Row], console: Console) -> None:
                 Text(str(failed), style=COLOURS["fail"] if failed else ""),
                 str(len(members) - len(compared)),
                 "–" if worst is None else Text(words.share(worst), style=COLOURS[worst.verdict]),
-                "" if worst is None else f"{worst.case}: {words.quantity(worst.quantity)}, {words.engines(worst)}",
+                "" if worst is None else _where(worst, name),
             )
         )
     heads = (
@@ -67,6 +67,11 @@ def _print_groups(rows: Sequence[Row], console: Console) -> None:
         "where",
     )  # fmt: skip
     print_table(console, heads, lines)
+
+
+def _where(row: Row, line: str) -> str:
+    case = "" if row.case == line else f"{row.case}: "
+    return f"{case}{words.quantity(row.quantity)}, {words.engines(row)}"
 
 
 def _groups(rows: Sequence[Row]) -> Iterable[tuple[str, list[Row]]]:

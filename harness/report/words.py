@@ -30,7 +30,7 @@ def share(row: Row) -> str:
     if not math.isfinite(ratio):
         return figure(ratio, verdict=row.verdict) if row.allowed != 0.0 else "more than none"
     if ratio > 1.0:
-        return f"{ratio:.2g} times"
+        return f"{ratio:.2g} times" if ratio < 10.0 or ratio >= 1e4 else f"{ratio:.0f} times"
     return "0 %" if ratio == 0.0 else f"{100.0 * ratio:.2g} %"
 
 

@@ -295,3 +295,22 @@ def test_ctrl_c_ends_with_one_line_and_writes_nothing(tmp_path):
     told = [line for line in err.splitlines() if not line.startswith("compiling")]
     assert told == ["denoc: stopped; nothing was written"]
     assert not out.exists()
+
+
+ARMS = ROOT / "tests" / "compare" / "descriptions"
+
+
+def test_two_descriptions_of_one_robot_are_held_against_one_another(run, tmp_path):
+    both = (str(ARMS / "arm.urdf"), str(ARMS / "arm_inertia.xml"), "--engine", "pinocchio", "--workers", "1")
+    file = tmp_path / "answer.json"
+    status, out, _ = run("validate", *both, "--json", str(file))
+    assert status == 1
+    assert "inertia of fore" in out and "ixx 0.01 against 0.0105" in out and "moves elbow by" in out
+    failed = [row for row in json.loads(file.read_text())["rows"] if row["verdict"] == "fail"]
+    assert [(row["case"], row["quantity"], row["engines"]) for row in failed] == [
+        ("arm against arm_inertia", "inertia@fore", ["arm", "arm_inertia"])
+    ]
+    # 0.0005 of 0.0105 is 4.8 %.
+    assert run("validate", *both, "--tolerance", "0.05")[0] == 0
+    assert run("validate", *both, "--separate")[0] == 0
+    refused(run("validate", *both, "--tolerance", "-1"), "--tolerance")
