@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 
-from harness.cases.case import NATIVE, Bench, Case, Row, Series
+from harness.cases.case import NATIVE, Bench, Case, Doubt, Row, Series
 from harness.cases.discover import built_in, select
 from harness.cases.results import Results
 from harness.compare.descriptions import TOLERANCE
@@ -29,13 +29,14 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one case gave: rows, data for plots, wall time [s]."""
+    """What one case gave: rows, data for plots, wall time [s], and what is doubtful about a user's model."""
 
     case: str
     title: str
     rows: tuple[Row, ...]
     series: tuple[Series, ...]
     seconds: float
+    doubts: tuple[Doubt, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,7 @@ def run(
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         seconds=perf_counter() - start,
         case_seconds={outcome.case: outcome.seconds for outcome in outcomes},
+        doubts=tuple(doubt for outcome in outcomes for doubt in outcome.doubts),
     )
 
 
@@ -157,7 +159,11 @@ def run_task(task: Task) -> Outcome:
             systems = (read(task.model, physical=task.physical), read(path, physical=task.physical))
             case = case_of_two((first, second), systems, task.tolerance)
         else:
+            from harness.cases.users import doubts
+
             case = case_of(task.case, task.model, physical=task.physical)
+            outcome = run_case(case, {name: registry.engine(name) for name in task.engines})
+            return replace(outcome, doubts=doubts(task.case, task.model))
     else:
         case = built_in()[task.case]
     return run_case(case, {name: registry.engine(name) for name in task.engines})

@@ -20,7 +20,9 @@ NAMED = 4
 
 
 def print_results(results: Results, console: Console, *, every_row: bool = False) -> None:
-    """Print a line for each group (for each model of the user's own), then what failed and what was not possible, and why.
+    """Print a line for each group (for each model of the user's own), then what failed, what was not possible and why.
+
+    What is doubtful about the models themselves is told in any case.
 
     every_row: a line for each row instead.
     """
@@ -35,11 +37,17 @@ def print_results(results: Results, console: Console, *, every_row: bool = False
         if skipped:
             console.print(Text("\nNot possible", style="bold"))
             _print_reasons(skipped, console)
+    if results.doubts:
+        console.print(Text("\nWarnings", style="bold yellow"))
+        lines = [(Text(d.case), Text(d.site), Text(d.severity, style="yellow"), Text(d.what)) for d in results.doubts]
+        print_table(console, ("model", "link", "", "what"), lines)
     if results.rows:
         console.print()
     counts = (results.count("pass"), results.count("fail"), results.count("skipped"))
     text = words.headline(*counts)
     text = text[0].upper() + text[1:]
+    if results.doubts:
+        text += f"; {len(results.doubts)} warning{'s' * (len(results.doubts) > 1)} about the models themselves"
     if results.seconds == results.seconds:
         text += f", in {results.seconds:.0f} s"
     console.print(Text(text + ".", style="bold red" if counts[1] or not counts[0] else "bold green"))

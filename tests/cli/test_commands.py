@@ -314,3 +314,21 @@ def test_two_descriptions_of_one_robot_are_held_against_one_another(run, tmp_pat
     assert run("validate", *both, "--tolerance", "0.05")[0] == 0
     assert run("validate", *both, "--separate")[0] == 0
     refused(run("validate", *both, "--tolerance", "-1"), "--tolerance")
+
+
+def test_validate_warns_of_what_an_audit_would_say(run, tmp_path):
+    file = tmp_path / "answer.json"
+    model = str(ARMS / "arm_grams.urdf")  # the forearm's inertia is 10 for 0.01 kg·m²
+    status, out, _ = run(
+        "validate", model, "--engine", "pinocchio", "--workers", "1", "--json", str(file), "--out", str(tmp_path)
+    )
+    assert status == 0
+    (doubt,) = json.loads(file.read_text())["warnings"]
+    assert (doubt["case"], doubt["site"], doubt["severity"]) == ("arm_grams", "fore", "implausible")
+    # √(10 / 1.2) m
+    assert "radius of gyration 2.89 m" in doubt["what"]
+    for text in (out, (tmp_path / "results.md").read_text(), (tmp_path / "report.html").read_text()):
+        assert "Warnings" in text and "radius of gyration 2.89 m" in text
+    # Rendered again, it still warns.
+    assert "radius of gyration 2.89 m" in run("report", str(tmp_path))[1]
+    assert "Warnings" not in run("validate", str(ARMS / "arm.urdf"), "--engine", "pinocchio", "--workers", "1")[1]
