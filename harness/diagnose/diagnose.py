@@ -22,6 +22,7 @@ from harness.diagnose.held_start import released
 from harness.diagnose.investigate import investigate
 from harness.diagnose.problem import pose
 from harness.diagnose.search import Effort
+from harness.effects.catalogue import register
 from harness.effects.effect import Effect
 from harness.effects.scale import references
 from harness.effects.user import load_user_effects
@@ -77,6 +78,7 @@ def diagnose(
 
     tell("reading")
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
+    register(further)
     if fit_effort:
         return diagnose_effort(system, read, held, only=only, further=further, tell=tell)
     problem = pose(system, read, heldout=held)
