@@ -11,11 +11,11 @@ help:            ## this list
 
 $(VENV)/.run: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[robots]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[engines,robots]'
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.run
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[robots,cluster,peers,dev]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[engines,parquet,robots,cluster,peers,dev]'
 	@touch $@
 
 validate: $(VENV)/.run   ## the main job: the built-in suite over all engines, report in results/

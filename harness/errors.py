@@ -50,5 +50,37 @@ class UnsupportedError(InputError):
     """The input is well formed, but says something this project does not model; names what and where."""
 
 
+# Packages that the base install leaves out, by the name they are imported under, and the extra that brings them.
+EXTRAS = {
+    "pinocchio": "engines",
+    "exudyn": "engines",
+    "pyarrow": "parquet",
+    "example_robot_data": "robots",
+    "distributed": "cluster",
+    "dask": "cluster",
+    "pandas": "peers",
+    "pysindy": "peers",
+}
+
+
+def install(extra: str) -> str:
+    """The command that brings an extra."""
+    return f'pip install "denoc-harness[{extra}]"'
+
+
+class MissingPackageError(UnsupportedError):
+    """Something needs a package that the base install leaves out; the mend is the command that brings it."""
+
+    def __init__(self, package: str, extra: str, *, what: str = "", source: str | Path | None = None) -> None:
+        need = f"{what} needs" if what else "this needs"
+        super().__init__(f"{need} the package {package}, which is not installed", mend=install(extra), source=source)
+
+
+def missing_package(error: ImportError) -> MissingPackageError | None:
+    """The same for a failed import, None if the module is of no extra."""
+    package = (error.name or "").partition(".")[0]
+    return MissingPackageError(package, EXTRAS[package]) if package in EXTRAS else None
+
+
 class EngineUnavailableError(RuntimeError):
     """An engine is not installed or cannot be loaded; the message says how to get it."""

@@ -17,7 +17,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any, TypeVar
 
-from harness.errors import InputError
+from harness.errors import InputError, install
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -156,7 +156,7 @@ def _on_cluster(function: Callable[[T], R], items: Sequence[T], address: str) ->
     except ImportError as error:
         raise InputError(
             "a Dask address was given, but the package distributed is missing",
-            mend="install denoc-harness[cluster]",
+            mend=install("cluster"),
         ) from error
     try:
         client = Client(address, timeout="5s", set_as_default=False)

@@ -60,6 +60,19 @@ class Row:
 
 
 @dataclass(frozen=True)
+class Doubt:
+    """A number of a model that no body, or hardly one, can have: engines agree on it all the same.
+
+    severity: ``impossible`` or ``implausible``. site: the link.
+    """
+
+    case: str
+    severity: str
+    site: str
+    what: str
+
+
+@dataclass(frozen=True)
 class Series:
     """Data for one line of one plot of the report.
 

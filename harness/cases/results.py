@@ -9,7 +9,8 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from harness.cases.case import Row, Series
+from harness.cases.case import Doubt, Row, Series
+from harness.cases.table import aligned
 from harness.errors import InputError
 
 SCHEMA = "denoc.results/1"
@@ -20,7 +21,7 @@ class Results:
     """Rows of the table, lines of the plots, and what they were made with.
 
     versions: package or engine name to version. titles: case name to its one-line title. created: ISO 8601, UTC.
-    seconds: wall time of the whole run [s]; case_seconds: by case.
+    seconds: wall time of the whole run [s]; case_seconds: by case. doubts: what an audit finds in models of the user's own.
     """
 
     rows: tuple[Row, ...]
@@ -30,6 +31,7 @@ class Results:
     created: str = ""
     seconds: float = math.nan
     case_seconds: Mapping[str, float] = field(default_factory=dict)
+    doubts: tuple[Doubt, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -52,6 +54,7 @@ class Results:
             "seconds": _number(self.seconds),
             "versions": dict(self.versions),
             "summary": {verdict: self.count(verdict) for verdict in ("pass", "fail", "skipped")},
+            "warnings": [asdict(doubt) for doubt in self.doubts],
             "rows": [row_as_dict(row) for row in self.rows],
             "cases": {
                 name: {"title": title, "seconds": _number(self.case_seconds.get(name, math.nan))}
@@ -65,9 +68,7 @@ class Results:
         return json.dumps(self.to_json(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
     def __str__(self) -> str:
-        from harness.cases.table import text
-
-        return text(self)
+        return aligned(self.rows)
 
 
 def row_as_dict(row: Row) -> dict[str, Any]:
@@ -129,6 +130,7 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
             for row in document["rows"]
         )
         series = tuple(_series(line, known_series) for line in document.get("series", ()))
+        doubts = tuple(Doubt(**{f.name: line[f.name] for f in fields(Doubt)}) for line in document.get("warnings", ()))
     except (KeyError, TypeError) as error:
         raise InputError(f"a row or series is incomplete: {error}", source=source, mend="write it again") from error
     cases = document.get("cases", {})
@@ -141,6 +143,7 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
         document.get("created", ""),
         math.nan if seconds is None else seconds,
         {name: facts["seconds"] for name, facts in cases.items() if facts.get("seconds") is not None},
+        doubts,
     )
 
 

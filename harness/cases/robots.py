@@ -10,7 +10,7 @@ from pathlib import Path
 
 from harness.cases.case import Bench, Case, Check, Row
 from harness.cases.users import read, state_checks
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError, UnsupportedError, install
 from harness.system import System
 
 PACKAGE = "example-robot-data"
@@ -39,9 +39,7 @@ def files() -> dict[str, Path]:
     try:
         listed = metadata.distribution(PACKAGE).files or []
     except metadata.PackageNotFoundError:
-        raise UnsupportedError(
-            f"the package {PACKAGE} is not installed", mend="install denoc-harness[robots]"
-        ) from None
+        raise UnsupportedError(f"the package {PACKAGE} is not installed", mend=install("robots")) from None
     found = {}
     for file in listed:
         if file.suffix == ".urdf" and "robots" in file.parts:

@@ -10,9 +10,10 @@ from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 
-from harness.cases.case import NATIVE, Bench, Case, Row, Series
+from harness.cases.case import NATIVE, Bench, Case, Doubt, Row, Series
 from harness.cases.discover import built_in, select
 from harness.cases.results import Results
+from harness.compare.descriptions import TOLERANCE
 from harness.engines import registry
 from harness.engines.protocol import Engine, EngineModel
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
@@ -28,23 +29,29 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one case gave: rows, data for plots, wall time [s]."""
+    """What one case gave: rows, data for plots, wall time [s], and what is doubtful about a user's model."""
 
     case: str
     title: str
     rows: tuple[Row, ...]
     series: tuple[Series, ...]
     seconds: float
+    doubts: tuple[Doubt, ...] = ()
 
 
 @dataclass(frozen=True)
 class Task:
-    """One case for a worker: by name if built in, by path if it is a user's model."""
+    """One case for a worker: by name if built in, by path if it is a user's model.
+
+    against: names of two models and the path of the second, where their descriptions are compared within ``tolerance``.
+    """
 
     case: str
     engines: tuple[str, ...]
     model: Path | None = None
     physical: bool = True
+    against: tuple[str, str, Path] | None = None
+    tolerance: float = TOLERANCE
 
 
 def validate(
@@ -55,6 +62,8 @@ def validate(
     workers: int | None = None,
     dask: str | None = None,
     physical: bool = True,
+    tolerance: float = TOLERANCE,
+    separate: bool = False,
     progress: Progress | None = None,
 ) -> Results:
     """Compare the native dynamics with the other engines: on the built-in suite, or on models of the user's own.
@@ -62,6 +71,8 @@ def validate(
     models: URDF, MJCF or TOML files; None runs the suite. cases: names of the suite's cases (``chain*`` takes all that
     start so). engines: by name, default all. workers: processes, default all cores. dask: address of a scheduler.
     physical: refuse models with inertia that no body can have; False compares them all the same.
+    tolerance: relative difference (angles: rad) allowed between two descriptions of one mechanism. separate: models are of
+    different mechanisms, and are not held against one another.
     progress: called with (done, total, name of the case that ended).
     Raises InputError for an unreadable model and an unknown case or engine.
     """
@@ -74,9 +85,19 @@ def validate(
         raise InputError("cases are of the built-in suite and do not go with models", mend="give the one or the other")
     from harness.cases.users import names_of, read
 
-    for path in paths:
-        read(path, physical=physical)  # what cannot be read is said before anything runs
-    tasks = [Task(name, engine_names(engines), path.resolve(), physical) for name, path in names_of(paths).items()]
+    if not tolerance >= 0.0:
+        raise InputError(f"tolerance {tolerance:g} is no relative difference", mend="0.001 is a tenth of a per cent")
+    # What cannot be read is said before anything runs.
+    systems = {name: read(path, physical=physical) for name, path in names_of(paths).items()}
+    files = names_of(paths)
+    tasks = [Task(name, engine_names(engines), path.resolve(), physical) for name, path in files.items()]
+    if not separate:
+        from harness.cases.descriptions import pairs_of
+
+        tasks += [
+            Task(f"{a} against {b}", (), files[a].resolve(), physical, (a, b, files[b].resolve()), tolerance)
+            for a, b in pairs_of(systems)
+        ]
     return run(tasks, workers, dask, progress)
 
 
@@ -118,6 +139,7 @@ def run(
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         seconds=perf_counter() - start,
         case_seconds={outcome.case: outcome.seconds for outcome in outcomes},
+        doubts=tuple(doubt for outcome in outcomes for doubt in outcome.doubts),
     )
 
 
@@ -128,9 +150,20 @@ def _cost(task: Task) -> float:
 def run_task(task: Task) -> Outcome:
     """One task in this process."""
     if task.model is not None:
-        from harness.cases.users import case_of
+        from harness.cases.users import case_of, read
 
-        case = case_of(task.case, task.model, physical=task.physical)
+        if task.against is not None:
+            from harness.cases.descriptions import case_of_two
+
+            first, second, path = task.against
+            systems = (read(task.model, physical=task.physical), read(path, physical=task.physical))
+            case = case_of_two((first, second), systems, task.tolerance)
+        else:
+            from harness.cases.users import doubts
+
+            case = case_of(task.case, task.model, physical=task.physical)
+            outcome = run_case(case, {name: registry.engine(name) for name in task.engines})
+            return replace(outcome, doubts=doubts(task.case, task.model))
     else:
         case = built_in()[task.case]
     return run_case(case, {name: registry.engine(name) for name in task.engines})

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from harness.cases.results import Results
+from collections.abc import Sequence
+
+from harness.cases.case import Row
 
 
 def number(value: float | None) -> str:
@@ -12,7 +14,7 @@ def number(value: float | None) -> str:
     return "0" if value == 0.0 else f"{value:.1e}"
 
 
-def text(results: Results) -> str:
+def aligned(rows: Sequence[Row]) -> str:
     """Aligned columns: case, quantity, engines, difference, allowed, unit, verdict, note."""
     head = ("case", "quantity", "engines", "difference", "allowed", "unit", "verdict", "note")
     lines = [head] + [
@@ -26,9 +28,9 @@ def text(results: Results) -> str:
             row.verdict,
             row.note,
         )
-        for row in results.rows
+        for row in rows
     ]
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
     body = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines]
-    counts = ", ".join(f"{results.count(v)} {v}" for v in ("pass", "fail", "skipped"))
+    counts = ", ".join(f"{sum(row.verdict == v for row in rows)} {v}" for v in ("pass", "fail", "skipped"))
     return "\n".join([body[0], "-" * min(len(max(body, key=len)), 160), *body[1:], "", counts])

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.cases.case import Case, Check
+from harness.cases.case import Case, Check, Doubt
 from harness.cases.checks import StateAgreement
 from harness.cases.tolerances import acceleration_allowed
 from harness.cases.user_beams import beam_checks, comparable, straight_checks
 from harness.engines.expressed import realised
 from harness.errors import InputError
 from harness.system import System, load
+from harness.system.audit import audit
 
 
 def read(path: Path, *, physical: bool = True) -> System:
@@ -53,6 +54,12 @@ def case_of(name: str, path: Path, *, physical: bool = True) -> Case:
         checks=(*beam_checks(system, left_out), *straight_checks(system)) or state_checks(len(system.coordinate_names)),
         group="models",
     )
+
+
+def doubts(name: str, path: Path) -> tuple[Doubt, ...]:
+    """What an audit finds impossible or implausible in a model: engines agree on such numbers as on any."""
+    found = audit(read(path, physical=False)).findings
+    return tuple(Doubt(name, f.severity, f.site, f.what) for f in found if f.severity != "note")
 
 
 def state_checks(n: int, states: int = 8) -> tuple[Check, ...]:

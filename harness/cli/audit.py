@@ -28,9 +28,9 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
     Example:
       denoc audit models/toml/flexible_pendulum_as_printed.toml --measured rod=37
     """
-    from rich.table import Table
     from rich.text import Text
 
+    from harness.report.columns import figures, print_table
     from harness.report.json_text import json_text
     from harness.system.audit import audit as hold
 
@@ -41,24 +41,16 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
         line = Text(f"{finding.severity}: ", style=colours.get(finding.severity, "dim"))
         screen.print(line + Text(f"{finding.site}: {finding.what}", style="default"))
     if found.corrections:
-        table = Table(
-            box=None, header_style="bold", pad_edge=False, title="What would explain it", title_justify="left"
-        )
-        for head in ("link", "correction", "density [kg/m³]", "material", "frequencies [Hz]", "probability"):
-            table.add_column(
-                head, overflow="fold", justify="right" if head in ("density [kg/m³]", "probability") else "left"
-            )
+        lines = []
         for c in found.corrections:
             changes = "; ".join(f"{x.quantity} {x.stated:g} → {x.corrected:g} ({x.slip})" for x in c.changes)
-            table.add_row(
-                Text(c.site),
-                Text(changes or "as it stands", style="" if c.agrees else "dim"),
-                f"{c.density:.0f}",
-                Text(c.material),
-                ", ".join(f"{f:.4g}" for f in c.frequencies),
-                f"{c.probability:.2g}",
-            )
-        screen.print(table)
+            told = Text(changes or "as it stands", style="" if c.agrees else "dim")
+            heard = ", ".join(f"{f:.4g}" for f in c.frequencies)
+            lines.append((c.site, told, f"{c.density:.0f}", c.material, heard, f"{c.probability:.2g}"))
+        heads = (
+            "link", "correction", figures("density [kg/m³]"), "material", "frequencies [Hz]", figures("probability"),
+        )  # fmt: skip
+        print_table(screen, heads, lines, title="What would explain it")
     text = "The table is possible." if found.possible else "The table cannot be true as it stands."
     screen.print(Text(text, style="bold green" if found.possible else "bold red"))
     document = json_text(found.to_json())

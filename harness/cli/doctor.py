@@ -20,21 +20,19 @@ def doctor(out: Path | None, json_file: str | None) -> int:
     """
     import json
 
-    from rich.table import Table
     from rich.text import Text
 
     from harness.cases.examine import examine, surroundings
+    from harness.report.columns import print_table
 
     found = examine()
     around = surroundings()
     screen = console(json_file)
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for head in ("engine", "version", "tiny run", "what came out"):
-        table.add_column(head, overflow="fold")
+    lines = []
     for engine in found:
         colour = {"works": "green", "missing": "yellow"}.get(engine.state, "bold red")
-        table.add_row(engine.name, engine.version or "–", Text(engine.state, style=colour), Text(engine.said))
-    screen.print(table)
+        lines.append((engine.name, engine.version or "–", Text(engine.state, style=colour), engine.said))
+    print_table(screen, ("engine", "version", "tiny run", "what came out"), lines)
     for name, value in around.items():
         screen.print(f"{name}: {value}", markup=False)
     document = json.dumps(

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 import click
 
 from harness.cli.interrupt import Interrupted, hear_at_once, swallowed
-from harness.errors import EngineUnavailableError, InputError
+from harness.errors import EngineUnavailableError, InputError, missing_package
 
 # Verb to its one line of help; the verb's own module is imported when it is run.
 VERBS = {
@@ -115,6 +115,9 @@ def status_of(arguments: list[str] | None = None) -> int:
             return _say(STOPPED, INTERRUPTED)
         if os.environ.get("DENOC_TRACEBACK"):
             raise
+        absent = missing_package(error) if isinstance(error, ImportError) else None
+        if absent is not None:
+            return _say(str(absent), UNUSABLE)
         text = _one_line(str(error)) or "no message"
         return _say(f"a defect in denoc: {type(error).__name__}: {text} (DENOC_TRACEBACK=1 shows where)", UNUSABLE)
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
+UNLIMITED = 100_000  # columns
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -48,7 +50,7 @@ def console(json_file: str | None = None) -> Console:
 
     stream = sys.stderr if json_file == "-" else sys.stdout
     # Piped output is for grep: as wide as its lines are, without colours.
-    return Console(file=stream, width=None if stream.isatty() else 240, soft_wrap=False, highlight=False)
+    return Console(file=stream, width=None if stream.isatty() else UNLIMITED, soft_wrap=False, highlight=False)
 
 
 def write_json(text: str, json_file: str | None) -> None:

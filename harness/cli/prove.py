@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @click.option(
     "--peers/--no-peers",
     default=None,
-    help="Ask other methods about the same cases; default: in the full proof, not in the quick one.",
+    help="Ask other methods about the same cases; default: in the full proof, where the extra [peers] is installed.",
 )
 @output_options("Folder of the proof: cases, sealed answers, digests, answers found, proof.json; default: denoc-proof.")
 @wide_options

@@ -21,7 +21,7 @@ FORMATS = ("html", "md", "csv", "junit", "json", "svg", "table")
     help="What to render, repeatable; svg: every picture as a file. Default: all but svg with --out, the table without.",
 )
 @output_options("Where to write; default: the folder of RESULTS.")
-@click.option("--rows", "every_row", is_flag=True, help="Print every row, not the worst of each case and engine.")
+@click.option("--rows", "every_row", is_flag=True, help="Print every row, not a line for each group and what failed.")
 def report(results: str, formats: tuple[str, ...], out: Path | None, json_file: str | None, every_row: bool) -> int:
     """Render RESULTS (a results.json, or the folder that holds one) again.
 

@@ -27,6 +27,9 @@ from harness.cli.options import console, write_json
 )
 @click.option("--engine", default="denoc", show_default=True, help="Which engine runs it (denoc doctor lists them).")
 @click.option("--step", type=float, metavar="S", help="Fixed step [s]; default: the engine's own choice.")
+@click.option(
+    "--effects", "effects_files", multiple=True, metavar="FILE", help="Effects of your own that SYSTEM has attached."
+)
 @click.option("--allow-unphysical", is_flag=True, help="Run a model whose inertia no body can have all the same.")
 @click.option("--plot", metavar="FILE", help="Draw the run to a .png, .svg or .pdf.")
 @click.option("--out", metavar="FILE", help="The recording: .csv, .csv.gz or .parquet (a folder: run.csv in it).")
@@ -43,6 +46,7 @@ def simulate(
     hold: str,
     engine: str,
     step: float | None,
+    effects_files: tuple[str, ...],
     allow_unphysical: bool,
     plot: str | None,
     out: str | None,
@@ -55,6 +59,7 @@ def simulate(
     \b
     Examples:
       denoc simulate models/urdf/rigid_pendulum.urdf --position pivot=1.2 --out run.csv
+      denoc simulate diagnosis/augmented.toml --effects magnet.py --out rerun.csv
       denoc simulate robot.xml --engine mujoco --duration 2 --rate 100 --plot run.png
     """
     import json
@@ -65,6 +70,10 @@ def simulate(
     from harness.report.run_files import csv_text, write_plot, write_recording
     from harness.system import load
 
+    for file in effects_files:
+        from harness.effects import load_user_effects
+
+        load_user_effects(file)
     mechanism = load(system, physical=not allow_unphysical)
     if engine == NATIVE:
         from harness.denoc.compiling import ahead

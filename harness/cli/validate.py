@@ -16,7 +16,16 @@ from harness.cli.options import console, output_options, progress, wide_options,
 @click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine beside the native one.")
 @click.option("--all-robots", is_flag=True, help="Every URDF of the package example-robot-data instead of the suite.")
 @click.option("--allow-unphysical", is_flag=True, help="Compare models whose inertia no body can have all the same.")
-@click.option("--rows", "every_row", is_flag=True, help="Print every row, not the worst of each case and engine.")
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(min=0.0),
+    metavar="X",
+    help="Allowed between two descriptions of one mechanism, relative (angles: rad); default: 0.001.",
+)
+@click.option(
+    "--separate", is_flag=True, help="The models are of different mechanisms: do not compare their descriptions."
+)
+@click.option("--rows", "every_row", is_flag=True, help="Print every row, not a line for each group and what failed.")
 @click.option("--list", "list_cases", is_flag=True, help="List the cases of the suite and their sources.")
 @wide_options
 def validate(
@@ -27,6 +36,8 @@ def validate(
     engines: tuple[str, ...],
     all_robots: bool,
     allow_unphysical: bool,
+    tolerance: float | None,
+    separate: bool,
     every_row: bool,
     list_cases: bool,
     workers: int | None,
@@ -36,12 +47,15 @@ def validate(
 
     Without a MODEL: the built-in suite. With URDF, MJCF or TOML models: acceleration, inverse dynamics, mass matrix,
     bias, gravity and energy of each at random states; of flexible links the motion against finite elements, and what
-    is left when they are held straight.
+    is left when they are held straight. Two models are also held against one another as descriptions of one mechanism:
+    which body, joint and field differs, by how much, and what it costs in motion (of three and more, those that share
+    names).
 
     \b
     Examples:
       denoc validate --out results
       denoc validate robot.urdf arm.xml rig.toml --json -
+      denoc validate robot.urdf robot.xml --tolerance 0.01
       denoc validate --case 'rigid_*' --engine mujoco
     """
     if list_cases:
@@ -69,6 +83,8 @@ def validate(
             workers=workers,
             dask=dask,
             physical=not (allow_unphysical or all_robots),
+            separate=separate or all_robots,
+            **({} if tolerance is None else {"tolerance": tolerance}),
             progress=step,
         )
     if out is not None:
@@ -84,20 +100,17 @@ def validate(
         screen.print(f"{len(chosen or ())} robots compared, {len(refused)} refused.")
     if out is not None:
         screen.print(f"Written to {out}: open {out / 'report.html'} in a browser.", markup=False)
+    elif not every_row:
+        screen.print("Every row: --rows; with the reason for what is allowed, and pictures: --out DIR.", style="dim")
     return 0 if results.ok else 1
 
 
 def _list() -> int:
-    from rich.table import Table
-
     from harness.cases.discover import built_in
+    from harness.report.columns import print_table
 
-    table = Table(box=None, header_style="bold")
-    for head in ("case", "group", "what", "truth"):
-        table.add_column(head, overflow="fold", no_wrap=head in ("case", "group"))
-    for case in built_in().values():
-        table.add_row(case.name, case.group, case.title, case.source)
-    console().print(table)
+    lines = [(case.name, case.group, case.title, case.source) for case in built_in().values()]
+    print_table(console(), ("case", "group", "what", "truth"), lines)
     return 0
 
 

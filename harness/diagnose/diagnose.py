@@ -23,6 +23,7 @@ from harness.diagnose.problem.problem import pose
 from harness.diagnose.selection import effort_hold
 from harness.diagnose.selection.beam_search import Effort
 from harness.diagnose.selection.investigation import investigate
+from harness.effects.catalogue import register
 from harness.effects.effect import Effect
 from harness.effects.scale import references
 from harness.effects.user import load_user_effects
@@ -78,6 +79,7 @@ def diagnose(
 
     tell("reading")
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
+    register(further)
     if fit_effort:
         return diagnose_effort(system, read, held, only=only, further=further, tell=tell)
     problem = pose(system, read, heldout=held)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib import import_module
 from types import MappingProxyType
@@ -70,11 +70,22 @@ def catalogue() -> Mapping[str, Effect]:
     return MappingProxyType({name: import_module(f"harness.effects.{name}").EFFECT for name in NAMES})
 
 
+# Effects of the user's own that this process has been given: what a model file says of them is understood from then on.
+_OWN: dict[str, Effect] = {}
+
+
+def register(effects: Iterable[Effect]) -> None:
+    """Make effects of the user's own known by name beside the catalogue, for as long as the process lasts."""
+    _OWN.update({effect.name: effect for effect in effects if effect.user is not None})
+
+
 def effect(name: str) -> Effect:
-    """The effect of that name; InputError, with the nearest name, if there is none."""
-    known = catalogue()
+    """The effect of that name, of the catalogue or registered; InputError, with the nearest name, if there is none."""
+    known = {**_OWN, **catalogue()}
     if name not in known:
-        raise InputError(f"there is no effect {name!r}", mend=did_you_mean(name, known))
+        near = did_you_mean(name, known)
+        own = "if it is one of your own, load its file: denoc simulate MODEL --effects FILE"
+        raise InputError(f"there is no effect {name!r}", mend=f"{near} {own}" if near.endswith("?") else own)
     return known[name]
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.effects.catalogue import catalogue
+from harness.effects.catalogue import catalogue, register
 from harness.effects.effect import Effect, Family, Parameter, SiteKind, UserLaw
 from harness.effects.lanes import USER_PARAMETERS
 from harness.effects.scale import Scale
@@ -29,7 +29,7 @@ def load_user_effects(path: str | Path) -> tuple[Effect, ...]:
     ``starts``, ``neutral``, all SI) and ``def torque(position, velocity, time, p)``, which returns the torque [N·m or N]
     on the joint; ``p`` holds the parameters in the order given. Optional: ``title``, ``signature``, ``source``,
     ``confusable_with``. Several effects in one file are classes with these members. The torque is compiled by numba:
-    arithmetic and the ``math`` module.
+    arithmetic and the ``math`` module. From then on a model that has such an effect attached can be simulated.
     Raises InputError, naming file and line, for what is missing or cannot be compiled.
     """
     file = Path(path)
@@ -47,6 +47,7 @@ def load_user_effects(path: str | Path) -> tuple[Effect, ...]:
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"defines two effects named {name!r}", mend="rename one", source=file)
+    register(effects)
     return effects
 
 

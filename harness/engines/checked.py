@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.engines.protocol import Array, EngineError
-from harness.errors import EngineUnavailableError, InputError
+from harness.errors import EngineUnavailableError, InputError, install
 
 
 def vector(name: str, value: ArrayLike, n: int) -> Array:
@@ -73,4 +73,5 @@ def installed_version(distribution: str, package: str) -> str:
     try:
         return metadata.version(distribution)
     except metadata.PackageNotFoundError:
-        raise EngineUnavailableError(f"{package} is not installed: pip install {distribution}") from None
+        how = "pip install mujoco" if distribution == "mujoco" else install("engines")
+        raise EngineUnavailableError(f"{package} is not installed: {how}") from None

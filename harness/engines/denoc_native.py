@@ -80,8 +80,11 @@ class NativeModel:
         from harness.effects.lanes import lane_model, lane_row
 
         attached = replace(self.system, attachments=self.expressed.laws)
-        lanes = lane_model(attached)
-        row = lane_row(lanes, attached)[None]
+        own = [
+            kind for kind in map(effect, dict.fromkeys(a.effect for a in attached.attachments)) if kind.user is not None
+        ]
+        lanes = lane_model(attached, own)
+        row = lane_row(lanes, attached, own)[None]
         if self.expressed.shaking is not None:
             for axis, part in zip("xyz", self.expressed.shaking.direction, strict=True):
                 row[0, lanes.slot("base", f"excitation_{axis}")] = part
@@ -114,8 +117,12 @@ class Native:
         except InputError as error:
             return str(error)
         for attachment in beyond:
-            if effect(attachment.effect).law is None:
+            kind = effect(attachment.effect)
+            if kind.law is None and kind.user is None:
                 return f"the native dynamics has no law for the effect {attachment.effect} at {attachment.site}"
+        own = {a.effect for a in beyond if a.effect == "backlash" or effect(a.effect).user is not None}
+        if len(own) > 1:
+            return f"{' and '.join(sorted(own))} together need two laws of their own"
         return None
 
     def build(self, system: System) -> NativeModel:

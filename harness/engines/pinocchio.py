@@ -26,7 +26,7 @@ from harness.engines.expressed import JointForces, bends, express, refusal
 from harness.engines.march import march
 from harness.engines.protocol import Array
 from harness.engines.small_motion import frequencies, jacobian
-from harness.errors import EngineUnavailableError, UnsupportedError
+from harness.errors import EngineUnavailableError, UnsupportedError, install
 from harness.system import Joint, Link, System, Trajectory
 
 # pinocchio.Data holds four tensors of n³ doubles: 0.26 GB at n = 200, 3.9 GB at n = 500.
@@ -37,7 +37,7 @@ def _pinocchio() -> Any:
     try:
         import pinocchio
     except ImportError as error:
-        raise EngineUnavailableError(f"Pinocchio cannot be loaded ({error}): pip install pin") from None
+        raise EngineUnavailableError(f"Pinocchio cannot be loaded ({error}): {install('engines')}") from None
     return pinocchio
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 from scipy.stats import norm
 
+from harness.errors import missing_package
 from harness.parallel import parallel_map
 from harness.proof.concealments import CONCEALMENTS
 from harness.proof.score import CaseScore
@@ -212,7 +213,7 @@ def ask(folder: Path, peer: str) -> dict[str, Any]:
     try:
         return PEERS[peer](folder)
     except ImportError as error:
-        return {"skipped": f"not installed: {error}"}
+        return {"skipped": str(missing_package(error) or f"not installed: {error}")}
     except Exception as error:  # a peer may fail in any way; the proof says so and goes on
         return {"error": f"{type(error).__name__}: {error}"}
 

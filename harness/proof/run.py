@@ -14,7 +14,7 @@ from zlib import crc32
 
 import numpy as np
 
-from harness.errors import InputError
+from harness.errors import InputError, MissingPackageError
 from harness.parallel import one_blas_thread, parallel_map
 from harness.proof.apart import predictions
 from harness.proof.concealments import CONCEALMENTS
@@ -169,6 +169,15 @@ def diagnose_folder(folder: Path) -> dict[str, Any]:
     return found
 
 
+def can_ask() -> bool:
+    """Whether the packages are there by which other methods are asked; each of the methods may still be missing."""
+    try:
+        import pandas  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
 def prove(
     out: Path,
     *,
@@ -184,10 +193,13 @@ def prove(
 
     out: folder of the proof; one that holds an interrupted proof is resumed (with its own seed and mix).
     seed: fresh if None. counts: number of cases by kind. short: whether rigid rigs are recorded but twice, for at most 6 s and at
-    250 Hz, as befits a quick proof. peers: whether other methods are asked; None: unless short.
+    250 Hz, as befits a quick proof. peers: whether other methods are asked; None: unless short, where their
+    packages are installed.
     progress: called with (stage, done, of).
-    Raises InputError if ``out`` holds another proof or tampered answers.
+    Raises InputError if ``out`` holds another proof or tampered answers, MissingPackageError if peers cannot be asked.
     """
+    if peers and not can_ask():
+        raise MissingPackageError("pandas", "peers", what="asking other methods")
     out = Path(out)
     plan_file = out / "plan.json"
     if plan_file.exists():
@@ -229,8 +241,7 @@ def prove(
     parallel_map(diagnose_folder, [out / "cases" / name for name in missing], workers=workers, dask=dask, done=save)
     scores = _scored(out, digests)
     versus: dict[str, Any] = {}
-    asked = not short if peers is None else peers
-    if asked:
+    if (not short and can_ask()) if peers is None else peers:
         from harness.proof.peers import compare_peers
 
         versus = compare_peers(out, scores, workers=workers, dask=dask, progress=progress)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
@@ -39,10 +38,21 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> dict[str, 
             if sensor.step and column.endswith(".position"):
                 noisy = np.round(noisy / sensor.step) * sensor.step
             data[column] = noisy
-        frames.append(pd.DataFrame(data))
+        frames.append(data)
     # Only now, so that a truth which turns out to have no solution leaves nothing behind.
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "model.toml").write_text(case.nominal.toml(), encoding="utf-8")
     for number, frame in enumerate(frames, 1):
-        frame.to_csv(folder / f"run{number}.csv", index=False, float_format="%.9g")
+        rows = np.column_stack(list(frame.values()))
+        header = ",".join(frame)
+        np.savetxt(
+            folder / f"run{number}.csv",
+            rows,
+            "%.9g",
+            ",",
+            header=header,
+            comments="",
+            encoding="utf-8",
+            newline="\n",
+        )
     return noise_free

@@ -201,3 +201,10 @@ def _examples(quantity: str) -> str:
 def is_unit(text: str) -> bool:
     """Whether a word is a unit of anything."""
     return _parsed(text, "", None) is not None
+
+
+def written(unit: str) -> str:
+    """A unit as people write it: ``N*m*s**2/rad**2`` as ``N·m·s²/rad²``; empty for a bare 1."""
+    if unit == "1":
+        return ""
+    return unit.replace("**2", "²").replace("**3", "³").replace("*", "·")

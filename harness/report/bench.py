@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
+from harness.report.columns import figures, print_table
 from harness.report.json_text import json_text
 
 Document = Mapping[str, Any]
 HEADS = ("what", "n", "peer", "ours", "theirs", "ratio", "wanted", "note")
+FIGURES = ("n", "ours", "theirs", "ratio", "wanted")
 
 
 def cells(row: Mapping[str, Any]) -> tuple[str, ...]:
@@ -44,17 +45,13 @@ def _cost(value: float | None, unit: str) -> str:
 
 def print_bench(document: Document, console: Console) -> None:
     """A line for each row; ratios that miss what was aimed at are red."""
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for head in HEADS:
-        table.add_column(
-            head, justify="right" if head in ("n", "ours", "theirs", "ratio", "wanted") else "left", overflow="fold"
-        )
+    lines = []
     for row in document["rows"]:
         style = {True: "green", False: "bold red"}.get(row.get("met"), "")
         texts = [Text(cell) for cell in cells(row)]
         texts[5].stylize(style) if style else None
-        table.add_row(*texts)
-    console.print(table)
+        lines.append(texts)
+    print_table(console, [figures(head) if head in FIGURES else head for head in HEADS], lines)
 
 
 def bench_markdown(document: Document) -> str:

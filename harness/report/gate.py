@@ -6,12 +6,12 @@ import json
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from harness.cases.gate import Judged, Judgement, SelfTest
 from harness.cases.results import Results, row_as_dict
 from harness.report import words
+from harness.report.columns import figures, print_table
 
 
 def as_dict(results: Results, judgement: Judgement | None, trials: SelfTest | None) -> str:
@@ -50,12 +50,8 @@ def print_judgement(judgement: Judgement | None, trials: SelfTest | None, consol
     """What closed the gate, row by row, and how the gate did against planted defects."""
     if judgement is not None:
         if judgement.failed:
-            table = Table(box=None, header_style="bold", pad_edge=False)
-            for head in ("case", "quantity", "engines", "accepted", "now", "why the gate closes"):
-                table.add_column(head, overflow="fold", no_wrap=head in ("accepted", "now"))
-            for judged in judgement.failed:
-                table.add_row(*_cells(judged))
-            console.print(table)
+            heads = ("case", "quantity", "engines", figures("accepted"), figures("now"), "why the gate closes")
+            print_table(console, heads, [_cells(judged) for judged in judgement.failed])
         count = len(judgement.failed)
         text = (
             f"{count} of {len(judgement.rows)} rows close the gate."

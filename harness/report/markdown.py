@@ -34,6 +34,10 @@ def markdown(results: Results) -> str:
                 )
             )
         lines.append("")
+    if results.doubts:
+        lines += ["## Warnings", "", _line(("model", "link", "severity", "what")), _line(["---"] * 4)]
+        lines += [_line((doubt.case, doubt.site, doubt.severity, doubt.what)) for doubt in results.doubts]
+        lines.append("")
     lines += ["## Versions", "", _line(("what", "version")), _line(("---", "---"))]
     lines += [_line(item) for item in results.versions.items()]
     return "\n".join(lines) + "\n"

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
+
+from harness.report.columns import figures, print_table
 
 # Key in ``denoc.proof/1``, what it means.
 SHARES = {
@@ -27,16 +28,14 @@ SHARES = {
 
 def print_proof(document: Mapping[str, Any], console: Console) -> None:
     """Shares with Wilson intervals, coverage of the 95 % intervals, and what the peers say."""
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for head, justify in (("", "left"), ("of", "right"), ("share", "right"), ("95 % interval", "right")):
-        table.add_column(head, justify="right" if justify == "right" else "left")
+    lines = []
     for key, words in SHARES.items():
         if key in document:
             hits, of = document[key]
             low, high = document.get("wilson95", {}).get(key, (float("nan"), float("nan")))
             share = f"{100 * hits / of:.0f} %" if of else "none tried"
-            table.add_row(words, f"{hits}/{of}", share, f"{100 * low:.0f}–{100 * high:.0f} %" if of else "")
-    console.print(table)
+            lines.append((words, f"{hits}/{of}", share, f"{100 * low:.0f}–{100 * high:.0f} %" if of else ""))
+    print_table(console, ("", figures("of"), figures("share"), figures("95 % interval")), lines)
     coverage = document.get("coverage95")
     if coverage is not None:
         console.print(f"95 % intervals contain the truth in {100 * coverage:.0f} % of cases")
@@ -54,11 +53,9 @@ def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
     """What other methods say of clean cases and of those with one effect."""
     if not peers:
         return
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    table.add_column("the same cases, asked of")
-    for head in ("named, of one effect", "false beside one effect", "false in clean", "failed"):
-        table.add_column(head, justify="right")
+    lines = []
     for peer, said in peers.items():
         pairs = [f"{said[key][0]}/{said[key][1]}" for key in ("named_single", "false_beside_single", "clean_false")]
-        table.add_row(peer, *pairs, str(said["failed"]))
-    console.print(table)
+        lines.append((peer, *pairs, str(said["failed"])))
+    heads = ("named, of one effect", "false beside one effect", "false in clean", "failed")
+    print_table(console, ("the same cases, asked of", *map(figures, heads)), lines)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.errors import InputError
+from harness.errors import InputError, MissingPackageError
 from harness.report.files import staged, write_whole
 
 Columns = Mapping[str, Any]
@@ -38,9 +38,11 @@ def write_recording(columns: Columns, path: str | Path) -> Path:
             archive.write(csv_text(columns).encode())
         return write_whole(path, data.getvalue())
     if name.endswith(".parquet"):
-        import pyarrow
-        import pyarrow.parquet
-
+        try:
+            import pyarrow
+            import pyarrow.parquet
+        except ModuleNotFoundError:
+            raise MissingPackageError("pyarrow", "parquet", what="a Parquet file", source=path) from None
         with staged(path) as temporary:
             pyarrow.parquet.write_table(pyarrow.table(dict(columns)), temporary)
         return path

@@ -24,9 +24,20 @@ def figure(value: float | None, *, verdict: str = "") -> str:
     return "0" if value == 0.0 else f"{value:.1e}"
 
 
+def share(row: Row) -> str:
+    """How much of what is allowed a difference takes: ``12 %``, or ``34 times`` where it is more."""
+    ratio = row.ratio
+    if not math.isfinite(ratio):
+        return figure(ratio, verdict=row.verdict) if row.allowed != 0.0 else "more than none"
+    if ratio > 1.0:
+        return f"{ratio:.2g} times" if ratio < 10.0 or ratio >= 1e4 else f"{ratio:.0f} times"
+    return "0 %" if ratio == 0.0 else f"{100.0 * ratio:.2g} %"
+
+
 def quantity(name: str) -> str:
-    """``mass_matrix`` as ``mass matrix``."""
-    return name.replace("_", " ")
+    """``mass_matrix`` as ``mass matrix``; what stands behind an ``@`` is the user's own name."""
+    kind, at, site = name.partition("@")
+    return kind.replace("_", " ") + (f" of {site}" if at else "")
 
 
 def engines(row: Row) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -295,3 +296,89 @@ def test_ctrl_c_ends_with_one_line_and_writes_nothing(tmp_path):
     told = [line for line in err.splitlines() if not line.startswith("compiling")]
     assert told == ["denoc: stopped; nothing was written"]
     assert not out.exists()
+
+
+ARMS = ROOT / "tests" / "compare" / "descriptions"
+
+
+def test_two_descriptions_of_one_robot_are_held_against_one_another(run, tmp_path):
+    both = (str(ARMS / "arm.urdf"), str(ARMS / "arm_inertia.xml"), "--engine", "pinocchio", "--workers", "1")
+    file = tmp_path / "answer.json"
+    status, out, _ = run("validate", *both, "--json", str(file))
+    assert status == 1
+    assert "inertia of fore" in out and "ixx 0.01 against 0.0105" in out and "moves elbow by" in out
+    failed = [row for row in json.loads(file.read_text())["rows"] if row["verdict"] == "fail"]
+    assert [(row["case"], row["quantity"], row["engines"]) for row in failed] == [
+        ("arm against arm_inertia", "inertia@fore", ["arm", "arm_inertia"])
+    ]
+    # 0.0005 of 0.0105 is 4.8 %.
+    assert run("validate", *both, "--tolerance", "0.05")[0] == 0
+    assert run("validate", *both, "--separate")[0] == 0
+    refused(run("validate", *both, "--tolerance", "-1"), "--tolerance")
+
+
+def test_validate_warns_of_what_an_audit_would_say(run, tmp_path):
+    file = tmp_path / "answer.json"
+    model = str(ARMS / "arm_grams.urdf")  # the forearm's inertia is 10 for 0.01 kg·m²
+    status, out, _ = run(
+        "validate", model, "--engine", "pinocchio", "--workers", "1", "--json", str(file), "--out", str(tmp_path)
+    )
+    assert status == 0
+    (doubt,) = json.loads(file.read_text())["warnings"]
+    assert (doubt["case"], doubt["site"], doubt["severity"]) == ("arm_grams", "fore", "implausible")
+    # √(10 / 1.2) m
+    assert "radius of gyration 2.89 m" in doubt["what"]
+    for text in (out, (tmp_path / "results.md").read_text(), (tmp_path / "report.html").read_text()):
+        assert "Warnings" in text and "radius of gyration 2.89 m" in text
+    # Rendered again, it still warns.
+    assert "radius of gyration 2.89 m" in run("report", str(tmp_path))[1]
+    assert "Warnings" not in run("validate", str(ARMS / "arm.urdf"), "--engine", "pinocchio", "--workers", "1")[1]
+
+
+@pytest.mark.slow
+def test_an_effect_of_ones_own_is_rerun_from_the_model_that_has_it(run, tmp_path):
+    from scipy.integrate import solve_ivp
+
+    from harness.engines.expressed import described
+    from harness.recording import read_recording
+    from harness.system import load
+    from harness.system.write import write
+
+    # A leaf spring that is soft one way; the pendulum is 0.2 kg at 0.15 m with no inertia about it.
+    effect = tmp_path / "leaf.py"
+    effect.write_text(
+        "name = 'one_way_leaf'\n"
+        "parameters = {'stiffness': {'unit': 'N*m/rad', 'lower': 0.0}, 'soft': {'unit': 'N*m/rad', 'lower': 0.0}}\n"
+        "def torque(position, velocity, time, p):\n"
+        "    return -p[0] * position if position > 0.0 else -p[1] * position\n"
+    )
+    model = tmp_path / "augmented.toml"
+    model.write_text(
+        "name = 'pendulum'\n"
+        "[[joint]]\nname = 'pivot'\ntype = 'revolute'\nparent = 'base'\nchild = 'bob'\naxis = [0, 1, 0]\n"
+        "[[link]]\nname = 'bob'\nmass = 0.2\ncom = [0, 0, -0.15]\ninertia = [0, 0, 0]\n"
+        "[[effect]]\nname = 'one_way_leaf'\nsite = 'pivot'\nparameters = { stiffness = 0.3, soft = 0.05 }\n"
+    )
+    out = tmp_path / "run.csv"
+    simulate = (
+        "simulate", str(model), "--duration", "1", "--rate", "100", "--position", "pivot=0.5", "--out", str(out),
+    )  # fmt: skip
+    refused(run(*simulate), "one_way_leaf", "--effects FILE")
+    status, _, err = run(*simulate, "--effects", str(effect))
+    assert status == 0, err
+    found = next(c for c in read_recording(out).channels if c.name == "pivot.position").values
+
+    def rate(t, y):
+        leaf = -(0.3 if y[0] > 0.0 else 0.05) * y[0]
+        return [y[1], (leaf - 0.2 * 9.81 * 0.15 * math.sin(y[0])) / (0.2 * 0.15**2)]
+
+    time = [0.01 * k for k in range(101)]
+    expected = solve_ivp(rate, (0.0, 1.0), [0.5, 0.0], t_eval=time, rtol=1e-11, atol=1e-13, method="DOP853").y[0]
+    assert abs(found - expected).max() < 1e-6
+    # What URDF and MJCF can say of it is written, and the rest told.
+    system = load(model)
+    for name in ("augmented.urdf", "augmented.xml"):
+        left_out = write(described(system), tmp_path / name)
+        assert any("one_way_leaf" in line for line in left_out)
+        assert load(tmp_path / name).link("bob").mass == pytest.approx(0.2)
+    refused(run(*simulate, "--effects", str(effect), "--engine", "mujoco"), "mujoco", "one_way_leaf")

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import re
+from dataclasses import replace
 
 import pytest
 from junitparser import JUnitXml
@@ -141,15 +142,36 @@ def test_junit_survives_control_characters():
     assert JUnitXml.fromstring(junit(Results((row,)))).failures == 1
 
 
-def test_terminal_shows_failures_in_full_and_the_closest_of_the_rest():
+def test_terminal_shows_a_line_a_group_then_what_failed_and_what_could_not_be():
     from rich.console import Console
 
+    def shown(*rows, **options):
+        screen = Console(file=io.StringIO(), width=200)
+        print_results(Results(rows), screen, **options)
+        return screen.file.getvalue().splitlines()
+
     close = Row("swing", "period", ("denoc", "mujoco"), 9e-9, 1e-8, "1", "", "pass")
+    lines = shown(PASSED, close, SKIPPED)
+    (group,) = [line for line in lines if line.startswith("Rigid pendulums")]
+    # One case, two rows compared, none failed, one not possible; 9e-9 of 1e-8.
+    assert re.split(r"  +", group)[1:] == ["1", "2", "0", "1", "90 %", "swing: period, denoc · mujoco"]
+    assert not any("mass matrix" in line for line in lines)
+    assert re.split(r"  +", next(line for line in lines if line.startswith("far "))) == [
+        "far", "1", "swing", "not installed"
+    ]  # fmt: skip
+    lines = shown(PASSED, close, FAILED, SKIPPED)
+    assert any("2.0e-03" in line and NASTY in line and "3.25" in line for line in lines)
+    assert lines[-1] == "1 of 3 comparisons failed; 1 were not possible."
+    assert sum("swing" in line for line in shown(PASSED, close, FAILED, SKIPPED, every_row=True)) == 3
+
+
+def test_terminal_gives_each_model_of_the_users_a_line():
+    from rich.console import Console
+
+    rows = [replace(PASSED, case=name, group="models") for name in ("arm", "leg")]
     screen = Console(file=io.StringIO(), width=200)
-    print_results(Results((PASSED, close, FAILED, SKIPPED)), screen)
-    text = screen.file.getvalue()
-    assert "closest of 2" in text and "period" in text and "mass matrix" not in text
-    assert "1 of 3 comparisons failed; 1 were not possible" in text
+    print_results(Results(tuple(rows)), screen)
+    assert [line.split()[0] for line in screen.file.getvalue().splitlines()[1:3]] == ["arm", "leg"]
 
 
 def test_every_format_is_written(tmp_path):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness.compare.bench.row import Row, skipped
 from harness.engines import registry
-from harness.errors import EngineUnavailableError, UnsupportedError
+from harness.errors import EngineUnavailableError, UnsupportedError, missing_package
 from harness.system import System
 from harness.system.load import load
 from harness.system.random_systems import random_chain
@@ -89,6 +89,7 @@ def or_skipped(
     try:
         rows = list(measure())
     except (EngineUnavailableError, UnsupportedError, ImportError, AttributeError, RuntimeError) as error:
-        text = " ".join(str(error).split()) or type(error).__name__
+        absent = missing_package(error) if isinstance(error, ImportError) else None
+        text = " ".join(str(absent or error).split()) or type(error).__name__
         rows = [skipped(what, n, peer, text, case=case)]
     yield from rows

@@ -34,6 +34,7 @@ from harness.diagnose.selection.profile_likelihood import as_likely, profiled, s
 from harness.diagnose.selection.study import Study
 from harness.parallel import meanwhile
 from harness.recording import Recording
+from harness.recording.units import written
 from harness.system import System
 
 SHOWN = 8  # hypotheses in the ranking
@@ -216,7 +217,7 @@ def _summary(
             c.candidate.site,
             values[c.candidate.key],
             _units(outcome, c),
-            [f"{z['recording']} {number(z['zero'])} {z['unit']}" for z in zeros[c.candidate.key]],
+            [f"{z['recording']} {number(z['zero'])} {written(z['unit'])}" for z in zeros[c.candidate.key]],
         )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
         if grades[c.candidate.key] != POSSIBLE
@@ -281,8 +282,8 @@ def _remainder(system: System, remains: Remains, doubted: Sequence[str], force: 
         "doubted": list(doubted),
     }
     if remains.form is not None:
-        unit = system.joint(remains.form.joint).force_unit.replace("*", "·")
-        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} {unit}"
+        unit = system.joint(remains.form.joint).force_unit
+        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} {written(unit)}"
     if remains.force_map is not None:
         m = remains.force_map
         found["map"] = {"joint": m.joint, "position": m.position, "velocity": m.velocity, "torque": m.force}

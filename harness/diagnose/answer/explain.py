@@ -11,6 +11,7 @@ from harness.diagnose.criticism.creep import WHERE_HELD
 from harness.diagnose.criticism.doubt import AT_FLOOR, LEVEL
 from harness.diagnose.criticism.probe import Test
 from harness.diagnose.estimation.intervals import Estimate
+from harness.recording.units import written
 
 VERDICTS = {
     "consistent": "The model and the recordings agree: what is left is at the level of the noise, and no effect of the catalogue "
@@ -31,8 +32,7 @@ def finding_words(
     """One finding with its parameters and further numbers in words."""
     parts = list(further)
     for name, e in values.items():
-        unit = units[name] if units[name] != "1" else ""
-        parts.append(f"{name.replace('_', ' ')} {_value(e)}{_spread(e)} {unit}".strip())
+        parts.append(f"{name.replace('_', ' ')} {_value(e)}{_spread(e)} {written(units[name])}".strip())
     return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
 
 

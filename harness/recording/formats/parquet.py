@@ -5,12 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.compute as pc
-import pyarrow.parquet as pq
 
-from harness.errors import InputError
+from harness.errors import InputError, MissingPackageError
 from harness.recording.formats.table import Table, left_out
+
+try:
+    import pyarrow as pa
+    import pyarrow.compute as pc
+    import pyarrow.parquet as pq
+except ModuleNotFoundError:
+    raise MissingPackageError("pyarrow", "parquet", what="a Parquet file") from None
 
 
 def read_parquet(path: Path, file: Path) -> Table:

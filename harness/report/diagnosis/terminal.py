@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
 from harness.diagnose.answer.significant_digits import resolved, spread
+from harness.recording.units import written
+from harness.report.columns import Column, figures, print_table
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
+
+Shown = tuple[tuple[Column | str, ...], list[tuple[str, ...]]]
 
 MOST_FOUND = 8  # remarks on recordings shown on the terminal
 
@@ -23,46 +26,61 @@ def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
     console.print(Text(verdict.replace("_", " "), style=COLOURS.get(verdict, "bold red")))
     console.print(Text(document["summary"]))
     if document.get("quality"):
-        console.print(_quality(document["quality"]))
+        _show(console, *_quality(document["quality"]))
     if document["findings"]:
-        console.print(_findings(document["findings"]))
+        _show(console, *_findings(document["findings"]))
     if document["fit"]:
-        console.print(_fit(document["fit"]))
+        _show(console, *_fit(document["fit"]))
     if document.get("levels"):
-        console.print(_levels(document["levels"]))
+        _show(console, *_levels(document["levels"]))
         console.print(Text(document["levels"]["how"]))
     ranking = document.get("ranking") or []
     if len(ranking) > 1:
-        console.print(_ranking(ranking[:6]))
+        _show(console, *_ranking(ranking[:6]))
     if document.get("replay"):
-        console.print(_replay(document["replay"]))
+        _show(console, *_replay(document["replay"]))
     following = document.get("next_experiment") or {}
     if following.get("what"):
+        console.print()
         separates = ", ".join(following.get("separates", ()))
         console.print(Text(f"Next experiment: {following['what']}" + (f" (parts {separates})" if separates else "")))
 
 
-def _findings(findings: list[Mapping[str, Any]]) -> Table:
-    table = _table("effect", "at", "parameters", "ΔBIC", "cannot be told from")
+def _show(console: Console, heads: tuple[Column | str, ...], lines: list[tuple[str, ...]]) -> None:
+    console.print()
+    print_table(console, heads, lines)
+
+
+def _findings(findings: list[Mapping[str, Any]]) -> Shown:
+    heads = ("effect", "at", "parameters", figures("ΔBIC"), "cannot be told from")
+    lines: list[tuple[str, ...]] = []
     for finding in one_by_one(findings):
         parameters = "; ".join(
             f"{name} = {resolved(value['value'], value.get('std'))}"
             + spread(value["value"], value.get("std"), value.get("ci95"))
-            + ("" if value["unit"] == "1" else f" {value['unit']}")
+            + f" {written(value['unit'])}".rstrip()
             for name, value in numbers_of(finding).items()
         )
         others = ", ".join(rivals_of(finding))
         bic = finding.get("evidence", {}).get("delta_bic")
-        table.add_row(finding["effect"], finding["site"], parameters, "" if bic is None else f"{bic:.0f}", others)
-    return table
+        lines.append((finding["effect"], finding["site"], parameters, "" if bic is None else f"{bic:.0f}", others))
+    return heads, lines
 
 
-def _fit(fit: list[Mapping[str, Any]]) -> Table:
-    table = _table("channel", "unit", "nominal: training", "held out", "augmented: training", "held out", "noise floor")
-    for channel in fit:
-        table.add_row(
+def _fit(fit: list[Mapping[str, Any]]) -> Shown:
+    heads = (
+        "channel",
+        "unit",
+        figures("nominal: training"),
+        figures("held out"),
+        figures("augmented: training"),
+        figures("held out"),
+        figures("noise floor"),
+    )
+    lines = [
+        (
             channel["channel"],
-            channel["unit"],
+            written(channel["unit"]),
             *(
                 _figure(channel[model][error])
                 for model in ("nominal", "augmented")
@@ -70,56 +88,63 @@ def _fit(fit: list[Mapping[str, Any]]) -> Table:
             ),
             _figure(channel["noise_floor"]),
         )
-    return table
+        for channel in fit
+    ]
+    return heads, lines
 
 
-def _levels(levels: Mapping[str, Any]) -> Table:
-    table = _table("recording", "level of dry friction", "std", "error, one level for all", "error, one level each")
-    for row in levels["recordings"]:
-        table.add_row(
+def _levels(levels: Mapping[str, Any]) -> Shown:
+    heads = (
+        "recording",
+        figures("level of dry friction"),
+        figures("std"),
+        figures("error, one level for all"),
+        figures("error, one level each"),
+    )
+    lines = [
+        (
             row["recording"] + (" (held out)" if row["held_out"] else ""),
             *(_figure(row[key]) for key in ("factor", "std", "shared_rmse", "levelled_rmse")),
         )
-    return table
+        for row in levels["recordings"]
+    ]
+    return heads, lines
 
 
-def _ranking(ranking: list[Mapping[str, Any]]) -> Table:
-    table = _table("hypothesis", "ΔBIC", "held out", "why it lost")
+def _ranking(ranking: list[Mapping[str, Any]]) -> Shown:
+    heads = ("hypothesis", figures("ΔBIC"), figures("held out"), "why it lost")
+    lines: list[tuple[str, ...]] = []
     least = min((row["bic"] for row in ranking if row.get("bic") is not None), default=0.0)
     for row in ranking:
         bic = row.get("bic")
-        table.add_row(
-            " + ".join(row["effects"]) or "nothing",
-            "–" if bic is None else f"{bic - least:.0f}",
-            _figure(row.get("heldout_rmse")),
-            row.get("lost") or "",
+        lines.append(
+            (
+                " + ".join(row["effects"]) or "nothing",
+                "–" if bic is None else f"{bic - least:.0f}",
+                _figure(row.get("heldout_rmse")),
+                row.get("lost") or "",
+            )
         )
-    return table
+    return heads, lines
 
 
-def _quality(quality: list[Mapping[str, Any]]) -> Table:
-    table = _table("recording", "column", "what was found", "what was done")
-    for row in quality[:MOST_FOUND]:
-        table.add_row(row["recording"], row.get("channel") or "", row["what"], row.get("done") or "")
+def _quality(quality: list[Mapping[str, Any]]) -> Shown:
+    heads = ("recording", "column", "what was found", "what was done")
+    lines: list[tuple[str, ...]] = [
+        (row["recording"], row.get("channel") or "", row["what"], row.get("done") or "") for row in quality[:MOST_FOUND]
+    ]
     if len(quality) > MOST_FOUND:
-        table.add_row("…", "", f"{len(quality) - MOST_FOUND} more in the report", "")
-    return table
+        lines.append(("…", "", f"{len(quality) - MOST_FOUND} more in the report", ""))
+    return heads, lines
 
 
-def _replay(replay: list[Mapping[str, Any]]) -> Table:
-    table = _table("augmented model in", "differs most in", "RMS difference", "noise", "")
-    for row in replay:
-        table.add_row(
-            row["engine"], row["channel"] or "–", _figure(row["difference"]), _figure(row["noise"]), row["note"]
-        )
-    return table
-
-
-def _table(*heads: str) -> Table:
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for head in heads:
-        table.add_column(head, overflow="fold")
-    return table
+def _replay(replay: list[Mapping[str, Any]]) -> Shown:
+    heads = ("augmented model in", "differs most in", figures("RMS difference"), figures("noise"), "")
+    lines: list[tuple[str, ...]] = [
+        (row["engine"], row["channel"] or "–", _figure(row["difference"]), _figure(row["noise"]), row["note"])
+        for row in replay
+    ]
+    return heads, lines
 
 
 def _figure(value: float | None) -> str:

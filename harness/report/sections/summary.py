@@ -33,5 +33,6 @@ class Summary:
                 ("engines", len(engines), ""),
             ],
             "failed": results.failed,
+            "doubts": results.doubts,
             "words": words,
         }
