@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.diagnose.augmented import augmented
 from harness.diagnose.conclude import Claim, Conclusion
+from harness.diagnose.correlations import correlations
 from harness.diagnose.crosstalk import LEAKS
 from harness.diagnose.curves import curves
 from harness.diagnose.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
@@ -77,6 +78,7 @@ def answer(
         opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
         levelled=levels.system if levels else None,
+        correlations=correlations(outcome.predictor, conclusion.own, [c.candidate.key for c in conclusion.claims]),
     )
 
 

@@ -21,6 +21,7 @@ from harness.diagnose.free_motion import free_parts
 from harness.diagnose.held_start import released
 from harness.diagnose.investigate import investigate
 from harness.diagnose.problem import pose
+from harness.diagnose.provenance import provenance
 from harness.diagnose.search import Effort
 from harness.effects.effect import Effect
 from harness.effects.scale import references
@@ -67,6 +68,7 @@ def diagnose(
     stated = conventional(system, _read(recordings, holdout, mapping, system))
     read = free_parts(system, released(stated))
     held = read.pop() if holdout is not None else None
+    made_from = provenance(system, model, read, held)
     steps = 0
 
     def tell(what: str) -> None:
@@ -78,7 +80,8 @@ def diagnose(
     tell("reading")
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     if fit_effort:
-        return diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        return replace(by_effort, provenance=made_from)
     problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
@@ -88,7 +91,8 @@ def diagnose(
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = differing_levels(outcome, conclusion, train, judged)
     tell("telling")
-    return answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+    found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+    return replace(found, provenance=made_from)
 
 
 def _read(

@@ -47,7 +47,8 @@ class Diagnosis:
     verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
     curves: what the plots are drawn from. opening: from where the augmented model runs again; replay: how it does so in other
     engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
-    with its laws fitted beside such levels, where recordings ask for them.
+    with its laws fitted beside such levels, where recordings ask for them. provenance: what the answer was made from.
+    correlations: of the parameters told.
     """
 
     verdict: str
@@ -66,6 +67,8 @@ class Diagnosis:
     levelled: System | None = None
     opening: Opening | None = None
     replay: Sequence[Mapping[str, Any]] = ()
+    provenance: Mapping[str, Any] | None = None
+    correlations: Mapping[str, Any] | None = None
 
     def replayed(self) -> Diagnosis:
         """The same answer with the augmented model run in every installed engine that can express what was found."""
@@ -92,6 +95,10 @@ class Diagnosis:
             document["replay"] = list(self.replay)
         if self.levels is not None:
             document["levels"] = dict(self.levels)
+        if self.correlations is not None:
+            document["correlations"] = dict(self.correlations)
+        if self.provenance is not None:
+            document["provenance"] = dict(self.provenance)
         plain = _plain(document)
         assert isinstance(plain, dict)
         return plain
