@@ -7,37 +7,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from harness.diagnose.curves import Curves
+from harness.diagnose.findings import MODIFIED_BY, Findings, numbers_of, one_by_one, rivals_of
 from harness.diagnose.replay import Opening, replay, replayable
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
-MODIFIED_BY = "modified_by"  # of a finding: others that only alter how this one acts, such as creep of dry friction
-
-
-def one_by_one(findings: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Findings and what modifies them, each by itself."""
-    return [each for finding in findings for each in (finding, *finding.get(MODIFIED_BY, ()))]
-
-
-def numbers_of(finding: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """The parameters of a finding, and the zeros of recordings if it lists them, by name: ``value``, ``unit``, and their spread if
-    it is known."""
-    zeros = {
-        f"zero of {zero['recording']}": {"value": zero["zero"], "unit": zero["unit"]}
-        for zero in finding.get("zeros", ())
-    }
-    return {**finding["parameters"], **zeros}
-
-
-def rivals_of(finding: Mapping[str, Any]) -> list[str]:
-    """What a finding cannot be told from, with what would have to stand beside it if it could only so."""
-    beside = finding.get("only_beside", {})
-    return [
-        f"{rival} (beside {' or '.join(beside[rival])})" if rival in beside else str(rival)
-        for rival in finding.get("indistinguishable_from", ())
-    ]
+__all__ = ["MODIFIED_BY", "SCHEMA", "Diagnosis", "Findings", "numbers_of", "one_by_one", "rivals_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +33,7 @@ class Diagnosis:
     summary: str
     noise: Sequence[Mapping[str, Any]]
     mismatch: Sequence[Mapping[str, Any]]
-    findings: Sequence[Mapping[str, Any]]
+    findings: Findings | Sequence[Mapping[str, Any]]
     ranking: Sequence[Mapping[str, Any]]
     fit: Sequence[Mapping[str, Any]]
     remainder: Mapping[str, Any]
@@ -69,6 +47,9 @@ class Diagnosis:
     replay: Sequence[Mapping[str, Any]] = ()
     provenance: Mapping[str, Any] | None = None
     correlations: Mapping[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "findings", Findings(self.findings))
 
     def replayed(self) -> Diagnosis:
         """The same answer with the augmented model run in every installed engine that can express what was found."""
@@ -103,8 +84,22 @@ class Diagnosis:
         assert isinstance(plain, dict)
         return plain
 
+    def to_frame(self) -> Any:
+        """What was found as a ``pandas.DataFrame``, a row a parameter; ImportError where pandas is not installed."""
+        return Findings(self.findings).to_frame()
+
     def __str__(self) -> str:
-        return f"{self.verdict}: {self.summary}"
+        found = Findings(self.findings)
+        return f"{self.verdict}: {self.summary}" + (f"\n\n{found}" if found else "")
+
+    def __repr__(self) -> str:
+        names = ", ".join(f"{f['effect']}@{f['site']}" for f in one_by_one(self.findings))
+        return f"<Diagnosis: {self.verdict}{f', {names}' if names else ''}>"
+
+    def _repr_html_(self) -> str:
+        """Verdict, summary and findings, for notebooks."""
+        told = Markup("<p><strong>{}</strong>: {}</p>").format(self.verdict.replace("_", " "), self.summary)
+        return str(told) + (Findings(self.findings)._repr_html_() if self.findings else "")
 
 
 def _plain(value: Any) -> Any:
