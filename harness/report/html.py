@@ -57,6 +57,8 @@ def page(title: str, subject: Any, sections: Sequence[Section], created: str = "
     if 'class="plot"' in whole:
         styles.append(_read("vendored/uPlot.min.css"))
         scripts += [_read("vendored/uPlot.iife.min.js"), _read("templates/plots.js")]
+    if 'class="animation"' in whole:
+        scripts.append(_read("templates/animation.js"))
     if 'class="sortable' in whole:
         scripts += [_read("vendored/sortable.auto.min.js"), _read("templates/tables.js")]
     return environment.get_template("page.html").render(

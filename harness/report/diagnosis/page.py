@@ -9,13 +9,15 @@ from harness.diagnose.curves import Curves
 from harness.report.diagnosis import sections
 from harness.report.html import page
 from harness.report.sections.section import Section
+from harness.system import System
 
 
-def diagnosis_html(document: Mapping[str, Any], curves: Curves | None = None) -> str:
-    """The page of a ``denoc.diagnosis/1`` document; curves: what its pictures are drawn from."""
+def diagnosis_html(document: Mapping[str, Any], curves: Curves | None = None, system: System | None = None) -> str:
+    """The page of a ``denoc.diagnosis/1`` document; curves: what its pictures are drawn from; system: what is seen to move."""
     parts: list[Section] = [
         sections.Answer(),
         sections.Motion(curves),
+        sections.Animation(curves, system),
         sections.Findings(),
         sections.Residuals(curves),
         sections.BeforeAndAfter(),

@@ -1,5 +1,6 @@
 """Sections of a diagnosis's page, a small class and a template each, in the order in which they are read."""
 
+from harness.report.diagnosis.sections.animation import Animation
 from harness.report.diagnosis.sections.answer import Answer
 from harness.report.diagnosis.sections.data import Data, Provenance
 from harness.report.diagnosis.sections.findings import Correlations, Findings, Repeatability
@@ -11,6 +12,7 @@ from harness.report.diagnosis.sections.rivals import Rivals
 from harness.report.diagnosis.sections.where import Where
 
 __all__ = [
+    "Animation",
     "Answer",
     "BeforeAndAfter",
     "Correlations",
