@@ -50,7 +50,9 @@ def skeleton(system: System) -> Skeleton:
     model = Denoc(replace(system, attachments=()))
     rest = {link.name: model.link_pose(np.zeros(model.n), link.name)[1] for link in system.links}
     extent = max((float(np.linalg.norm(p)) for p in rest.values()), default=0.0)
-    extent = max([extent, *(link.beam.length if link.beam else float(np.linalg.norm(link.com)) for link in system.links)])
+    extent = max(
+        [extent, *(link.beam.length if link.beam else float(np.linalg.norm(link.com)) for link in system.links)]
+    )
     marks: list[tuple[str, Array]] = [(link.name, np.zeros(3)) for link in system.links]
     index = {link.name: k for k, link in enumerate(system.links)}
     edges = [(index[j.parent], index[j.child]) for j in system.joints if j.parent in index]
