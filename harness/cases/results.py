@@ -12,6 +12,7 @@ from typing import Any
 from harness.cases.case import Doubt, Row, Series
 from harness.cases.table import aligned
 from harness.errors import InputError
+from harness.notebook import frame, html_table
 
 SCHEMA = "denoc.results/1"
 
@@ -67,8 +68,53 @@ class Results:
         """The same as JSON text."""
         return json.dumps(self.to_json(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
+    def to_frame(self) -> Any:
+        """A ``pandas.DataFrame``, a row a comparison; ImportError where pandas is not installed."""
+        rows = [row_as_dict(row) for row in self.rows]
+        names = [f.name for f in fields(Row) if f.name != "first_divergence"]
+        columns: dict[str, list[Any]] = {name: [row[name] for row in rows] for name in names}
+        columns["engines"] = [" / ".join(row.engines) for row in self.rows]
+        return frame(columns)
+
     def __str__(self) -> str:
         return aligned(self.rows)
+
+    def __repr__(self) -> str:
+        from harness.cases.table import counts
+
+        return f"<Results: {counts(self.rows)}>"
+
+    def _repr_html_(self) -> str:
+        """Every case on a line, worst comparison first, for notebooks."""
+        from harness.cases.table import counts, number
+
+        worst: dict[str, Row] = {}
+        for row in self.rows:
+            if row.case not in worst or _share(row) > _share(worst[row.case]):
+                worst[row.case] = row
+        lines = [
+            (
+                case,
+                row.quantity,
+                " / ".join(row.engines),
+                number(row.difference),
+                number(row.allowed),
+                row.unit,
+                row.verdict,
+            )
+            for case, row in worst.items()
+        ]
+        heads = ("case", "worst in", "engines", "difference", "allowed", "unit", "verdict")
+        return html_table(heads, lines, title=counts(self.rows))
+
+
+def _share(row: Row) -> float:
+    """How far a comparison is towards its limit; what failed comes before all, what was skipped after."""
+    if row.verdict == "skipped":
+        return -1.0
+    if row.verdict == "fail":
+        return math.inf
+    return row.ratio
 
 
 def row_as_dict(row: Row) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from harness.cases.case import Row
+from harness.notebook import text_table
 
 
 def number(value: float | None) -> str:
@@ -17,7 +18,7 @@ def number(value: float | None) -> str:
 def aligned(rows: Sequence[Row]) -> str:
     """Aligned columns: case, quantity, engines, difference, allowed, unit, verdict, note."""
     head = ("case", "quantity", "engines", "difference", "allowed", "unit", "verdict", "note")
-    lines = [head] + [
+    lines = [
         (
             row.case,
             row.quantity,
@@ -30,7 +31,9 @@ def aligned(rows: Sequence[Row]) -> str:
         )
         for row in rows
     ]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
-    body = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines]
-    counts = ", ".join(f"{sum(row.verdict == v for row in rows)} {v}" for v in ("pass", "fail", "skipped"))
-    return "\n".join([body[0], "-" * min(len(max(body, key=len)), 160), *body[1:], "", counts])
+    return f"{text_table(head, lines)}\n\n{counts(rows)}"
+
+
+def counts(rows: Sequence[Row]) -> str:
+    """How many passed, failed and were skipped."""
+    return ", ".join(f"{sum(row.verdict == v for row in rows)} {v}" for v in ("pass", "fail", "skipped"))

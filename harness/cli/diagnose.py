@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -50,6 +51,7 @@ def diagnose(
       denoc diagnose run1.csv run2.csv --model rig.urdf
       denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
     """
+    from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
     from harness.diagnose.diagnose import diagnose as find
     from harness.report.diagnosis import print_diagnosis, write_diagnosis
@@ -67,6 +69,9 @@ def diagnose(
             effects=effects_files,
             progress=step,
         ).replayed()
+    found = replace(
+        found, provenance={**(found.provenance or {}), "command": click.get_current_context().meta[COMMAND]}
+    )
     document = found.to_json()
     screen = console(json_file)
     print_diagnosis(document, screen)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from importlib import import_module
 from typing import Any, NoReturn
@@ -21,15 +22,21 @@ VERBS = {
     "prove": "Conceal effects in other engines' recordings, find them blind, score.",
     "audit": "Check whether a parameter table is physically possible.",
     "simulate": "Run a system once, to a recording or a plot.",
+    "view": "Show a mechanism in motion, simulated beside a recording: MuJoCo's viewer, or a page.",
     "bench": "Measure time and memory against the peers, side by side.",
     "doctor": "List the engines, their versions, and a tiny run of each.",
 }
 OK, NOT_WELL, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
+COMMAND = "harness.command"  # of the context: the line that was given, for reports
 STOPPED = "stopped; nothing was written"
 
 
 class Verbs(click.Group):
     """The verbs, in their own order, each loaded from ``harness.cli.<verb>`` when needed."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        ctx.meta[COMMAND] = shlex.join(["denoc", *args])
+        return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         try:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from markupsafe import escape
 from numpy import empty
 from numpy.typing import ArrayLike, NDArray
 
@@ -118,6 +119,14 @@ class Denoc:
     def __reduce__(self) -> tuple[type[Denoc], tuple[System]]:
         # Addresses of arrays do not survive a trip to another process.
         return Denoc, (self.system,)
+
+    def __repr__(self) -> str:
+        many = "" if self.n == 1 else "s"
+        return f"<Denoc {self.system.name!r}: {self.n} coordinate{many} ({', '.join(self.names)})>"
+
+    def _repr_html_(self) -> str:
+        """Coordinates and the joints and links of the system, for notebooks."""
+        return f"<p>{escape(repr(self))}</p>{self.system._repr_html_()}"
 
     # `wrenches` is not keyword-only here and below: that alone would cost a tenth of a call at one joint.
     def forward_dynamics(

@@ -11,6 +11,7 @@ import numpy as np
 from harness.denoc.compiling.pipeline import fewer_collections
 from harness.diagnose.answer.answer import answer
 from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.answer.provenance import provenance
 from harness.diagnose.claims.conclude import conclude
 from harness.diagnose.conditioning.conventions import conventional
 from harness.diagnose.conditioning.free_motion import free_parts
@@ -69,6 +70,7 @@ def diagnose(
     stated = conventional(system, _read(recordings, holdout, mapping, system))
     read = free_parts(system, released(stated))
     held = read.pop() if holdout is not None else None
+    made_from = provenance(system, model, read, held)
     steps = 0
 
     def tell(what: str) -> None:
@@ -81,7 +83,8 @@ def diagnose(
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     register(further)
     if fit_effort:
-        return diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        return replace(by_effort, provenance=made_from)
     problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
@@ -91,7 +94,8 @@ def diagnose(
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = differing_levels(outcome, conclusion, train, judged)
     tell("telling")
-    return answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+    found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+    return replace(found, provenance=made_from)
 
 
 def _read(

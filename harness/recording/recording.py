@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.notebook import frame, html_table
 from harness.system.description import Array
 
 JOINT_QUANTITIES = ("position", "velocity", "effort")
@@ -84,6 +86,33 @@ class Recording:
     efforts: tuple[Channel, ...] = ()
     quality: tuple[QualityNote, ...] = ()
     start: float = 0.0
+
+    def __repr__(self) -> str:
+        names = ", ".join(c.name for c in (*self.channels, *self.efforts))
+        return f"<Recording {self.name!r}: {self.samples} samples over {self.duration:.4g} s, {names}>"
+
+    def _repr_html_(self) -> str:
+        """Channels with their extent, for notebooks."""
+        rows = [
+            (
+                c.name,
+                c.unit,
+                float(np.nanmin(c.values)),
+                float(np.nanmax(c.values)),
+                int(np.isfinite(c.values).sum()),
+                c.column,
+            )
+            for c in (*self.channels, *self.efforts)
+        ]
+        heads = ("channel", "unit", "least", "most", "samples", "column of the file")
+        found = "; ".join(f"{note.channel}: {note.what}" for note in self.quality)
+        return html_table(
+            heads, rows, title=f"{self.name}: {self.samples} samples over {self.duration:.4g} s", note=found
+        )
+
+    def to_frame(self) -> Any:
+        """A ``pandas.DataFrame``, a column a channel or effort in SI, indexed by time [s]; ImportError where pandas is missing."""
+        return frame({"time": self.time, **{c.name: c.values for c in (*self.channels, *self.efforts)}}, index="time")
 
     @property
     def samples(self) -> int:

@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from harness.cases.results import Results
+from harness.report.figures.canvas import titled
 from harness.report.figures.kinds import KINDS, kind_of
 from harness.report.sections.distances import Distances
 from harness.report.sections.section import Section
@@ -33,7 +34,10 @@ def html(results: Results, title: str = "DeNOC validation") -> str:
 
 
 def page(title: str, subject: Any, sections: Sequence[Section], created: str = "") -> str:
-    """A page from sections about a subject, in order; sections without content are left out."""
+    """A page from sections about a subject, in order; sections without content are left out.
+
+    The scripts of what has plots or sortable tables are inlined, once; without them all is there to read.
+    """
     environment = Environment(
         loader=PackageLoader("harness.report", "templates"),
         autoescape=True,
@@ -41,11 +45,26 @@ def page(title: str, subject: Any, sections: Sequence[Section], created: str = "
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["titled"] = lambda svg, described: Markup(titled(svg, described))
     parts = []
     for section in sections:
         content = section.content(subject)
         if content is not None:
             body = environment.get_template(section.template).render(title=section.title, **content)
             parts.append((section.anchor, section.title, Markup(body)))
-    style = resources.files("harness.report").joinpath("templates/style.css").read_text(encoding="utf-8")
-    return environment.get_template("page.html").render(title=title, parts=parts, style=Markup(style), created=created)
+    whole = "".join(body for _, _, body in parts)
+    styles, scripts = [_read("templates/style.css")], []
+    if 'class="plot"' in whole:
+        styles.append(_read("vendored/uPlot.min.css"))
+        scripts += [_read("vendored/uPlot.iife.min.js"), _read("templates/plots.js")]
+    if 'class="animation"' in whole:
+        scripts.append(_read("templates/animation.js"))
+    if 'class="sortable' in whole:
+        scripts += [_read("vendored/sortable.auto.min.js"), _read("templates/tables.js")]
+    return environment.get_template("page.html").render(
+        title=title, parts=parts, styles=styles, scripts=scripts, created=created
+    )
+
+
+def _read(name: str) -> Markup:
+    return Markup(resources.files("harness.report").joinpath(name).read_text(encoding="utf-8"))

@@ -22,6 +22,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.notebook import html_table
+
 Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
@@ -210,6 +212,26 @@ class System:
     attachments: tuple[Attachment, ...] = ()
     source: Path | None = None
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        many = "" if len(self.movable_joints) == 1 else "s"
+        bending = sum(link.beam is not None for link in self.links)
+        flexible = f", {bending} flexible" if bending else ""
+        return (
+            f"<System {self.name!r}: {len(self.movable_joints)} movable joint{many}, {len(self.links)} links{flexible}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """Joints and the links that they carry, for notebooks."""
+        rows = [
+            (joint.name, joint.type.value, joint.parent, joint.child, float(link.mass), joint.damping, joint.friction)
+            for joint, link in zip(self.joints, self.links, strict=True)
+        ]
+        heads = ("joint", "type", "parent", "link", "mass [kg]", "damping", "friction")
+        attached = "; ".join(f"{a.effect} at {a.site}" for a in self.attachments)
+        return html_table(
+            heads, rows, title=self.name, note="; ".join((*([attached] if attached else []), *self.notes))
+        )
 
     @property
     def movable_joints(self) -> tuple[Joint, ...]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from harness.diagnose.answer.augmented import augmented
+from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
 from harness.diagnose.answer.explain import finding_words, number, plainest, summary
@@ -95,6 +96,7 @@ def answer(
         opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
         levelled=levels.system if levels else None,
+        correlations=correlations(outcome.predictor, conclusion.own, [c.candidate.key for c in conclusion.claims]),
     )
 
 

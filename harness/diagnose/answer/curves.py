@@ -93,7 +93,8 @@ def curves(outcome: Outcome, best: Fit, held: Fit) -> Curves:
         recorded = problem.runs[run]
         for c, channel in enumerate(problem.channels):
             noise = outcome.study.likelihood.colours[c].std
-            measured = np.interp(time, recorded.time, np.nan_to_num(recorded.values[c]))
+            # Where there is no sample there is none to show either.
+            measured = recorded.values[c][np.minimum(np.searchsorted(recorded.time, time), len(recorded.time) - 1)]
             other = np.interp(time, after[run][0], after[run][1][c]) if run in after else np.full(len(time), np.nan)
             residuals.append(
                 Residuals(

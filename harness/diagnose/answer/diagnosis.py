@@ -7,37 +7,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from harness.diagnose.answer.curves import Curves
+from harness.diagnose.answer.findings import MODIFIED_BY, Findings, numbers_of, one_by_one, rivals_of
 from harness.diagnose.answer.replay import Opening, replay, replayable
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
-MODIFIED_BY = "modified_by"  # of a finding: others that only alter how this one acts, such as creep of dry friction
-
-
-def one_by_one(findings: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Findings and what modifies them, each by itself."""
-    return [each for finding in findings for each in (finding, *finding.get(MODIFIED_BY, ()))]
-
-
-def numbers_of(finding: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """The parameters of a finding, and the zeros of recordings if it lists them, by name: ``value``, ``unit``, and their spread if
-    it is known."""
-    zeros = {
-        f"zero of {zero['recording']}": {"value": zero["zero"], "unit": zero["unit"]}
-        for zero in finding.get("zeros", ())
-    }
-    return {**finding["parameters"], **zeros}
-
-
-def rivals_of(finding: Mapping[str, Any]) -> list[str]:
-    """What a finding cannot be told from, with what would have to stand beside it if it could only so."""
-    beside = finding.get("only_beside", {})
-    return [
-        f"{rival} (beside {' or '.join(beside[rival])})" if rival in beside else str(rival)
-        for rival in finding.get("indistinguishable_from", ())
-    ]
+__all__ = ["MODIFIED_BY", "SCHEMA", "Diagnosis", "Findings", "numbers_of", "one_by_one", "rivals_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +27,15 @@ class Diagnosis:
     engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
     with its laws fitted beside such levels, where recordings ask for them. explained_share: share of the nominal model's
     mean-square mismatch on data held out that the findings remove. discrepancy: the force that they leave out, a row a joint.
-    predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them.
+    predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them. provenance:
+    what the answer was made from. correlations: of the parameters told.
     """
 
     verdict: str
     summary: str
     noise: Sequence[Mapping[str, Any]]
     mismatch: Sequence[Mapping[str, Any]]
-    findings: Sequence[Mapping[str, Any]]
+    findings: Findings | Sequence[Mapping[str, Any]]
     ranking: Sequence[Mapping[str, Any]]
     fit: Sequence[Mapping[str, Any]]
     remainder: Mapping[str, Any]
@@ -72,6 +51,11 @@ class Diagnosis:
     discrepancy: Sequence[Mapping[str, Any]] = ()
     predicting: Sequence[str] = ()
     predictive: System | None = None
+    provenance: Mapping[str, Any] | None = None
+    correlations: Mapping[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "findings", Findings(self.findings))
 
     def replayed(self) -> Diagnosis:
         """The same answer with the augmented model run in every installed engine that can express what was found."""
@@ -102,12 +86,30 @@ class Diagnosis:
             document["replay"] = list(self.replay)
         if self.levels is not None:
             document["levels"] = dict(self.levels)
+        if self.correlations is not None:
+            document["correlations"] = dict(self.correlations)
+        if self.provenance is not None:
+            document["provenance"] = dict(self.provenance)
         plain = _plain(document)
         assert isinstance(plain, dict)
         return plain
 
+    def to_frame(self) -> Any:
+        """What was found as a ``pandas.DataFrame``, a row a parameter; ImportError where pandas is not installed."""
+        return Findings(self.findings).to_frame()
+
     def __str__(self) -> str:
-        return f"{self.verdict}: {self.summary}"
+        found = Findings(self.findings)
+        return f"{self.verdict}: {self.summary}" + (f"\n\n{found}" if found else "")
+
+    def __repr__(self) -> str:
+        names = ", ".join(f"{f['effect']}@{f['site']}" for f in one_by_one(self.findings))
+        return f"<Diagnosis: {self.verdict}{f', {names}' if names else ''}>"
+
+    def _repr_html_(self) -> str:
+        """Verdict, summary and findings, for notebooks."""
+        told = Markup("<p><strong>{}</strong>: {}</p>").format(self.verdict.replace("_", " "), self.summary)
+        return str(told) + (Findings(self.findings)._repr_html_() if self.findings else "")
 
 
 def _plain(value: Any) -> Any:

@@ -1,83 +1,149 @@
-"""Pictures of a diagnosis drawn from its curves: residuals over time and phase plane, energy by half-swing, spectra."""
+"""Pictures of a diagnosis drawn from its curves: motion and residuals over time, missing force, energy by half-swing, spectra."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binned_statistic
 
 from harness.diagnose.answer.curves import Curves, Energy, ForceMap, Residuals, Spectrum
-from harness.report.diagnosis.figures import AFTER, BEFORE
-from harness.report.figures.canvas import FAINT, INK, canvas
+from harness.report.figures.before_after import AFTER, BEFORE
+from harness.report.figures.canvas import INK, canvas
+from harness.report.plots import Line, Plot, thinned
+
+Array = NDArray[np.float64]
 
 MOST_RUNS = 4  # recordings shown
-POINTS = 1500  # of a curve shown; a page stays small
+MOST_NUMBERS = 150_000  # of all curves over time together: at four bytes each, a page stays below a megabyte
+MOST_POINTS, FEWEST_POINTS = 3000, 300  # of a curve shown
+FAR = 1.0  # times the measured extent beyond it, to which a model that runs away is drawn
+BINS = 30
+FEWEST_IN_BIN = 5
 
 
-def pictures(curves: Curves) -> list[tuple[str, str]]:
-    """Caption and SVG of every picture the curves allow."""
-    out = []
-    for channel in dict.fromkeys(r.channel for r in curves.residuals):
-        mine = [r for r in curves.residuals if r.channel == channel]
-        shown = [*mine[: MOST_RUNS - 1], *[r for r in mine[MOST_RUNS - 1 :] if r.held_out][:1]]
-        out.append((f"{channel}: what each model leaves of the recording, noise ±2σ shaded", residuals(shown)))
-    out += [
-        (f"{f.joint}: generalized force that the nominal model lacks, over the phase plane", phase(f))
-        for f in curves.forces
-    ]
-    out += [(f"{e.joint}: energy lost per half-swing against amplitude", energy(e)) for e in curves.energy]
-    if curves.spectra:
-        out.append(("Spectrum of the residual, training", spectra(curves.spectra)))
-    return out
+def shown(residuals: Sequence[Residuals]) -> tuple[list[Residuals], int]:
+    """Curves of the recordings that are shown, what is held out first, and how many recordings are not."""
+    names = list(dict.fromkeys((r.recording, r.held_out) for r in residuals))
+    kept = sorted(names, key=lambda name: not name[1])[:MOST_RUNS]
+    return [r for name in kept for r in residuals if (r.recording, r.held_out) == name], len(names) - len(kept)
 
 
-def _thin(x: Any) -> slice:
-    return slice(None, None, max(1, len(x) // POINTS))
+def motion(residuals: Sequence[Residuals]) -> list[Plot]:
+    """Measured signal, nominal and augmented model over time: a plot a channel and recording."""
+    plots = []
+    for r in residuals:
+        pick = _pick(r, len(residuals))
+        nominal, augmented = r.measured - r.nominal, r.measured - r.augmented
+        low, high = float(np.nanmin(r.measured)), float(np.nanmax(r.measured))
+        far = FAR * ((high - low) or r.noise)
+        away = [
+            v
+            for v in (nominal, augmented)
+            if np.nanmin(v, initial=low) < low - far or np.nanmax(v, initial=high) > high + far
+        ]
+        lines = [
+            Line("nominal", nominal[pick], BEFORE, "dashed"),
+            Line("augmented", augmented[pick], AFTER, width=2.6),
+            Line("measured", r.measured[pick], "ink", width=1.0),
+        ]
+        plots.append(
+            Plot(
+                f"motion-{_key(r)}", _title(r), "time [s]", f"{r.channel.partition('.')[2]} [{_unit(r.unit)}]", r.time[pick],
+                _known(lines), f"{r.channel} of {r.recording} over time: measured, nominal model, augmented model",
+                limits=(low - far, high + far) if away else None, together=_key(r, channel=False),
+            )
+        )  # fmt: skip
+    return plots
 
 
-def residuals(runs: list[Residuals]) -> str:
-    """SVG: measured signal and residuals of both models, a row a recording."""
-    with canvas(f"residuals-{runs[0].channel}", 9.2, 2.1 * len(runs) + 0.5, len(runs), 1) as (made, axes):
-        for row, r in enumerate(runs):
-            ax = axes[row, 0]
-            pick = _thin(r.time)
-            ax.axhspan(-2 * r.noise, 2 * r.noise, color=FAINT, alpha=0.18, lw=0)
-            ax.plot(r.time[pick], r.nominal[pick], color=BEFORE, lw=1.0, label="nominal")
-            ax.plot(r.time[pick], r.augmented[pick], color=AFTER, lw=1.0, label="augmented")
-            largest = float(np.nanmax(np.abs(r.nominal))) if np.isfinite(r.nominal).any() else r.noise
-            if largest > 30 * r.noise:
+def residuals(rows: Sequence[Residuals]) -> list[Plot]:
+    """What each model leaves of the signal over time, noise ±2σ shaded: a plot a channel and recording."""
+    plots = []
+    for r in rows:
+        pick = _pick(r, len(rows))
+        largest = float(np.nanmax(np.abs(r.nominal), initial=r.noise))
+        lines = [
+            Line("nominal", r.nominal[pick], BEFORE, width=1.0),
+            Line("augmented", r.augmented[pick], AFTER, width=1.0),
+        ]
+        plots.append(
+            Plot(
+                f"residuals-{_key(r)}", _title(r), "time [s]", f"residual [{_unit(r.unit)}]", r.time[pick], _known(lines),
+                f"{r.channel} of {r.recording}: measured less each model's prediction, over time; noise of two standard deviations "
+                "either way shaded",
+                band=2.0 * r.noise,
                 # Both must be seen: linear within a few σ, logarithmic beyond.
-                ax.set_yscale("symlog", linthresh=5 * r.noise)
-                # Decades within the linear part would stand on one another.
-                decades = np.arange(np.ceil(np.log10(5 * r.noise)), np.log10(largest) + 0.5)
-                shown = 10.0 ** decades[:: max(1, len(decades) // 2)]
-                ax.set_yticks([*-shown[::-1], 0.0, *shown])
-            ax.set_title(f"{r.recording}{' (held out)' if r.held_out else ''}")
-            ax.set_ylabel(f"residual [{r.unit}]")
-        axes[-1, 0].set_xlabel("time [s]")
-        made.figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2, labelcolor=INK)
-    return str(made.svg)
+                linear=5.0 * r.noise if largest > 30.0 * r.noise else 0.0,
+                together=_key(r, channel=False),
+            )
+        )  # fmt: skip
+    return plots
+
+
+def spectra(rows: Sequence[Spectrum]) -> list[Plot]:
+    """Density of the residual of each model over frequency, with the noise: a plot a channel."""
+    return [
+        Plot(
+            f"spectrum-{s.channel}", f"{s.channel}: spectrum of the residual", "frequency [Hz]",
+            f"density [({_unit(s.unit)})²/Hz]", s.frequency,
+            [
+                Line("nominal", s.nominal, BEFORE),
+                Line("augmented", s.augmented, AFTER),
+                Line("white noise of this size", np.full(len(s.frequency), s.noise), "faint", "dashed"),
+            ],
+            f"{s.channel}: spectrum of what each model leaves of the recording",
+            log="xy",
+        )
+        for s in rows
+    ]  # fmt: skip
+
+
+def force_over(f: ForceMap, axis: str) -> Plot:
+    """Missing force over "velocity" or "position": every sample, and mean and spread (one standard deviation) by bin."""
+    x = f.velocity if axis == "velocity" else f.position
+    centre, mean, deviation = binned(x, f.force)
+    order = np.argsort(x, kind="stable")
+    both = np.concatenate([x[order], centre])
+    place = np.argsort(both, kind="stable")
+    none, gap = np.full(len(centre), np.nan), np.full(len(x), np.nan)
+    dots = np.concatenate([f.force[order], none])[place]
+    line, low, high = (np.concatenate([gap, v])[place] for v in (mean, mean - deviation, mean + deviation))
+    span = float(np.nanpercentile(np.abs(f.force), 98)) or 1.0
+    unit = f"{f.units[0]}/s" if axis == "velocity" else f.units[0]
+    return Plot(
+        f"force-{axis}-{f.joint}", f"{f.joint}: missing force over {axis}", f"{axis} [{unit}]",
+        f"missing force [{_unit(f.units[1])}]", both[place],
+        [Line("samples", dots, "faint", "dots"), Line("mean and spread", line, BEFORE, width=2.2, ends=(low, high))],
+        f"Generalized force that the nominal model lacks at {f.joint} over {axis}, with mean and standard deviation by bin",
+        limits=(-1.6 * span, 1.6 * span), height=3.2,
+    )  # fmt: skip
+
+
+def binned(x: Array, y: Array, bins: int = BINS) -> tuple[Array, Array, Array]:
+    """Centres of equal bins over x that hold enough samples, and mean and standard deviation of y in each, shapes (k,)."""
+    good = np.isfinite(x) & np.isfinite(y)
+    if not good.any():
+        return np.empty(0), np.empty(0), np.empty(0)
+    count, edges, _ = binned_statistic(x[good], y[good], "count", bins=bins)
+    mean, deviation = (binned_statistic(x[good], y[good], what, bins=bins)[0] for what in ("mean", "std"))
+    enough = count >= FEWEST_IN_BIN
+    return (0.5 * (edges[1:] + edges[:-1]))[enough], mean[enough], deviation[enough]
 
 
 def phase(f: ForceMap) -> str:
-    """SVG: residual force as colour over position and velocity, and against velocity."""
-    pick = _thin(f.position)
-    q, v, force = f.position[pick], f.velocity[pick], f.force[pick]
-    span = float(np.nanpercentile(np.abs(force), 98)) or 1.0
-    unit, missing = f.units[0], f"missing force [{f.units[1].replace('*', '·')}]"
-    with canvas(f"phase-{f.joint}", 9.2, 3.9, 1, 2) as (made, axes):
-        marks = axes[0, 0].scatter(q, v, c=force, s=5, cmap="RdBu_r", vmin=-span, vmax=span, rasterized=True)
-        axes[0, 0].set_xlabel(f"position [{unit}]")
-        axes[0, 0].set_ylabel(f"velocity [{unit}/s]")
+    """SVG: missing force as colour over position and velocity."""
+    pick = slice(None, None, max(1, len(f.position) // 2000))
+    span = float(np.nanpercentile(np.abs(f.force), 98)) or 1.0
+    with canvas(f"phase-{f.joint}", 9.2, 3.9) as (made, axes):
+        marks = axes[0, 0].scatter(
+            f.position[pick], f.velocity[pick], c=f.force[pick], s=7, cmap="RdBu_r", vmin=-span, vmax=span, rasterized=True
+        )  # fmt: skip
+        axes[0, 0].set_xlabel(f"position [{f.units[0]}]")
+        axes[0, 0].set_ylabel(f"velocity [{f.units[0]}/s]")
         bar = made.figure.colorbar(marks, ax=axes[0, 0])
-        bar.set_label(missing)
-        axes[0, 1].plot(v, force, ".", ms=2.5, color=BEFORE, alpha=0.5, rasterized=True)
-        axes[0, 1].set_ylim(-1.6 * span, 1.6 * span)
-        axes[0, 1].set_xlabel(f"velocity [{unit}/s]")
-        axes[0, 1].set_ylabel(missing)
-        for ax in axes[0]:
-            # Side by side there is room for no more, when a small range needs labels of many digits.
-            ax.locator_params(axis="x", nbins=5)
+        bar.set_label(f"missing force [{_unit(f.units[1])}]")
     return str(made.svg)
 
 
@@ -94,16 +160,29 @@ def energy(e: Energy) -> str:
     return str(made.svg)
 
 
-def spectra(rows: tuple[Spectrum, ...]) -> str:
-    """SVG: density of the residual of each model over frequency, a row a channel, with the noise."""
-    with canvas("spectra-residual", 9.2, 2.4 * len(rows) + 0.5, len(rows), 1) as (made, axes):
-        for row, s in enumerate(rows):
-            ax = axes[row, 0]
-            ax.loglog(s.frequency, s.nominal, color=BEFORE, lw=1.2, label="nominal")
-            ax.loglog(s.frequency, s.augmented, color=AFTER, lw=1.2, label="augmented")
-            ax.axhline(s.noise, color=FAINT, lw=1.2, ls=":", label="white noise of this size")
-            ax.set_title(s.channel)
-            ax.set_ylabel(f"density [({s.unit})²/Hz]")
-        axes[-1, 0].set_xlabel("frequency [Hz]")
-        made.figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=3, labelcolor=INK)
-    return str(made.svg)
+def forces(curves: Curves) -> list[Plot]:
+    """Missing force of every joint over its velocity and over its position."""
+    return [force_over(f, axis) for f in curves.forces for axis in ("velocity", "position")]
+
+
+def _pick(r: Residuals, curves: int) -> NDArray[np.intp]:
+    """Samples of a curve that is one of so many on the page; the same for all its plots, so that they can be read together."""
+    count = int(np.clip(MOST_NUMBERS / (7 * max(curves, 1)), FEWEST_POINTS, MOST_POINTS))
+    return thinned(count, r.measured, r.nominal, r.augmented)
+
+
+def _known(lines: Sequence[Line]) -> list[Line]:
+    """Without a line that has nothing to show: of a model that could not be run."""
+    return [line for line in lines if np.isfinite(line.values).any()]
+
+
+def _key(r: Residuals, *, channel: bool = True) -> str:
+    return "-".join([r.recording, "held" if r.held_out else "training", *([r.channel] if channel else [])])
+
+
+def _title(r: Residuals) -> str:
+    return f"{r.channel}, {r.recording} ({'held out' if r.held_out else 'training'})"
+
+
+def _unit(unit: str) -> str:
+    return unit.replace("**2", "²").replace("*", "·")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from harness.report.figures.before_after import AFTER, BEFORE, REFITTED
 from harness.report.figures.canvas import FAINT, INK, canvas
 
-BEFORE, REFITTED, AFTER = "#d55e00", "#e69f00", "#0a7bbd"
 MODELS = (("nominal", BEFORE), ("refitted", REFITTED), ("augmented", AFTER))
 
 
@@ -54,4 +54,53 @@ def windows(mismatch: Sequence[Mapping[str, Any]], name: str = "windows") -> str
         ax.set_ylim(len(mismatch) - 0.5, -0.5)
         ax.set_xlim(left=0.0)
         ax.set_xlabel("time [s]")
+    return str(made.svg)
+
+
+def repeated(
+    rows: Sequence[Mapping[str, Any]], overall: Mapping[str, Any] | None, label: str, unit: str, name: str
+) -> str:
+    """SVG: estimate and interval of one parameter from each recording (rows), over the interval from all of them."""
+    with canvas(name, 9.2, 1.1 + 0.34 * len(rows)) as (made, axes):
+        ax = axes[0, 0]
+        low, high = (overall or {}).get("ci95") or (None, None)
+        if low is not None and high is not None:
+            ax.axvspan(low, high, color=AFTER, alpha=0.18, lw=0)
+        if overall is not None:
+            ax.axvline(overall["value"], color=AFTER, lw=1.2)
+        for place, row in enumerate(rows):
+            ends = row.get("ci95") or (None, None)
+            if ends[0] is not None and ends[1] is not None:
+                ax.plot(ends, (place, place), color=INK, lw=1.6, solid_capstyle="butt")
+            ax.plot(row["value"], place, "o", color=INK, mfc="none" if row.get("held_out") else INK, ms=6)
+        ax.set_yticks(range(len(rows)), [row["recording"] for row in rows])
+        ax.set_ylim(len(rows) - 0.5, -0.5)
+        ax.set_xlabel(f"{label} [{unit}]" if unit else label)
+    return str(made.svg)
+
+
+def correlated(told: Mapping[str, Any], name: str = "correlations") -> str:
+    """SVG: matrix of correlations, every cell with its figure."""
+    names, matrix = told["parameters"], told["matrix"]
+    count = len(names)
+    words = [text.replace("_", " ") for text in names]
+    with canvas(name, 9.2, 1.0 + 0.42 * count) as (made, axes):
+        ax = axes[0, 0]
+        ax.grid(False)
+        for spine in ax.spines.values():
+            spine.set_visible(False)
+        for row in range(count):
+            for column in range(row + 1):
+                value = matrix[row][column]
+                if value is None:
+                    continue
+                colour = FAINT if row == column else BEFORE if value > 0 else AFTER
+                strength = 0.12 if row == column else 0.1 + 0.75 * abs(value)
+                ax.barh(row, 0.96, height=0.92, left=column - 0.48, color=colour, alpha=strength)
+                ax.text(column, row, f"{value:+.2f}" if row != column else "1", ha="center", va="center", color=INK)
+        ax.set_xticks(range(count), [str(k + 1) for k in range(count)])
+        ax.set_yticks(range(count), [f"{text}   {k + 1}" for k, text in enumerate(words)])
+        ax.tick_params(length=0)
+        ax.set_xlim(-0.5, max(count, 6) - 0.5)
+        ax.set_ylim(count - 0.5, -0.5)
     return str(made.svg)

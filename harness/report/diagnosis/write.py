@@ -31,7 +31,8 @@ def write_diagnosis(
 
     document = found.to_json()
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    written = write_folder(folder, {"diagnosis.json": text, "report.html": diagnosis_html(document, found.curves)})
+    page = diagnosis_html(document, found.curves, found.augmented)
+    written = write_folder(folder, {"diagnosis.json": text, "report.html": page})
     for model, name in ((found.augmented, "augmented"), (found.levelled, "levelled"), (found.predictive, "predictive")):
         if model is None:
             continue

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from markupsafe import escape
+
 # Colours that stand in for the page's own, and the CSS variables they become.
 INK, FAINT, GRID = "#010203", "#020304", "#030405"
 PAGE = {INK: "var(--ink)", FAINT: "var(--faint)", GRID: "var(--grid)"}
@@ -93,6 +95,12 @@ def inline(svg: str) -> str:
     svg = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1)
     # Text keeps its size and takes the page's typeface.
     return re.sub(r"(font: [^;\"]*?px) [^;\"]*", r"\1 var(--sans)", svg)
+
+
+def titled(svg: str, described: str) -> str:
+    """An SVG element that says what it shows to who cannot see it."""
+    end = svg.index(">", svg.index("<svg"))
+    return f'{svg[:end]} role="img"><title>{escape(described)}</title>{svg[end + 1 :]}'
 
 
 def colour(label: str, index: int = 0) -> str:

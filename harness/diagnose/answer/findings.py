@@ -1,0 +1,87 @@
+"""Findings, one by one, with their numbers and rivals; as text, in a notebook, as a data frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.diagnose.answer.significant_digits import ends, resolved, width_of
+from harness.notebook import frame, html_table, text_table
+
+MODIFIED_BY = "modified_by"  # of a finding: others that only alter how this one acts, such as creep of dry friction
+
+
+def one_by_one(findings: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Findings and what modifies them, each by itself."""
+    return [each for finding in findings for each in (finding, *finding.get(MODIFIED_BY, ()))]
+
+
+def numbers_of(finding: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """The parameters of a finding, and the zeros of recordings if it lists them, by name: ``value``, ``unit``, and their spread if
+    it is known."""
+    zeros = {
+        f"zero of {zero['recording']}": {"value": zero["zero"], "unit": zero["unit"]}
+        for zero in finding.get("zeros", ())
+    }
+    return {**finding["parameters"], **zeros}
+
+
+def rivals_of(finding: Mapping[str, Any]) -> list[str]:
+    """What a finding cannot be told from, with what would have to stand beside it if it could only so."""
+    beside = finding.get("only_beside", {})
+    return [
+        f"{rival} (beside {' or '.join(beside[rival])})" if rival in beside else str(rival)
+        for rival in finding.get("indistinguishable_from", ())
+    ]
+
+
+HEADS = ("effect", "at", "parameter", "value", "95 % interval", "unit", "cannot be told from")
+
+
+class Findings(list[Mapping[str, Any]]):
+    """Findings as the document ``denoc.diagnosis/1`` has them, which show themselves as a table."""
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a parameter (a finding without any has one too): effect, site, parameter, value, std, low, high, unit, …"""
+        rows = []
+        for finding in one_by_one(self):
+            common = {"effect": finding["effect"], "site": finding["site"]}
+            after = {
+                "delta_bic": finding["evidence"].get("delta_bic"),
+                "grade": finding.get("grade"),
+                "indistinguishable_from": ", ".join(rivals_of(finding)),
+            }
+            for name, p in numbers_of(finding).items() or [("", {})]:
+                low, high = p.get("ci95") or (None, None)
+                number = {
+                    "value": p.get("value"),
+                    "std": p.get("std"),
+                    "low": low,
+                    "high": high,
+                    "unit": p.get("unit", ""),
+                }
+                rows.append({**common, "parameter": name, **number, **after})
+        return rows
+
+    def to_frame(self) -> Any:
+        """A ``pandas.DataFrame``, a row a parameter; ImportError where pandas is not installed."""
+        rows = self.rows()
+        names = rows[0] if rows else ("effect", "site", "parameter", "value", "std", "low", "high", "unit")
+        return frame({name: [row[name] for row in rows] for name in names})
+
+    def _written(self) -> list[tuple[str, ...]]:
+        return [
+            (
+                row["effect"], row["site"], row["parameter"],
+                "" if row["value"] is None else resolved(row["value"], width_of((row["low"], row["high"]))),
+                "" if row["low"] is None or row["high"] is None else ends((row["low"], row["high"])),
+                "" if row["unit"] == "1" else row["unit"].replace("*", "·"), row["indistinguishable_from"],
+            )
+            for row in self.rows()
+        ]  # fmt: skip
+
+    def __str__(self) -> str:
+        return text_table(HEADS, self._written()) if self else "nothing"
+
+    def _repr_html_(self) -> str:
+        return html_table(HEADS, self._written())

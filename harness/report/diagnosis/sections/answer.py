@@ -1,0 +1,71 @@
+"""The answer in three short paragraphs: what, how sure, and what next."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.report.diagnosis.sections.figure import Document, figure, unit
+
+_PRODUCT = re.compile(r"(?<=[A-Za-z])\*(?=[A-Za-z])")  # in a unit
+
+
+@dataclass(frozen=True)
+class Answer:
+    anchor: str = "answer"
+    title: str = "Answer"
+    template: str = "diagnosis_answer.html"
+
+    def content(self, document: Document) -> Mapping[str, Any]:
+        return {
+            "verdict": document["verdict"].replace("_", " "),
+            "good": document["verdict"] in ("consistent", "explained"),
+            "paragraphs": paragraphs(document),
+            "complete": document.get("complete", True),
+            "not_tried": document.get("not_tried") or [],
+            "notes": [_note(note) for note in document.get("notes") or []],
+        }
+
+
+def paragraphs(document: Document) -> list[str]:
+    """What is missing; how far that helps, what speaks against it and what is left; what to do next."""
+    first, *doubts = re.split(r"(?<=[.!?]) (?=[A-Z])", document["summary"].strip())
+    written = (first, " ".join([*_use(document), *doubts]), _next(document.get("next_experiment") or {}))
+    return [_PRODUCT.sub("·", text) for text in written if text]
+
+
+def _use(document: Document) -> list[str]:
+    if not document["findings"]:
+        return []
+    told = []
+    worst = max(document["fit"], key=_gain, default=None)
+    if worst is not None and _gain(worst):
+        told.append(
+            f"On data held out the error of {worst['channel']} falls from {figure(worst['nominal']['heldout_rmse'])} to "
+            f"{figure(worst['augmented']['heldout_rmse'])} {unit(worst['unit'])} (noise {figure(worst['noise_floor'])})."
+        )
+    share = document.get("explained_share")
+    if share is not None:
+        told.append(f"That removes {100.0 * share:.3g} % of the nominal model's mean-square error there.")
+    return told
+
+
+def _next(following: Mapping[str, Any]) -> str:
+    if not following.get("what"):
+        return ""
+    parted = [name.replace("_", " ") for name in following.get("separates") or ()]
+    return f"Next experiment: {following['what']}" + (f" (it parts {' and '.join(parted)})." if parted else ".")
+
+
+def _gain(row: Mapping[str, Any]) -> float:
+    """How many times smaller the error of a channel has become."""
+    before, after = row["nominal"]["heldout_rmse"], row["augmented"]["heldout_rmse"]
+    return float(before / after) if before and after else 0.0
+
+
+def _note(note: Any) -> str:
+    if isinstance(note, Mapping):
+        return ": ".join(str(note[key]) for key in ("where", "what", "done") if note.get(key))
+    return str(note)

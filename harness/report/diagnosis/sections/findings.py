@@ -1,0 +1,93 @@
+"""What was found: the table of findings, how they repeat from recording to recording, how they hang together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
+from harness.diagnose.answer.significant_digits import ends, resolved, width_of
+from harness.report.diagnosis.figures import correlated, repeated
+from harness.report.diagnosis.sections.figure import Document, figure, unit
+
+
+@dataclass(frozen=True)
+class Findings:
+    anchor: str = "findings"
+    title: str = "What was found"
+    template: str = "diagnosis_findings.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        found = one_by_one(document["findings"])
+        if not found:
+            return None
+        rows = []
+        for finding in found:
+            common = {
+                "effect": finding["effect"].replace("_", " "),
+                "site": finding["site"],
+                "grade": finding.get("grade"),
+                "bic": (finding.get("evidence") or {}).get("delta_bic"),
+                "rivals": ", ".join(rivals_of(finding)).replace("_", " "),
+            }
+            numbers = numbers_of(finding)
+            rows += [
+                {
+                    **common, "parameter": name.replace("_", " "), "number": p["value"],
+                    "value": resolved(p["value"], width_of(p.get("ci95"))), "interval": ends(p.get("ci95")),
+                    "unit": unit(p["unit"]),
+                }
+                for name, p in numbers.items()
+            ] or [{**common, "parameter": "", "number": None, "value": "", "interval": "", "unit": ""}]  # fmt: skip
+        return {"rows": rows, "graded": any(row["grade"] for row in rows), "figure": figure}
+
+
+@dataclass(frozen=True)
+class Repeatability:
+    anchor: str = "repeatability"
+    title: str = "The same from recording to recording?"
+    template: str = "pictures.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        pictures = []
+        for finding in one_by_one(document["findings"]):
+            for name, rows in by_parameter(finding.get("repeatability")).items():
+                told = (finding["parameters"].get(name) or {}).get("unit", "1")
+                where = f"{finding['effect'].replace('_', ' ')} at {finding['site']}"
+                caption = f"{where}: {name.replace('_', ' ')} from each recording alone, 95 %"
+                overall = finding["parameters"].get(name)
+                svg = repeated(rows, overall, name.replace("_", " "), unit(told), f"repeat-{where}-{name}")
+                pictures.append((caption, Markup(svg)))
+        words = "Estimate and interval from each recording alone; shaded, what all of them give together."
+        return {"words": words, "pictures": pictures} if pictures else None
+
+
+def by_parameter(repeatability: Any) -> dict[str, list[Mapping[str, Any]]]:
+    """Rows (recording, value, ci95) by parameter, of what a finding says of its repeatability."""
+    rows: dict[str, list[Mapping[str, Any]]] = {}
+    for each in repeatability or ():
+        for name, told in each["parameters"].items():
+            if told.get("value") is not None:
+                rows.setdefault(name, []).append({"recording": each["recording"], **told})
+    return rows
+
+
+@dataclass(frozen=True)
+class Correlations:
+    anchor: str = "correlations"
+    title: str = "How the estimates hang together"
+    template: str = "pictures.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        told = document.get("correlations")
+        if not told:
+            return None
+        caption = "Correlations of the estimates"
+        words = (
+            "Near ±1 the recordings tell only a combination of the two, and neither by itself. Nominal quantities are listed "
+            "where an estimate leans on them."
+        )
+        return {"words": words, "pictures": [(caption, Markup(correlated(told)))]}

@@ -1,0 +1,24 @@
+"""What else it could be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.report.diagnosis.sections.figure import Document, figure
+
+
+@dataclass(frozen=True)
+class Rivals:
+    anchor: str = "ranking"
+    title: str = "What else it could be"
+    template: str = "diagnosis_ranking.html"
+
+    def content(self, document: Document) -> Mapping[str, Any] | None:
+        ranking = document.get("ranking") or []
+        if not ranking:
+            return None
+        known = [row["bic"] for row in ranking if row.get("bic") is not None]
+        reasons = any(row.get("lost") for row in ranking)
+        return {"ranking": ranking, "best": min(known) if known else 0.0, "reasons": reasons, "figure": figure}
