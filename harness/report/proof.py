@@ -56,9 +56,22 @@ def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
         return
     table = Table(box=None, header_style="bold", pad_edge=False)
     table.add_column("the same cases, asked of")
-    for head in ("named, of one effect", "false beside one effect", "false in clean", "failed"):
+    heads = (
+        "named, of one effect",
+        "false beside it",
+        "false in clean",
+        "intervals right",
+        "error held out / noise",
+        "s",
+        "failed",
+    )
+    for head in heads:
         table.add_column(head, justify="right")
     for peer, said in peers.items():
-        pairs = [f"{said[key][0]}/{said[key][1]}" for key in ("named_single", "false_beside_single", "clean_false")]
-        table.add_row(peer, *pairs, str(said["failed"]))
+        pairs = [
+            f"{said[key][0]}/{said[key][1]}" if key in said else ""
+            for key in ("named_single", "false_beside_single", "clean_false", "coverage95")
+        ]
+        numbers = ["" if said.get(key) is None else f"{said[key]:.3g}" for key in ("heldout_over_noise", "seconds")]
+        table.add_row(peer, *pairs, *numbers, str(said["failed"]))
     console.print(table)
