@@ -1,8 +1,10 @@
 """Sealed cases for others: an export tells nothing, and what others claim is scored against the answers, not taken at its word."""
 
 import json
+import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from harness.cli.main import main
@@ -74,6 +76,25 @@ def test_claims_are_scored_against_the_answers(proof: Path, tmp_path) -> None:
     row = found.peers["me 1"]
     assert row["clean_false"] == [1, 1] and row["failed"] == 1 and row["named_single"] == [0, 0]
     assert found.summary.failed.hits == 1
+
+
+def test_the_example_enters_and_sees_friction_by_hand(proof: Path, tmp_path) -> None:
+    export(proof, tmp_path / "open")
+    entrant = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "enter_the_proof.py"))
+    entrant["main"](tmp_path / "open", tmp_path / "claims.json")
+    assert len(score_of_claims(proof, tmp_path / "claims.json").scores) == 2
+    # Amplitudes that lose 2 f / k = 4 mrad a half-swing by dry friction and one part in a hundred by damping, as half cosines.
+    amplitude, pieces = 0.6, []
+    for k in range(40):
+        less = 0.99 * amplitude - 0.004
+        phase = np.pi * np.arange(50) / 50
+        pieces.append((-1.0) ** k * (0.5 * (amplitude - less) + 0.5 * (amplitude + less) * np.cos(phase)))
+        amplitude = less
+        if amplitude < 0.06:
+            break
+    found = entrant["half_swings"](np.concatenate(pieces), 3)
+    line = np.polynomial.polynomial.polyfit((found[:-1] + found[1:]) / 2.0, found[:-1] - found[1:], 1)
+    assert line[0] == pytest.approx(0.004, rel=0.1) and line[1] == pytest.approx(0.01, rel=0.2)
 
 
 def test_the_commands_go_together(proof: Path, tmp_path, capsys) -> None:
