@@ -5,8 +5,9 @@
     python examples/enter_the_proof.py cases claims.json
     denoc prove --score kept --claims claims.json
 
-It looks at free swings of one joint alone. Dry friction f takes 2 f / k off the amplitude in every half-swing, viscous damping a
-constant share of it: so losses over amplitudes are a straight line, whose intercept is dry friction and whose slope is damping. It claims what lies five of its standard errors from the stated model, and nothing of any other case.
+It looks at free swings of one joint alone. Dry friction f takes 2 f / k off the amplitude in every half-swing, viscous
+damping a constant share of it: so losses over amplitudes are a straight line, whose intercept is dry friction and whose
+slope is damping. It claims what lies five of its standard errors from the stated model, and nothing of any other case.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ What it is run on is the same for a proof and for real rigs. Sources, MuJoCo 4.0
 - its source, as installed: ``mujoco/sysid/_src``;
 - its maintainers on a user's trouble with ``frictionloss``: github.com/google-deepmind/mujoco/issues/3284 and pull request 3287.
 
-``tests/proof/test_sysid_peer.py`` runs two of its tutorial's examples to their own figures, and recovers a pendulum's friction.
+``tests/proof/test_sysid_peer.py`` runs its tutorial's first example to its own figure, and recovers a pendulum's friction.
 """
 
 from __future__ import annotations
