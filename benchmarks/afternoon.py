@@ -5,7 +5,8 @@
 Every folder of --recordings (default: as ``real_recordings.py``) that has a model.urdf and recordings is a rig. Rigs that
 ``real_recordings.py`` knows are divided as it divides them; of any other, files called heldout* are held out, or else the last one.
 Inertia, viscous damping, smoothed dry friction, speed squared and zero of every joint are fitted to the others
-(``harness.proof.peers.practitioner``), once all of them and once as many as predict the last training recording best.
+(``harness.proof.peers.practitioner``), once all of them and once with the fewest that
+predict training recordings left out in turn as well.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import harness
 from harness.diagnose.free_motion import free_parts
-from harness.proof.peers.practitioner import Fitted, Practitioner
+from harness.proof.peers.practitioner import SETS, Fitted, LeftOut, Practitioner, fewest
 from harness.proof.peers.runs import as_run
 from harness.recording import Recording, read_recordings
 from harness.system import System
@@ -45,17 +48,27 @@ def divided(folder: Path, work: Path, rig: str, system: System) -> tuple[list[Re
 
 
 def fit(system: System, train: Sequence[Recording], window: float | None, left_out: Pushed) -> tuple[Fitted, Fitted]:
-    """With every law; and with those that predict the last training recording (or the end of the only one) best."""
-    gaps = [left_out.get(r.name, ()) for r in train]
-    every = Practitioner(system, [as_run(system, r) for r in train], left_out=gaps, window=window, held=None)
-    full = every.fit()
-    known, tried = (
-        (train[:-1], train[-1:]) if len(train) > 1 else ([piece(train[0], 0.0, 0.7)], [piece(train[0], 0.7, 1.0)])
-    )
-    gaps = gaps[:-1] if len(train) > 1 else gaps
-    part = Practitioner(system, [as_run(system, r) for r in known], left_out=gaps, window=window, held=full.held)
-    chosen = part.choose([as_run(system, r) for r in tried], window)
-    return full, every.fit(chosen.laws)
+    """With every law; and with the fewest that predict training recordings left out in turn (or the end of the only one)."""
+
+    def gaps(recordings: Sequence[Recording]) -> LeftOut:
+        return [left_out.get(r.name, ()) for r in recordings]
+
+    def of(recordings: Sequence[Recording], held: bool | None) -> Practitioner:
+        runs = [as_run(system, r) for r in recordings]
+        return Practitioner(system, runs, left_out=gaps(recordings), window=window, held=held)
+
+    whole = of(train, None)
+    full = whole.fit()
+    folds = [([*train[:k], *train[k + 1 :]], [train[k]]) for k in range(len(train))]
+    if len(train) == 1:
+        folds = [([piece(train[0], 0.0, 0.7)], [piece(train[0], 0.7, 1.0)])]
+    squares = dict.fromkeys(SETS, 0.0)
+    for known, tried in folds:
+        fits = of(known, full.held).every([as_run(system, r) for r in tried], window, gaps(tried))
+        for laws, found in fits.items():
+            squares[laws] += found.heldout**2
+    laws = fewest({laws: float(np.sqrt(total)) for laws, total in squares.items()})
+    return full, full if laws == full.laws else whole.fit(laws, full)
 
 
 def examine(rig: str, folder: Path, work: Path, window: float | None) -> dict[str, Any]:

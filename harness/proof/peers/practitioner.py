@@ -29,6 +29,9 @@ from harness.system import System
 Array = NDArray[np.float64]
 
 LAWS = ("viscous", "dry", "drag")
+Laws = tuple[str, ...]
+LeftOut = Sequence[Sequence[tuple[float, float]]]
+SETS: tuple[Laws, ...] = tuple(s for size in range(len(LAWS) + 1) for s in combinations(LAWS, size))
 SOFT = 0.005  # of the largest speed: where dry friction is smoothed
 FIRST_WINDOW = 2.0  # s, of the windows that are fitted first
 AS_GOOD = 1.02  # error held out, times the best: where fewer laws do as well
@@ -232,21 +235,32 @@ class Practitioner:
         scaled = np.array(at) / np.array([self._scale(what, k) for what, k in names])
         return np.array([max(x, 1e-4) if what in LAWS else x for x, (what, _) in zip(scaled, names, strict=True)])
 
-    def predicts(self, fitted: Fitted, heldout: Sequence[Run], window: float | None = None) -> float:
+    def predicts(
+        self, fitted: Fitted, heldout: Sequence[Run], window: float | None = None, left_out: LeftOut = ()
+    ) -> float:
         """Error of free runs over recordings not fitted to, their first states fitted [rad or m]."""
-        windows = [w.thinned() for r in heldout for w in r.cut(window)]
+        gaps = left_out or [()] * len(heldout)
+        windows = [w.thinned() for r, g in zip(heldout, gaps, strict=True) for w in r.cut(window, g)]
         none = np.zeros((2, 0))
         _, residual, _ = self._fit(lambda _: fitted.law, np.zeros(0), none, windows, fitted.held, ROUNDS)
         return self._rmse(residual)
 
-    def choose(self, heldout: Sequence[Run], window: float | None = None) -> Fitted:
-        """The fewest laws that predict the runs held out as well as the best set does."""
-        sets = [s for size in range(len(LAWS) + 1) for s in combinations(LAWS, size)]
+    def every(self, heldout: Sequence[Run], window: float | None = None, left_out: LeftOut = ()) -> dict[Laws, Fitted]:
+        """Fits with each subset of the laws, and how each predicts the runs held out."""
         full = self.fit(LAWS)
-        every = [full if s == LAWS else self.fit(s, full) for s in sets]
-        every = [replace(f, heldout=self.predicts(f, heldout, window)) for f in every]
-        least = min(f.heldout for f in every)
-        return next(f for f in sorted(every, key=lambda f: (len(f.laws), f.heldout)) if f.heldout <= AS_GOOD * least)
+        fits = [full if laws == LAWS else self.fit(laws, full) for laws in SETS]
+        return {f.laws: replace(f, heldout=self.predicts(f, heldout, window, left_out)) for f in fits}
+
+    def choose(self, heldout: Sequence[Run]) -> Fitted:
+        """The fewest laws that predict the runs held out as well as the best set does."""
+        fits = self.every(heldout)
+        return fits[fewest({laws: f.heldout for laws, f in fits.items()})]
+
+
+def fewest(errors: Mapping[Laws, float]) -> Laws:
+    """The smallest set of laws whose error is within ``AS_GOOD`` of the least."""
+    least = min(errors.values())
+    return next(s for s in sorted(errors, key=lambda s: (len(s), errors[s])) if errors[s] <= AS_GOOD * least)
 
 
 WHAT = {"viscous": "viscous_damping", "dry": "coulomb_friction", "drag": "quadratic_drag", "zero": "sensor_offset"}
