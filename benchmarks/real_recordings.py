@@ -27,14 +27,15 @@ from harness.diagnose.inverse.pushes import find_pushes
 from harness.diagnose.problem.problem import pose
 from harness.effects import apply
 from harness.effects.scale import references
+from harness.proof.peers.runs import as_run
+from harness.proof.peers.sysid import fit_sysid
 from harness.recording import Recording, read_recordings
 from harness.report.diagnosis.write import write_diagnosis
 from harness.system import Attachment, System
 
-from real_recordings_free_run import Simulate, first_state, free_run, measured, native  # isort: skip
+from real_recordings_free_run import Simulate, free_run, native  # isort: skip
 from real_recordings_friction import residual_torque  # isort: skip
 from real_recordings_laws import at_both_joints, with_levels  # isort: skip
-from sysid_peer import fit_sysid  # isort: skip
 
 
 Pushed = Mapping[str, Sequence[tuple[float, float]]]
@@ -67,6 +68,7 @@ SPLITS = {
     "sydney-compass-leg": Split(("all[0:8.5]", "all[8.5:23.7]"), ("all[38:56]",), 3.0),
     "bam-xl330": Split(("drop1", "drop2", "drop3"), ("drop4",)),
     "bam-sts3250": Split(("drop1",), ("drop1",), None, True),
+    "emps": Split(("run1",), ("heldout1",)),
 }
 
 
@@ -210,13 +212,32 @@ def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[st
         row["levels"] = with_levels(system, answer, train, heldout)
     if peer:
         try:
-            found = fit_sysid(system, train, measured, first_state)
-            row["mujoco_sysid"] = {"values": found.values, "std": found.std} | judge(
-                found.free_run, system, train, heldout, window, left_out
-            )
+            row["mujoco_sysid"] = by_sysid(system, train, heldout, window, left_out)
         except Exception as error:  # a peer may fail in any way; the table says so
             row["mujoco_sysid"] = {"error": f"{type(error).__name__}: {error}"}
     return row
+
+
+def by_sysid(
+    system: System, train: list[Recording], heldout: list[Recording], window: float | None, left_out: Pushed
+) -> dict[str, Any]:
+    """What ``mujoco.sysid`` fits to the same recordings, in the same windows, and how well it predicts.
+
+    A free swing shows only ratios to the inertia, so that its users free centre of mass or armature there, whichever fits better;
+    where a torque is known, armature, and the centre of mass beside it.
+    """
+    runs = [as_run(system, r) for r in train]
+    driven = any(r.driven for r in runs)
+    inertial = (("armature",), ("com", "armature")) if driven else (("com",), ("armature",))
+    gaps = [left_out.get(r.name, ()) for r in train]
+    began = time.perf_counter()
+    found = fit_sysid(system, runs, window=window, left_out=gaps, inertial=inertial)
+    seconds = round(time.perf_counter() - began, 1)
+    half = {k: v if np.isfinite(v) else None for k, v in found.half.items()}
+    return {
+        "values": dict(found.values), "half95": half, "seconds": seconds, "efforts_held": found.held,
+        **judge(found.free_run, system, train, heldout, window, left_out),
+    }  # fmt: skip
 
 
 # What authors fitted to the same recordings (held-out ones included), where that is not the model they published of the rig:

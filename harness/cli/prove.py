@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,16 @@ if TYPE_CHECKING:
 @click.option("--resume", metavar="DIR", help="Go on with an interrupted proof in its folder.")
 @click.option("--score", metavar="DIR", help="Only score what has been diagnosed so far of the proof in its folder.")
 @click.option(
+    "--claims",
+    metavar="FILE",
+    help="With --score: score what another tool claims of the cases in the proof's folder (denoc.claims/1).",
+)
+@click.option(
+    "--export",
+    metavar="DIR",
+    help="Conceal only, and write the cases for others into DIR: recordings, nominal models, digests, how to enter; no answers.",
+)
+@click.option(
     "--peers/--no-peers",
     default=None,
     help="Ask other methods about the same cases; default: in the full proof, where the extra [peers] is installed.",
@@ -35,6 +46,8 @@ def prove(
     seed: int | None,
     resume: str | None,
     score: str | None,
+    claims: str | None,
+    export: str | None,
     peers: bool | None,
     out: Path | None,
     json_file: str | None,
@@ -51,18 +64,28 @@ def prove(
       denoc prove --quick
       denoc prove --seed 7 --out proof7 --dask tcp://head:8786
       denoc prove --score proof7
+      denoc prove --quick --out kept --export cases
+      denoc prove --score kept --claims claims.json
     """
     from harness.errors import InputError
-    from harness.proof.run import FULL, QUICK, scaled, score_so_far
+    from harness.proof.run import FULL, QUICK, scaled, score_of_claims, score_so_far
     from harness.proof.run import prove as run
 
     if quick and cases is not None:
         raise InputError("--quick and --cases do not go together", mend="give the one or the other")
+    if claims is not None and score is None:
+        raise InputError("--claims needs the folder that has the answers", mend="give --score DIR --claims FILE")
     if score is not None:
-        if quick or any(option is not None for option in (cases, seed, peers, resume, out)):
+        if quick or any(option is not None for option in (cases, seed, peers, resume, out, export)):
             raise InputError(
-                "--score goes with none of the options that say what to prove", mend="give --score DIR alone"
+                "--score goes with none of the options that say what to prove",
+                mend="give --score DIR alone, or with --claims FILE",
             )
+        if claims is not None:
+            _tell(
+                score_of_claims(Path(score), Path(claims)), Path(score), json_file, f"claims-{Path(claims).stem}.html"
+            )
+            return 0
         _tell(score_so_far(Path(score)), Path(score), json_file)
         return 0
     folder = out or Path("denoc-proof")
@@ -75,6 +98,9 @@ def prove(
     elif folder.exists() and any(folder.iterdir()):
         raise InputError("is not empty", source=folder, mend=f"give another --out, or go on with --resume {folder}")
     counts = QUICK if quick else FULL if cases is None else scaled(cases)
+    if export is not None:
+        _export(folder, Path(export), seed, counts, quick, workers, dask)
+        return 0
     if dask is None:
         # Each process would compile its own kernels.
         from harness.denoc.compiling import ahead
@@ -98,7 +124,38 @@ def prove(
     return 0
 
 
-def _tell(proof: Proof, folder: Path, json_file: str | None) -> None:
+def _export(
+    folder: Path,
+    to: Path,
+    seed: int | None,
+    counts: Mapping[str, int],
+    short: bool,
+    workers: int | None,
+    dask: str | None,
+) -> None:
+    """Conceal, and write what others may see; says where the answers are."""
+    from harness.errors import InputError
+    from harness.proof.export import export
+    from harness.proof.run import conceal_all
+
+    if to.exists() and (not to.is_dir() or any(to.iterdir())):
+        raise InputError("is not empty", source=to, mend="give --export a new folder")
+    if to.resolve() == folder.resolve() or folder.resolve() in to.resolve().parents:
+        raise InputError("is where the answers are kept", source=to, mend="give --export a folder outside of --out")
+    with progress("prove") as step:
+        try:
+            conceal_all(
+                folder, seed=seed, counts=counts, short=short, workers=workers, dask=dask,
+                progress=lambda stage, done, of: step(done, of, stage),
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            raise Interrupted(f"stopped; `denoc prove --resume {folder} --export {to}` goes on from here") from None
+    count = export(folder, to)
+    screen = console(None)
+    screen.print(f"wrote {count} cases without answers to {to}; keep {folder}, which has them", markup=False)
+
+
+def _tell(proof: Proof, folder: Path, json_file: str | None, page: str = "report.html") -> None:
     """Table on the terminal, page in the folder, document where it is asked for."""
     from harness.report.files import write_whole
     from harness.report.json_text import json_text
@@ -108,5 +165,5 @@ def _tell(proof: Proof, folder: Path, json_file: str | None) -> None:
     document = proof.to_json()
     screen = console(json_file)
     print_proof(document, screen)
-    screen.print(f"wrote {write_whole(folder / 'report.html', proof_html(document))}", markup=False)
+    screen.print(f"wrote {write_whole(folder / page, proof_html(document))}", markup=False)
     write_json(json_text(document), json_file)

@@ -178,7 +178,7 @@ def can_ask() -> bool:
     return True
 
 
-def prove(
+def conceal_all(
     out: Path,
     *,
     seed: int | None = None,
@@ -186,21 +186,9 @@ def prove(
     short: bool = True,
     workers: int | None = None,
     dask: str | None = None,
-    peers: bool | None = None,
     progress: Progress | None = None,
-) -> Proof:
-    """The blind proof.
-
-    out: folder of the proof; one that holds an interrupted proof is resumed (with its own seed and mix).
-    seed: fresh if None. counts: number of cases by kind. short: whether rigid rigs are recorded but twice, for at most 6 s and at
-    250 Hz, as befits a quick proof. peers: whether other methods are asked; None: unless short, where their
-    packages are installed.
-    progress: called with (stage, done, of).
-    Raises InputError if ``out`` holds another proof or tampered answers, MissingPackageError if peers cannot be asked.
-    """
-    if peers and not can_ask():
-        raise MissingPackageError("pandas", "peers", what="asking other methods")
-    out = Path(out)
+) -> tuple[int, dict[str, str]]:
+    """Plan a proof, or take up the plan that is there, and seal its cases; its seed and digests. See ``prove``."""
     plan_file = out / "plan.json"
     if plan_file.exists():
         plan = json.loads(plan_file.read_text(encoding="utf-8"))
@@ -228,6 +216,36 @@ def prove(
         )
         _write(digests_file, dict(named))
     digests = json.loads(digests_file.read_text(encoding="utf-8"))
+    return seed, digests
+
+
+def prove(
+    out: Path,
+    *,
+    seed: int | None = None,
+    counts: Mapping[str, int] = QUICK,
+    short: bool = True,
+    workers: int | None = None,
+    dask: str | None = None,
+    peers: bool | None = None,
+    progress: Progress | None = None,
+) -> Proof:
+    """The blind proof.
+
+    out: folder of the proof; one that holds an interrupted proof is resumed (with its own seed and mix).
+    seed: fresh if None. counts: number of cases by kind. short: whether rigid rigs are recorded but twice, for at most 6 s and at
+    250 Hz, as befits a quick proof. peers: whether other methods are asked; None: unless short, where their
+    packages are installed.
+    progress: called with (stage, done, of).
+    Raises InputError if ``out`` holds another proof or tampered answers, MissingPackageError if peers cannot be asked.
+    """
+    if peers and not can_ask():
+        raise MissingPackageError("pandas", "peers", what="asking other methods")
+    out = Path(out)
+    seed, digests = conceal_all(
+        out, seed=seed, counts=counts, short=short, workers=workers, dask=dask, progress=progress
+    )
+    short = bool(json.loads((out / "plan.json").read_text(encoding="utf-8")).get("short", False))
     found_folder = out / "found"
     found_folder.mkdir(exist_ok=True)
     # What takes longest goes first, so that no worker is left with it at the end.
@@ -263,6 +281,31 @@ def score_so_far(out: Path) -> Proof:
     scores = _scored(out, done)
     seed = int(json.loads((out / "plan.json").read_text(encoding="utf-8"))["seed"])
     return Proof(seed, len(digests), tuple(scores), summarise(scores, DETECTION_LIMIT), {})
+
+
+def score_of_claims(out: Path, file: Path) -> Proof:
+    """What another tool claims of the cases of a proof, under their exported names or the proof's own, scored as a diagnosis is.
+
+    Raises InputError where the file is no ``denoc.claims/1``, names cases that are not in the proof, or answers were tampered with.
+    """
+    from harness.proof.claims import read_claims, score_claims, tally
+    from harness.proof.export import answers as sealed
+
+    claims = read_claims(file)
+    answers, shown = sealed(out)
+    cases = {shown.get(name, name): name for name in answers} | {name: name for name in answers}
+    strange = [name for name in claims.cases if name not in cases]
+    if strange:
+        raise InputError(
+            f"claims something of {strange[0]}, which is not in {out}",
+            source=file,
+            mend="give the folder that these cases came from",
+        )
+    said = {cases[name]: what for name, what in claims.cases.items()}
+    scores = score_claims(said, answers)
+    seed = int(json.loads((out / "plan.json").read_text(encoding="utf-8"))["seed"])
+    entry = {claims.entrant: tally(scores, said, answers)}
+    return Proof(seed, len(answers), tuple(scores), summarise(scores, DETECTION_LIMIT), entry)
 
 
 def _scored(out: Path, digests: Mapping[str, str]) -> list[CaseScore]:

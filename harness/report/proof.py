@@ -53,9 +53,21 @@ def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
     """What other methods say of clean cases and of those with one effect."""
     if not peers:
         return
+    heads = (
+        "named, of one effect",
+        "false beside it",
+        "false in clean",
+        "intervals right",
+        "error held out / noise",
+        "s",
+        "failed",
+    )
     lines = []
     for peer, said in peers.items():
-        pairs = [f"{said[key][0]}/{said[key][1]}" for key in ("named_single", "false_beside_single", "clean_false")]
-        lines.append((peer, *pairs, str(said["failed"])))
-    heads = ("named, of one effect", "false beside one effect", "false in clean", "failed")
+        pairs = [
+            f"{said[key][0]}/{said[key][1]}" if key in said else ""
+            for key in ("named_single", "false_beside_single", "clean_false", "coverage95")
+        ]
+        numbers = ["" if said.get(key) is None else f"{said[key]:.3g}" for key in ("heldout_over_noise", "seconds")]
+        lines.append((peer, *pairs, *numbers, str(said["failed"])))
     print_table(console, ("the same cases, asked of", *map(figures, heads)), lines)

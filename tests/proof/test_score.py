@@ -188,7 +188,8 @@ def test_peers_are_asked_about_clean_cases_and_about_single_effects() -> None:
     assert soft not in asked
     assert not {s.name for s in bent} & {s.name for s in asked}
     assert [s.kind for s in asked] == ["clean"] * 20 + ["single"] * 20
-    assert asked[20] is tilted
+    # In the order of the draw: effects that peers get wrong are not asked first.
+    assert tilted not in asked
     # Where there are few single effects, clean cases take the room.
     assert len([s for s in to_ask([*clean, tilted], 40) if s.kind == "clean"]) == 39
 

@@ -1,0 +1,102 @@
+"""What peers say of the same cases, and how often they are right.
+
+Each is given what a user would give it: the nominal model, the recordings, and the parameters that a user would
+free. What counts as a claim is said by each.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from harness.errors import missing_package
+from harness.parallel import parallel_map
+from harness.proof.claims import score_claims, tally
+from harness.proof.concealments import CONCEALMENTS
+from harness.proof.peers.greedy import greedy_claims
+from harness.proof.peers.practitioner import practitioner_claims
+from harness.proof.peers.regression import regression_claims
+from harness.proof.peers.sysid import sysid_claims
+from harness.proof.score import CaseScore
+from harness.proof.seal import unseal
+
+PEERS: dict[str, Callable[[Path], dict[str, Any]]] = {
+    "mujoco.sysid": sysid_claims,
+    "practitioner": practitioner_claims,
+    "greedy forward selection": greedy_claims,
+    "pysindy": regression_claims,
+}
+
+
+def ask(folder: Path, peer: str) -> dict[str, Any]:
+    """One peer on one case; what goes wrong is an answer too."""
+    began = time.perf_counter()
+    try:
+        return {**PEERS[peer](folder), "seconds": round(time.perf_counter() - began, 1)}
+    except ImportError as error:
+        return {"skipped": str(missing_package(error) or f"not installed: {error}")}
+    except Exception as error:  # a peer may fail in any way; the proof says so and goes on
+        return {"error": f"{type(error).__name__}: {error}"}
+
+
+def to_ask(scores: Sequence[CaseScore], most: int) -> list[CaseScore]:
+    """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, all in the order of the draw.
+
+    What a model states as an effect cannot be handed to them, nor can links that bend.
+    """
+    scores = [s for s in scores if not s.name.startswith("flexible")]
+    single = [s for s in scores if s.kind == "single" and not CONCEALMENTS[s.planted[0][0]].stated]
+    clean = [s for s in scores if s.kind == "clean"]
+    kept = clean[: max(most // 2, most - len(single))]
+    return kept + single[: most - len(kept)]
+
+
+def compare_peers(
+    out: Path,
+    scores: Sequence[CaseScore],
+    *,
+    workers: int | None = None,
+    dask: str | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+    most: int = 40,
+) -> dict[str, Any]:
+    """What each peer claims on clean cases and on those with one effect, a ``tally`` each.
+
+    most: cases asked of each peer, see ``to_ask``.
+    """
+    chosen = to_ask(scores, most)
+    digests = json.loads((out / "digests.json").read_text(encoding="utf-8"))
+    result: dict[str, Any] = {}
+    for peer in PEERS:
+        saved = out / "peers" / f"{peer.replace(' ', '_')}.json"
+        said = json.loads(saved.read_text(encoding="utf-8"))["cases"] if saved.exists() else {}
+        missing = [s.name for s in chosen if s.name not in said]
+        if missing:
+            count = len(chosen) - len(missing)
+
+            def tick(index: int, found: dict[str, Any], peer: str = peer) -> None:
+                nonlocal count
+                count += 1
+                if progress is not None:
+                    progress(peer, count, len(chosen))
+
+            rows = parallel_map(
+                partial(ask, peer=peer),
+                [out / "cases" / name for name in missing],
+                workers=workers,
+                dask=dask,
+                done=tick,
+            )
+            said |= dict(zip(missing, rows, strict=True))
+            saved.parent.mkdir(parents=True, exist_ok=True)
+            saved.write_text(
+                json.dumps({"schema": "denoc.claims/1", "entrant": peer, "cases": said}, indent=1), encoding="utf-8"
+            )
+        # Answers are opened only now that everything has been said.
+        answers = {s.name: unseal(s.name, out / "sealed", digests[s.name]) for s in chosen}
+        result[peer] = tally(score_claims(said, answers), said, answers)
+    return result

@@ -1,0 +1,172 @@
+"""Sealed cases for others: an export tells nothing, and what others claim is scored against the answers, not taken at its word."""
+
+import json
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.cli.main import main
+from harness.errors import InputError
+from harness.proof.claims import as_found, read_claims, score_claims, tally
+from harness.proof.export import export
+from harness.proof.run import conceal_all, score_of_claims
+
+
+@pytest.fixture(scope="module")
+def proof(tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("kept") / "proof"
+    conceal_all(out, seed=20260, counts={"single": 1, "clean": 1}, workers=1)
+    return out
+
+
+def _claims(path: Path, cases: dict, **rest) -> Path:
+    path.write_text(json.dumps({"schema": "denoc.claims/1", "entrant": "me 1", "cases": cases, **rest}))
+    return path
+
+
+def test_an_export_tells_nothing(proof: Path, tmp_path) -> None:
+    to = tmp_path / "open"
+    assert export(proof, to) == 2
+    assert {p.name for p in to.iterdir()} == {"README.md", "cases", "claims.template.json", "digests.json"}
+    assert {p.name for p in (to / "cases").iterdir()} == {"case-001", "case-002"}
+    seed = str(json.loads((proof / "plan.json").read_text())["seed"])
+    for sealed in (proof / "sealed").iterdir():
+        answer = json.loads(sealed.read_text())
+        words = [p["effect"] for p in answer["planted"]] + [answer["salt"], f'"{seed}"', f": {seed}", sealed.stem]
+        for path in to.rglob("*"):
+            if path.is_file() and path.name != "README.md":
+                assert not any(word in path.read_text() for word in words)
+    # The recordings are those that a diagnosis is given, byte by byte.
+    names = json.loads((proof / "exported.json").read_text())
+    for shown, name in names.items():
+        for source in (proof / "cases" / name).glob("run*.csv"):
+            assert (to / "cases" / shown / source.name).read_bytes() == source.read_bytes()
+    with pytest.raises(InputError, match="not empty"):
+        export(proof, to)
+    # Again under the same names, so that claims of either export can be scored.
+    export(proof, tmp_path / "again")
+    assert json.loads((tmp_path / "again" / "digests.json").read_text()) == json.loads(
+        (to / "digests.json").read_text()
+    )
+
+
+def test_claims_are_scored_against_the_answers(proof: Path, tmp_path) -> None:
+    export(proof, tmp_path / "open")
+    names = {name: shown for shown, name in json.loads((proof / "exported.json").read_text()).items()}
+    (planted,) = json.loads((proof / "sealed" / "single-0.json").read_text())["planted"]
+    parameters = {
+        name: {"value": value, "ci95": [value - abs(value) - 1e-3, value + abs(value) + 1e-3]}
+        for name, value in planted["parameters"].items()
+    }
+    right = {"effect": planted["effect"], "site": planted["site"], "parameters": parameters}
+    file = _claims(
+        tmp_path / "a.json",
+        {names["single-0"]: {"findings": [right], "seconds": 3}, names["clean-0"]: {"findings": []}},
+    )
+    found = score_of_claims(proof, file)
+    assert all(s.right for s in found.scores)
+    row = found.peers["me 1"]
+    assert row["named_single"] == [1, 1] and row["clean_false"] == [0, 1] and row["failed"] == 0
+    assert row["coverage95"] == [len(parameters), len(parameters)] and row["seconds"] == 3.0
+    # An invention on the clean case, and no answer on the other.
+    wrong = {names["clean-0"]: {"findings": [{"effect": "coulomb_friction", "site": "nowhere"}]}}
+    found = score_of_claims(proof, _claims(tmp_path / "b.json", wrong))
+    row = found.peers["me 1"]
+    assert row["clean_false"] == [1, 1] and row["failed"] == 1 and row["named_single"] == [0, 0]
+    assert found.summary.failed.hits == 1
+
+
+def test_the_example_enters_and_sees_friction_by_hand(proof: Path, tmp_path) -> None:
+    export(proof, tmp_path / "open")
+    entrant = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "enter_the_proof.py"))
+    entrant["main"](tmp_path / "open", tmp_path / "claims.json")
+    assert len(score_of_claims(proof, tmp_path / "claims.json").scores) == 2
+    # Amplitudes that lose 2 f / k = 4 mrad a half-swing by dry friction and one part in a hundred by damping, as half cosines.
+    amplitude, pieces = 0.6, []
+    for k in range(40):
+        less = 0.99 * amplitude - 0.004
+        phase = np.pi * np.arange(50) / 50
+        pieces.append((-1.0) ** k * (0.5 * (amplitude - less) + 0.5 * (amplitude + less) * np.cos(phase)))
+        amplitude = less
+        if amplitude < 0.06:
+            break
+    found = entrant["half_swings"](np.concatenate(pieces), 3)
+    line = np.polynomial.polynomial.polyfit((found[:-1] + found[1:]) / 2.0, found[:-1] - found[1:], 1)
+    assert line[0] == pytest.approx(0.004, rel=0.1) and line[1] == pytest.approx(0.01, rel=0.2)
+
+
+def test_the_commands_go_together(proof: Path, tmp_path, capsys) -> None:
+    to, kept = tmp_path / "open", str(proof)
+
+    def status(*arguments: str) -> int:
+        with pytest.raises(SystemExit) as ended:
+            main(["prove", *arguments])
+        return int(ended.value.code or 0)
+
+    assert status("--resume", kept, "--export", str(to)) == 0
+    assert (
+        status("--score", kept, "--claims", str(to / "claims.template.json"), "--json", str(tmp_path / "s.json")) == 0
+    )
+    assert json.loads((tmp_path / "s.json").read_text())["clean_false"] == [0, 1]
+    capsys.readouterr()
+    for arguments, told in (
+        (("--score", str(to), "--claims", str(to / "claims.template.json")), "it is an export"),
+        (("--claims", str(to / "claims.template.json")), "--score DIR"),
+        (("--resume", kept, "--export", str(proof / "inside")), "where the answers are kept"),
+        (("--score", kept, "--claims", str(to / "digests.json")), "denoc.claims/1"),
+    ):
+        assert status(*arguments) == 2
+        said = capsys.readouterr().err
+        assert told in said and len(said.strip().splitlines()) == 1
+
+
+def _of_friction(**parameters) -> dict:
+    return {"c": {"findings": [{"effect": "coulomb_friction", "site": "p", "parameters": parameters}]}}
+
+
+@pytest.mark.parametrize(
+    ("cases", "told"),
+    [
+        ({}, 'no "cases"'),
+        ({"c": {}}, 'case c has no "findings"'),
+        ({"c": {"findings": [{"effect": "stiction", "site": "p"}]}}, "'stiction', which the catalogue does not know"),
+        ({"c": {"findings": [{"effect": "coulomb_friction"}]}}, 'case c, finding 1 has no "effect" and "site"'),
+        (_of_friction(mu={"value": 1}), "coulomb_friction has torque"),
+        (_of_friction(torque={"value": "1"}), "a number"),
+        (_of_friction(torque={"value": 1, "ci95": [2, 0]}), "[low, high]"),
+        ({"c": {"findings": [], "verdict": "fine"}}, "verdict 'fine'"),
+        ({"c": {"findings": [], "seconds": "3 s"}}, "seconds that is no number"),
+    ],
+)
+def test_what_is_no_claims_file_is_told_in_one_line(cases: dict, told: str, tmp_path) -> None:
+    with pytest.raises(InputError) as error:
+        read_claims(_claims(tmp_path / "c.json", cases))
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+def test_claims_of_a_class_and_of_strange_cases(proof: Path, tmp_path) -> None:
+    answer = {
+        "kind": "single",
+        "planted": [{"effect": "base_tilt", "site": "base", "parameters": {}}],
+        "visibility": [50.0],
+        "noise_std": 1e-3,
+    }
+    said = {
+        "x": {
+            "findings": [{"effect": "sensor_offset", "site": "p.position", "indistinguishable_from": ["base_tilt"]}],
+            "heldout_rmse": 2e-3,
+        }
+    }
+    (score,) = score_claims(said, {"x": answer})
+    assert score.in_class and not score.exact
+    row = tally([score], said, {"x": answer})
+    assert (
+        row["named_single"] == [1, 1]
+        and row["named_exactly"] == [0, 1]
+        and row["heldout_over_noise"] == pytest.approx(2.0)
+    )
+    assert as_found(None) == {"error": "no answer"}
+    with pytest.raises(InputError, match="case-777"):
+        score_of_claims(proof, _claims(tmp_path / "d.json", {"case-777": {"findings": []}}))
