@@ -31,6 +31,7 @@ class Row:
     note: what else a reader should know; names the odd one out when engines disagree.
     first_divergence: where and when the difference first left the line, e.g. ``{"time": 3.2, "joint": "elbow"}``.
     source: citation of the truth.
+    seconds: wall time [s] of the check that gave the row, shared among its rows; None where it was not measured.
     """
 
     case: str
@@ -45,6 +46,7 @@ class Row:
     first_divergence: Mapping[str, object] | None = None
     source: str = ""
     group: str = "rigid"
+    seconds: float | None = field(default=None, compare=False)
 
     @property
     def key(self) -> str:

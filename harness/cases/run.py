@@ -174,6 +174,7 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
         rows.append(bench.skipped("all", (NATIVE, name) if name != NATIVE else (NATIVE,), reason))
     bench = Bench(case, system, models, refusals)
     for check in case.checks:
+        begun, found = perf_counter(), len(rows)
         try:
             for item in check.run(bench):
                 if isinstance(item, Row):
@@ -183,6 +184,9 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
         except Exception as error:
             # One broken engine or check must not take the other rows with it, and must not pass either.
             rows.append(_broken(bench, check.quantity, tuple(models) or (NATIVE,), error))
+        if len(rows) > found:
+            share = (perf_counter() - begun) / (len(rows) - found)
+            rows[found:] = [replace(row, seconds=share) for row in rows[found:]]
     rows.sort(key=lambda row: row.verdict == "skipped")
     return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start)
 

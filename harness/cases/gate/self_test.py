@@ -11,7 +11,7 @@ from harness.cases.case import NATIVE, Bench, Case, Row
 from harness.cases.checks import StateAgreement, TrajectoryAgreement
 from harness.cases.checks.states import random_states
 from harness.cases.gate.defects import DEFECTS, Defect, SpoiledEngine
-from harness.cases.run import run_case
+from harness.cases.run import Progress, run_case
 from harness.compare.attribution import attribute
 from harness.engines import registry
 from harness.engines.protocol import Engine
@@ -73,7 +73,7 @@ class SelfTest:
         }
 
 
-def self_test() -> SelfTest:
+def self_test(*, full: bool = False, workers: int | None = None, progress: Progress | None = None) -> SelfTest:
     """Plant every defect in turn; raises InputError if no engine is installed that could notice."""
     native, judge = registry.engine(NATIVE), _independent()
     clean = all(row.verdict != "fail" for row in _rows(native, judge))

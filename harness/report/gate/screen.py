@@ -1,54 +1,23 @@
-"""The gate's answer, for a person and for a program."""
+"""The gate's answer on a terminal."""
 
 from __future__ import annotations
 
-import json
-from typing import Any
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from harness.cases.gate import Judged, Judgement, SelfTest
-from harness.cases.results import Results, row_as_dict
+from harness.cases.gate import Change, Judged, Judgement, SelfTest
 from harness.report import words
-
-
-def as_dict(results: Results, judgement: Judgement | None, trials: SelfTest | None) -> str:
-    """``denoc.results/1`` as JSON text with ``accepted``, ``change`` and ``reason`` in each row, and ``self_test``."""
-    document: dict[str, Any] = results.to_json()
-    del document["series"]
-    if judgement is not None:
-        document["rows"] = [_row(judged) for judged in judgement.rows]
-        document["versions_changed"] = {name: list(pair) for name, pair in judgement.versions_changed.items()}
-    document["ok"] = (judgement is None or judgement.ok) and (trials is None or trials.ok)
-    document["self_test"] = None if trials is None else trials.as_dict()
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
-
-
-def _row(judged: Judged) -> dict[str, Any]:
-    if judged.row is not None:
-        values = row_as_dict(judged.row)
-    else:
-        case, quantity, engines = judged.key.rsplit("/", 2)
-        values = {
-            "case": case,
-            "quantity": quantity,
-            "engines": engines.split("+"),
-            "difference": None,
-            "allowed": None,
-            "unit": None,
-            "why_allowed": "",
-            "verdict": "missing",
-            "note": judged.reason,
-            "first_divergence": None,
-        }
-    return {**values, "accepted": judged.accepted, "change": judged.change, "ok": judged.ok, "reason": judged.reason}
 
 
 def print_judgement(judgement: Judgement | None, trials: SelfTest | None, console: Console) -> None:
     """What closed the gate, row by row, and how the gate did against planted defects."""
     if judgement is not None:
+        if judgement.reference:
+            advice = "compare it with version control; `denoc gate --accept --why …` accepts it as it is"
+            console.print(Text(f"The reference {judgement.reference} ({advice}).", style="bold red"))
         if judgement.failed:
             table = Table(box=None, header_style="bold", pad_edge=False)
             for head in ("case", "quantity", "engines", "accepted", "now", "why the gate closes"):
@@ -79,12 +48,33 @@ def print_judgement(judgement: Judgement | None, trials: SelfTest | None, consol
                 console.print(Text(f"  {trial.defect}: {fate}", style="red"))
 
 
+def print_change(change: Change, path: Path, console: Console) -> None:
+    """What an acceptance has done to the file."""
+    counts = ((change.added, "added"), (change.changed, "changed"), (change.removed, "removed"))
+    said = ", ".join(f"{len(keys)} {word}" for keys, word in counts)
+    console.print(Text(f"Accepted {len(change.accepted.rows)} rows into {path}: {said}."))
+    for keys, word in (
+        (change.loosened, "limits were loosened"),
+        (change.removed, "rows were let go"),
+        (change.kept, "rows are not in this run and stay as they were (--remove CASE lets them go)"),
+    ):
+        if keys:
+            names = ", ".join(keys[:4]) + (" …" if len(keys) > 4 else "")
+            console.print(Text(f"  {len(keys)} {word}: {names}", style="yellow"))
+
+
 def _cells(judged: Judged) -> tuple[Text, ...]:
     case, quantity, engines = judged.key.rsplit("/", 2)
     row = judged.row
-    reason = judged.reason
-    if row is not None and row.verdict == "fail":
-        reason = "; ".join(filter(None, [reason, words.divergence(row), row.note]))
+    reason = why(judged)
     now = "missing" if row is None else words.figure(row.difference, verdict=row.verdict)
     cells = (case, words.quantity(quantity), engines.replace("+", " · "), words.figure(judged.accepted), now, reason)
     return tuple(Text(cell) for cell in cells)
+
+
+def why(judged: Judged) -> str:
+    """Why a row closes the gate, where and when."""
+    row = judged.row
+    if row is None or row.verdict != "fail":
+        return judged.reason
+    return "; ".join(filter(None, [judged.reason, words.divergence(row), row.note]))
