@@ -66,7 +66,9 @@ def validate(
     Raises InputError for an unreadable model and an unknown case or engine.
     """
     if models is None:
-        return run([Task(case.name, engine_names(engines)) for case in select(cases)], workers, dask, progress)
+        # Engines of other packages have no accepted figures here: they take part in the suite only where they are named.
+        chosen = engine_names(engines or [name for name in registry.names() if name not in registry.own_names()])
+        return run([Task(case.name, chosen) for case in select(cases)], workers, dask, progress)
     paths = [Path(models)] if isinstance(models, str | Path) else [Path(model) for model in models]
     if not paths:
         raise InputError("the list of models is empty", mend="name at least one model, or pass None for the suite")

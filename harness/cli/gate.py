@@ -85,6 +85,7 @@ def gate(
       denoc gate robot.urdf --reference robot.accepted.json --out results
     """
     from harness.cases import gate as gates
+    from harness.cases.users import names_of
     from harness.errors import InputError
     from harness.report import gate as said
     from harness.report.files import write_whole
@@ -117,7 +118,7 @@ def gate(
     screen = console(json_file)
     if judgement is not None or trials is not None:
         said.print_judgement(judgement, trials, screen)
-    files = {Path(model).stem: Path(model) for model in models}
+    files = names_of([Path(model) for model in models])
     if out is not None:
         from harness.report.write import write_reports
 

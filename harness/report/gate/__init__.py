@@ -8,9 +8,9 @@ from harness.report.gate.summary import append_summary, markdown
 
 __all__ = [
     "Place",
-    "github_annotations",
     "append_summary",
     "as_dict",
+    "github_annotations",
     "markdown",
     "places",
     "print_change",
