@@ -143,11 +143,14 @@ def _dahl(start: tuple[float, float], torque: float, stiffness: float) -> Callab
         def rest(t: float, y: Array) -> float:
             return float(y[1])
 
+        def rates(_: float, y: Array) -> list[float]:
+            return [y[1], -(y[2] + SPRING * y[0]) / J, stiffness * y[1] * (1.0 - sense * y[2] / torque)]
+
         rest.terminal = True  # type: ignore[attr-defined]
         while True:
             rest.direction = -sense  # type: ignore[attr-defined]
             run = solve_ivp(
-                lambda _, y: [y[1], -(y[2] + SPRING * y[0]) / J, stiffness * y[1] * (1.0 - sense * y[2] / torque)],
+                rates,
                 (t, time[-1]), y, method="DOP853", rtol=1e-12, atol=1e-14, dense_output=True, events=rest, max_step=0.02,
             )  # fmt: skip
             inside = (time >= t) & (time <= run.t[-1])

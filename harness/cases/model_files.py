@@ -41,7 +41,8 @@ URDF = """<robot name="general">
   <joint name="second" type="prismatic"><parent link="one"/><child link="two"/><origin xyz="-0.3 0.1 0.2" rpy="-1.0 0.3 0.8"/>
     <axis xyz="0 -0.28 0.96"/><limit lower="-0.4" upper="0.5" effort="20" velocity="2"/>
     <dynamics damping="0.21" friction="0"/></joint>
-  <joint name="weld" type="fixed"><parent link="two"/><child link="plate"/><origin xyz="0.05 0.06 -0.07" rpy="0.9 0.8 -0.6"/></joint>
+  <joint name="weld" type="fixed"><parent link="two"/><child link="plate"/>
+    <origin xyz="0.05 0.06 -0.07" rpy="0.9 0.8 -0.6"/></joint>
   <joint name="third" type="revolute"><parent link="plate"/><child link="three"/><origin xyz="0.2 0.3 -0.1" rpy="2.0 -1.1 0.5"/>
     <axis xyz="-0.36 0.48 0.8"/><limit lower="-0.7" upper="1.9" effort="10" velocity="3"/>
     <dynamics damping="0.07" friction="0"/></joint>
@@ -221,7 +222,10 @@ CASES = (
         Measured("file_by_mujoco", partial(_mujoco, MJCF, None)),
     ),
     *(
-        _case(f"file_urdf_{name}", f"models/urdf/{name}.urdf", partial(_shipped, f"urdf/{name}.urdf"), *_both(None, SHIPPED / "urdf" / f"{name}.urdf"))
+        _case(
+            f"file_urdf_{name}", f"models/urdf/{name}.urdf", partial(_shipped, f"urdf/{name}.urdf"),
+            *_both(None, SHIPPED / "urdf" / f"{name}.urdf"),
+        )
         for name in ("cart_pendulum", "double_pendulum", "rigid_pendulum", "triple_pendulum")
     ),
     *(

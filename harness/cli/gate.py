@@ -117,7 +117,11 @@ def gate(
     judgement = None if before is None else gates.judge(results, before)
     screen = console(json_file)
     if judgement is not None or trials is not None:
-        said.print_judgement(judgement, trials, screen)
+        # What a part of a run lacks stays as it was, and is told once it is accepted.
+        shown = judgement
+        if judgement is not None and accept:
+            shown = replace(judgement, rows=tuple(row for row in judgement.rows if row.row is not None))
+        said.print_judgement(shown, trials, screen)
     files = names_of([Path(model) for model in models])
     if out is not None:
         from harness.report.write import write_reports

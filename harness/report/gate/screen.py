@@ -26,12 +26,10 @@ def print_judgement(judgement: Judgement | None, trials: SelfTest | None, consol
                 table.add_row(*_cells(judged))
             console.print(table)
         count = len(judgement.failed)
-        text = (
-            f"{count} of {len(judgement.rows)} rows close the gate."
-            if count
-            else f"All {len(judgement.rows)} rows hold."
-        )
-        console.print(Text(text, style="bold red" if count else "bold green"))
+        text = f"All {len(judgement.rows)} rows hold."
+        if count or not judgement.rows:
+            text = f"{count} of {len(judgement.rows)} rows close the gate." if count else "There is no row to judge."
+        console.print(Text(text, style="bold green" if judgement.rows and not count else "bold red"))
         for name, (before, now) in judgement.versions_changed.items():
             console.print(Text(f"{name}: accepted with {before}, run with {now}", style="dim"))
     if trials is not None:
