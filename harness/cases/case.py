@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,6 +139,11 @@ class Bench:
     system: System
     models: Mapping[str, EngineModel]
     refusals: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def explained(self) -> dict[str, Any]:
+        """What was found to explain a difference from an engine, by its name, for the checks that ask after the first."""
+        return {}
 
     @cached_property
     def seed(self) -> int:

@@ -129,7 +129,7 @@ def lanes(bench: Bench) -> Iterable[Row | Series]:
     for planar in (True, False):
         model = LaneModel(bench.system, planar=planar)
         kind = "planar" if planar else "spatial"
-        found = model.simulate(model.row(), [START], [0.0], time)[0][0, :, 0]
+        found = model.simulate(model.row(), np.array([START]), np.zeros(1), time)[0][0, :, 0]
         yield bench.row(
             f"lanes_{kind}_error",
             (NATIVE, "analytic"),
@@ -142,7 +142,7 @@ def lanes(bench: Bench) -> Iterable[Row | Series]:
         errors = [
             float(
                 np.abs(
-                    model.simulate(model.row(), [START], [0.0], time, method="rk4", step=length)[0][0, :, 0]
+                    model.simulate(model.row(), np.array([START]), np.zeros(1), time, method="rk4", step=length)[0][0, :, 0]
                     - _exact(time)
                 ).max()
             )

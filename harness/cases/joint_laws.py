@@ -38,7 +38,7 @@ def _row(bench: Bench, law: Law, model: LaneModel, planar: bool) -> Row:
         for k, value in enumerate(law.teeth):
             row[model.slot("hub", f"user_{k + 1}")] = value
     tau = None if law.torque is None else law.torque(time)[:, None]
-    found = model.simulate(row, [law.start[0]], [law.start[1]], time, tau=tau, hold="zero")[0][0, :, 0]
+    found = model.simulate(row, np.array(law.start[:1]), np.array(law.start[1:]), time, tau=tau, hold="zero")[0][0, :, 0]
     apart = np.abs(found - law.truth(time))
     worst = int(np.argmax(apart)) if np.isfinite(apart).all() else int(np.argmin(np.isfinite(apart)))
     place = None
@@ -81,7 +81,7 @@ def bearing(bench: Bench) -> Iterable[Row | Series]:
         model = LaneModel(system, planar=planar)
         row = model.row()
         row[model.slot("axle", "mu_radius")] = mu_radius
-        found = model.simulate(row, [0.0], [speed], time)[0][0, :, 0]
+        found = model.simulate(row, np.zeros(1), np.array([speed]), time)[0][0, :, 0]
         yield bench.row(
             f"load_friction_{'planar' if planar else 'spatial'}",
             (NATIVE, "analytic"),
@@ -106,7 +106,7 @@ def shaken(bench: Bench) -> Iterable[Row | Series]:
         row = model.row()
         for name, value in (("amplitude", amplitude), ("frequency", frequency), ("phase", phase)):
             row[model.slot("base", f"excitation_{name}")] = value
-        found = model.simulate(row, [0.0], [0.0], time)[0][0, :, 0]
+        found = model.simulate(row, np.zeros(1), np.zeros(1), time)[0][0, :, 0]
         yield bench.row(
             f"base_excitation_{'planar' if planar else 'spatial'}",
             (NATIVE, "analytic"),

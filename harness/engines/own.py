@@ -15,6 +15,7 @@ from importlib import metadata
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.engines.checked import held_forces, sample_times, vector
 from harness.engines.protocol import Array, EngineError
@@ -121,7 +122,7 @@ class OwnModel:
     names: tuple[str, ...]
     engine: str
     model: Any
-    order: Array = field(repr=False)
+    order: NDArray[np.intp] = field(repr=False)
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
         return self._vector("forward_dynamics", q, qd, tau)

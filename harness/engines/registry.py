@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
+from typing import cast
 
 from harness.engines import own
 from harness.engines.protocol import Engine
@@ -43,7 +44,7 @@ def own_names() -> tuple[str, ...]:
 def engine(name: str) -> Engine:
     """The engine of that name, installed or not; InputError if there is none."""
     if name in own_names():
-        return own.from_entry_point(own.entry_points()[name])
+        return cast(Engine, own.from_entry_point(own.entry_points()[name]))
     if name not in _HOME:
         raise InputError(f"no engine is named {name!r}", mend=f"one of {', '.join(names())}")
     module, kind = _HOME[name]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from harness.cases.case import NATIVE, Case, Check, Row
 from harness.cases.checks import StateAgreement, TrajectoryAgreement
@@ -47,7 +47,7 @@ def assert_dynamics_agree(
     InputError if nothing can be compared.
     """
     system = model if isinstance(model, System) else read(Path(model))
-    mine: Engine = registry.engine(engine) if isinstance(engine, str) else own_engine(engine)
+    mine = registry.engine(engine) if isinstance(engine, str) else cast(Engine, own_engine(engine))
     name = mine.name
     mine.version()
     reason = mine.refuses(system)

@@ -92,7 +92,8 @@ def judged(robot: Path, reference: Path, folder: Path) -> tuple[int, dict, dict]
 
 
 def test_the_robot_that_was_accepted_holds(accepted, tmp_path):
-    status, answer, sarif = judged(*accepted, tmp_path)
+    robot, reference = accepted
+    status, answer, sarif = judged(robot, reference, tmp_path)
     assert status == 0 and answer["ok"]
     assert sarif["runs"][0]["results"] == []
     held = {row["quantity"] for row in answer["rows"] if "recorded" in row["engines"]}
