@@ -142,7 +142,9 @@ def lanes(bench: Bench) -> Iterable[Row | Series]:
         errors = [
             float(
                 np.abs(
-                    model.simulate(model.row(), np.array([START]), np.zeros(1), time, method="rk4", step=length)[0][0, :, 0]
+                    model.simulate(model.row(), np.array([START]), np.zeros(1), time, method="rk4", step=length)[0][
+                        0, :, 0
+                    ]
                     - _exact(time)
                 ).max()
             )

@@ -38,7 +38,9 @@ def _row(bench: Bench, law: Law, model: LaneModel, planar: bool) -> Row:
         for k, value in enumerate(law.teeth):
             row[model.slot("hub", f"user_{k + 1}")] = value
     tau = None if law.torque is None else law.torque(time)[:, None]
-    found = model.simulate(row, np.array(law.start[:1]), np.array(law.start[1:]), time, tau=tau, hold="zero")[0][0, :, 0]
+    found = model.simulate(row, np.array(law.start[:1]), np.array(law.start[1:]), time, tau=tau, hold="zero")[0][
+        0, :, 0
+    ]
     apart = np.abs(found - law.truth(time))
     worst = int(np.argmax(apart)) if np.isfinite(apart).all() else int(np.argmin(np.isfinite(apart)))
     place = None

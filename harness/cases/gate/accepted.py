@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +50,10 @@ class Accepted:
 
     def share(self, quantity: str) -> float:
         return float(self.shares.get(quantity, self.shares.get("default", SHARES["default"])))
+
+    def of(self, cases: Collection[str]) -> Accepted:
+        """The figures of some cases alone."""
+        return replace(self, rows={key: entry for key, entry in self.rows.items() if key.rsplit("/", 2)[0] in cases})
 
     def to_json(self) -> str:
         """The file's text, one row a line, so that a change of one figure is a change of one line."""
