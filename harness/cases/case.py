@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from harness.system import System
 Array = NDArray[np.float64]
 
 NATIVE = "denoc"
-GROUPS = ("rigid", "chaos", "scale", "robots", "flexible", "models")
+GROUPS = ("rigid", "chaos", "scale", "lanes", "robots", "flexible", "models")
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class Row:
     note: what else a reader should know; names the odd one out when engines disagree.
     first_divergence: where and when the difference first left the line, e.g. ``{"time": 3.2, "joint": "elbow"}``.
     source: citation of the truth.
+    seconds: wall time [s] of the check that gave the row, shared among its rows; None where it was not measured.
     """
 
     case: str
@@ -45,6 +46,7 @@ class Row:
     first_divergence: Mapping[str, object] | None = None
     source: str = ""
     group: str = "rigid"
+    seconds: float | None = field(default=None, compare=False)
 
     @property
     def key(self) -> str:
@@ -150,6 +152,11 @@ class Bench:
     system: System
     models: Mapping[str, EngineModel]
     refusals: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def explained(self) -> dict[str, Any]:
+        """What was found to explain a difference from an engine, by its name, for the checks that ask after the first."""
+        return {}
 
     @cached_property
     def seed(self) -> int:

@@ -10,11 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from harness.cases.case import Doubt, Row, Series
+from harness.cases.json_file import read_json, shaped
 from harness.cases.table import aligned
 from harness.errors import InputError
 from harness.notebook import frame, html_table
 
 SCHEMA = "denoc.results/1"
+VERDICTS = ("pass", "fail", "skipped")
+_MEND = "give the results.json of `denoc validate --out DIR`"
 
 
 @dataclass(frozen=True)
@@ -146,18 +149,7 @@ def read_results(path: str | Path) -> Results:
     path = Path(path)
     if path.is_dir():
         path = path / "results.json"
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            error.strerror or "cannot be read", source=path, mend="give the results.json of `denoc validate --out DIR`"
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError("not a text file", source=path, mend="give a results.json") from error
-    try:
-        document = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise InputError(f"not JSON: {error.msg}", source=path, line=error.lineno, column=error.colno) from error
+    document = read_json(path, mend=_MEND)
     return from_dict(document, path)
 
 
@@ -166,39 +158,53 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
     schema = document.get("schema") if isinstance(document, dict) else None
     if not isinstance(document, dict) or schema != SCHEMA:
         raise InputError(
-            f"schema is {schema!r}, not {SCHEMA!r}", source=source, mend="give the output of denoc validate"
+            f"schema is {str(schema)[:80]!r}, not {SCHEMA!r}", source=source, mend="give the output of denoc validate"
         )
-    known_row = {f.name for f in fields(Row)}
-    known_series = {f.name for f in fields(Series)}
-    try:
-        rows = tuple(
-            Row(**{k: v for k, v in {**row, "engines": tuple(row["engines"])}.items() if k in known_row})
-            for row in document["rows"]
-        )
-        series = tuple(_series(line, known_series) for line in document.get("series", ()))
-        doubts = tuple(Doubt(**{f.name: line[f.name] for f in fields(Doubt)}) for line in document.get("warnings", ()))
-    except (KeyError, TypeError) as error:
-        raise InputError(f"a row or series is incomplete: {error}", source=source, mend="write it again") from error
-    cases = document.get("cases", {})
-    seconds = document.get("seconds")
+    found = shaped(document, _Document, source=source, mend=_MEND)
+    for row in found.rows:
+        if row.verdict not in VERDICTS:
+            raise InputError(f"row {row.key[:120]} has the verdict {row.verdict[:40]!r}", source=source, mend=_MEND)
     return Results(
-        rows,
-        series,
-        document.get("versions", {}),
-        {name: facts.get("title", name) for name, facts in cases.items()},
-        document.get("created", ""),
-        math.nan if seconds is None else seconds,
-        {name: facts["seconds"] for name, facts in cases.items() if facts.get("seconds") is not None},
-        doubts,
+        found.rows,
+        tuple(line.series() for line in found.series),
+        found.versions,
+        {name: facts.title or name for name, facts in found.cases.items()},
+        found.created,
+        math.nan if found.seconds is None else found.seconds,
+        {name: facts.seconds for name, facts in found.cases.items() if facts.seconds is not None},
+        found.warnings,
     )
 
 
-def _series(line: Mapping[str, Any], known: set[str]) -> Series:
-    values: dict[str, Any] = {key: value for key, value in line.items() if key in known}
-    for axis in ("x", "y"):
-        values[axis] = tuple(_back(values[axis]))
-    return Series(**values)
+@dataclass(frozen=True)
+class _Case:
+    title: str = ""
+    seconds: float | None = None
 
 
-def _back(values: list[float | None]) -> list[float]:
-    return [math.nan if value is None else value for value in values]
+@dataclass(frozen=True)
+class _Line(Series):
+    """A line of a plot as it stands in the file: what is not a finite number is null there."""
+
+    x: tuple[float | None, ...]  # type: ignore[assignment]
+    y: tuple[float | None, ...]  # type: ignore[assignment]
+
+    def series(self) -> Series:
+        values = {f.name: getattr(self, f.name) for f in fields(Series)}
+        for axis in ("x", "y"):
+            values[axis] = tuple(math.nan if value is None else value for value in values[axis])
+        return Series(**values)
+
+
+@dataclass(frozen=True)
+class _Document:
+    """``denoc.results/1``; members that it does not know are passed over."""
+
+    schema: str
+    rows: tuple[Row, ...]
+    series: tuple[_Line, ...] = ()
+    versions: dict[str, str] = field(default_factory=dict)
+    cases: dict[str, _Case] = field(default_factory=dict)
+    created: str = ""
+    seconds: float | None = None
+    warnings: tuple[Doubt, ...] = ()

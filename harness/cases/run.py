@@ -77,7 +77,9 @@ def validate(
     Raises InputError for an unreadable model and an unknown case or engine.
     """
     if models is None:
-        return run([Task(case.name, engine_names(engines)) for case in select(cases)], workers, dask, progress)
+        # Engines of other packages have no accepted figures here: they take part in the suite only where they are named.
+        chosen = engine_names(engines or [name for name in registry.names() if name not in registry.own_names()])
+        return run([Task(case.name, chosen) for case in select(cases)], workers, dask, progress)
     paths = [Path(models)] if isinstance(models, str | Path) else [Path(model) for model in models]
     if not paths:
         raise InputError("the list of models is empty", mend="name at least one model, or pass None for the suite")
@@ -207,6 +209,7 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
         rows.append(bench.skipped("all", (NATIVE, name) if name != NATIVE else (NATIVE,), reason))
     bench = Bench(case, system, models, refusals)
     for check in case.checks:
+        begun, found = perf_counter(), len(rows)
         try:
             for item in check.run(bench):
                 if isinstance(item, Row):
@@ -216,6 +219,9 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
         except Exception as error:
             # One broken engine or check must not take the other rows with it, and must not pass either.
             rows.append(_broken(bench, check.quantity, tuple(models) or (NATIVE,), error))
+        if len(rows) > found:
+            share = (perf_counter() - begun) / (len(rows) - found)
+            rows[found:] = [replace(row, seconds=share) for row in rows[found:]]
     rows.sort(key=lambda row: row.verdict == "skipped")
     return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start)
 

@@ -8,7 +8,7 @@ at once; then the mass matrix is named, because the others follow from it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,12 +108,19 @@ def take_apart(model: EngineModel, q: Array, qd: Array, tau: Array) -> _Parts:
 
 
 def attribute(
-    reference: EngineModel, other: EngineModel, q: Array, qd: Array, tau: Array, *, allowed: float = 1e-9
+    reference: EngineModel,
+    other: EngineModel,
+    q: Array,
+    qd: Array,
+    tau: Array,
+    *,
+    allowed: float = 1e-9,
+    called: tuple[str, str] = ("the reference", "the other"),
 ) -> Attribution:
     """Which term makes ``other`` accelerate differently from ``reference`` at B states.
 
     q, qd, tau: shape (B, n), several states in general position. allowed: relative difference that counts as
-    agreement, of the accelerations and of each term.
+    agreement, of the accelerations and of each term. called: how the two engines are named.
     """
     names = reference.names
     ours, theirs = take_apart(reference, q, qd, tau), take_apart(other, q, qd, tau)
@@ -132,18 +139,51 @@ def attribute(
         if term == "mass_matrix":
             blames.append(_blame_mass(names, ours, theirs, allowed, differs, share))
         else:
-            blames.append(_blame_force(term, names, ours, theirs, allowed, differs, share))
+            blame = _blame_force(term, names, ours, theirs, allowed, differs, share)
+            blames.append(_at_joint(blame, reference, other, q[0]) if term == "coriolis" else blame)
     # An engine that does not solve its own equation: the recursion is wrong although every term is right.
-    for label, parts in (("reference", ours), ("other", theirs)):
+    for label, parts in zip(called, (ours, theirs), strict=True):
         own = parts.with_term("", parts, tau)
         differs = float(quantities.accelerations(parts.mass, parts.acceleration, own).max())
         if differs > allowed:
-            worst = int(np.argmax(np.abs(parts.acceleration - own).max(axis=0)))
-            words = f"the forward dynamics of the {label} engine does not solve its own equation of motion"
-            change = parts.acceleration - own if label == "other" else own - parts.acceleration
+            # What of each equation is not fulfilled, over the inertia there, so that radians and metres count alike.
+            unmet = np.einsum("bij,bj->bi", parts.mass, parts.acceleration - own)
+            unmet /= np.sqrt(np.diagonal(parts.mass, axis1=1, axis2=2))
+            worst = int(np.argmax(np.abs(unmet).max(axis=0)))
+            words = f"the forward dynamics of {label} does not solve its own equation of motion, most at {names[worst]}"
+            change = parts.acceleration - own if parts is theirs else own - parts.acceleration
             blames.append(Blame("solution", differs, _share(parts.mass, change, apart), names[worst], words))
     blames.sort(key=lambda blame: (blame.term != "mass_matrix", -blame.share))
     return Attribution(difference, allowed, tuple(blames))
+
+
+def _at_joint(blame: Blame, reference: EngineModel, other: EngineModel, q: Array) -> Blame:
+    """Which joint's motion a difference of the Coriolis force hangs on: that of all products of two velocities that differ.
+
+    The force is quadratic, so that it is taken apart by moving two joints at a time: where it acts says little, since
+    all joints below carry it.
+    """
+    n = len(q)
+    still = np.zeros(n)
+
+    def velocity_force(model: EngineModel, qd: Array) -> Array:
+        return np.asarray(model.bias(q, qd)) - np.asarray(model.bias(q, still))
+
+    single = [velocity_force(other, unit) - velocity_force(reference, unit) for unit in np.eye(n)]
+    differs = np.zeros((n, n))
+    for i in range(n):
+        differs[i, i] = np.abs(single[i]).max()
+        for j in range(i):
+            both = np.eye(n)[i] + np.eye(n)[j]
+            apart = velocity_force(other, both) - velocity_force(reference, both) - single[i] - single[j]
+            differs[i, j] = np.abs(apart).max()
+    pairs = np.argwhere(differs > 1e-6 * differs.max(initial=0.0))
+    common = [k for k in range(n) if all(k in pair for pair in pairs)]
+    if not common or len(pairs) == 0:
+        return blame
+    # Of two that always move together the outer one: the inner one turns it, and is right about others.
+    joint = reference.names[max(common)]
+    return replace(blame, coordinate=joint, words=f"{blame.words}, where {joint} moves")
 
 
 def _difference(term: str, ours: _Parts, theirs: _Parts) -> float:
@@ -176,8 +216,10 @@ def _blame_mass(
     if off_diagonal <= allowed and constant[changed].all() and len(ours.mass) > 1:
         where = " and ".join(f"{names[k]} by {change[:, k].mean():+.3g}" for k in changed)
         return Blame("armature", differs, share, names[changed[-1]], f"the armature differs at {where}")
-    # What hangs on a joint enters the rows of all joints below it, which come earlier: the last row is the carrier's.
-    carrier = names[changed[-1]]
+    # What hangs on a joint enters its own entry of the diagonal and those of all joints below it, which come earlier; what
+    # is farther out has other entries beside the diagonal alone.
+    own = np.flatnonzero(np.diagonal(apart) > allowed)
+    carrier = names[(own if len(own) else changed)[-1]]
     words = f"the mass matrix differs: mass, inertia or place of what {carrier} carries"
     return Blame("mass_matrix", differs, share, carrier, words)
 
@@ -195,7 +237,7 @@ def _words(what: str, names: tuple[str, ...], a: Array, b: Array, apart: Array, 
     tolerance = max(allowed, 1e-9)
     square = float(np.sum(a * a))
     if np.abs(a).max() <= tolerance * np.abs(b).max():
-        return f"{what} is missing in the reference"
+        return f"{what} is missing in the reference, most at {names[int(np.argmax(apart))]}"
     factor = float(np.sum(a * b)) / square
     if np.max(np.abs(b - factor * a)) <= tolerance * np.max(np.abs(a)):
         if abs(factor) < tolerance:

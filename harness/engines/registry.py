@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
+from typing import cast
 
+from harness.engines import own
 from harness.engines.protocol import Engine
 from harness.errors import EngineUnavailableError, InputError
 
@@ -30,14 +32,21 @@ class Availability:
 
 
 def names() -> tuple[str, ...]:
-    """Names of all engines, the native one first."""
-    return tuple(_HOME)
+    """Names of all engines, the native one first, those of other packages last."""
+    return (*_HOME, *own_names())
+
+
+def own_names() -> tuple[str, ...]:
+    """Names of the engines that other packages bring (entry points ``denoc.engines``); ours cannot be replaced by one."""
+    return tuple(name for name in own.entry_points() if name not in _HOME)
 
 
 def engine(name: str) -> Engine:
     """The engine of that name, installed or not; InputError if there is none."""
+    if name in own_names():
+        return cast(Engine, own.from_entry_point(own.entry_points()[name]))
     if name not in _HOME:
-        raise InputError(f"no engine is named {name!r}", mend=f"one of {', '.join(_HOME)}")
+        raise InputError(f"no engine is named {name!r}", mend=f"one of {', '.join(names())}")
     module, kind = _HOME[name]
     made: Engine = getattr(import_module(module), kind)()
     return made
@@ -45,13 +54,13 @@ def engine(name: str) -> Engine:
 
 def engines() -> tuple[Engine, ...]:
     """All engines, installed or not, the native one first."""
-    return tuple(engine(name) for name in _HOME)
+    return tuple(engine(name) for name in names())
 
 
 def availability() -> tuple[Availability, ...]:
     """One line an engine, for tables: installed with its version, or missing with the reason."""
     lines = []
-    for name in _HOME:
+    for name in names():
         try:
             lines.append(Availability(name, engine(name).version()))
         except EngineUnavailableError as error:

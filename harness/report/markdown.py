@@ -15,11 +15,11 @@ def markdown(results: Results) -> str:
     lines = ["# Validation", "", text[0].upper() + text[1:] + ".", ""]
     head = ("case", "quantity", "engines", "difference", "allowed", "unit", "why allowed", "verdict", "note")
     for group, members in groupby(results.rows, key=lambda row: row.group):
-        lines += [f"## {words.GROUP_TITLES.get(group, group)}", "", _line(head), _line(["---"] * len(head))]
+        lines += [f"## {words.GROUP_TITLES.get(group, group)}", "", line(head), line(["---"] * len(head))]
         for row in members:
             note = "; ".join(filter(None, [row.note, words.divergence(row)]))
             lines.append(
-                _line(
+                line(
                     (
                         row.case,
                         words.quantity(row.quantity),
@@ -35,15 +35,17 @@ def markdown(results: Results) -> str:
             )
         lines.append("")
     if results.doubts:
-        lines += ["## Warnings", "", _line(("model", "link", "severity", "what")), _line(["---"] * 4)]
-        lines += [_line((doubt.case, doubt.site, doubt.severity, doubt.what)) for doubt in results.doubts]
+        lines += ["## Warnings", "", line(("model", "link", "severity", "what")), line(["---"] * 4)]
+        lines += [line((doubt.case, doubt.site, doubt.severity, doubt.what)) for doubt in results.doubts]
         lines.append("")
-    lines += ["## Versions", "", _line(("what", "version")), _line(("---", "---"))]
-    lines += [_line(item) for item in results.versions.items()]
+    lines += ["## Versions", "", line(("what", "version")), line(("---", "---"))]
+    lines += [line(item) for item in results.versions.items()]
     return "\n".join(lines) + "\n"
 
 
-def _line(cells: object) -> str:
+def line(cells: object) -> str:
+    """A line of a table."""
+
     # A pipe inside a cell would start another one, a line break another row; `<` would start HTML.
     def clean(cell: str) -> str:
         return " ".join(str(cell).split()).replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")

@@ -11,6 +11,7 @@ GROUP_TITLES = {
     "rigid": "Rigid pendulums and closed forms",
     "chaos": "Chaotic motion",
     "scale": "Random chains and trees",
+    "lanes": "Lanes and joint laws",
     "robots": "Real robots",
     "flexible": "Flexible links",
     "models": "Your models",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from harness.cases.gate import Judgement
 from harness.cases.results import Results
 from harness.errors import InputError
 from harness.report.files import write_folder
@@ -49,9 +50,12 @@ FILES: dict[str, tuple[str, Callable[[Results], str | bytes]]] = {
 PICTURES = "svg"
 
 
-def write_reports(results: Results, folder: str | Path, formats: Sequence[str] | None = None) -> list[Path]:
+def write_reports(
+    results: Results, folder: str | Path, formats: Sequence[str] | None = None, *, judgement: Judgement | None = None
+) -> list[Path]:
     """Write the formats asked for (all by default) into a folder; returns their paths.
 
+    judgement: of a gate, for what it has to say in JUnit XML, and in gate.md besides.
     Raises InputError for an unknown format or a folder that cannot be written to.
     """
     for name in formats or ():
@@ -59,6 +63,12 @@ def write_reports(results: Results, folder: str | Path, formats: Sequence[str] |
             raise InputError(f"no format is named {name!r}", mend=did_you_mean(name, (*FILES, PICTURES)))
     chosen = {name: FILES[name] for name in (formats or FILES) if name != PICTURES}
     files: dict[str, str | bytes] = {file: render(results) for file, render in chosen.values()}
+    if judgement is not None:
+        from harness.report.gate import markdown
+        from harness.report.junit import junit
+
+        files["junit.xml"] = junit(results, judgement)
+        files["gate.md"] = markdown(results, judgement, None)
     if PICTURES in (formats or ()):
         from harness.report.pictures import pictures
 

@@ -9,16 +9,17 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from harness.cases.case import Row
 from harness.cases.discover import built_in
-from harness.cases.gate import judge, read_accepted, self_test
-from harness.cases.gate.accepted import Accepted, accept
-from harness.cases.results import Results
+from harness.cases.gate import Accepted, accept, judge, read_accepted, self_test
+from harness.cases.results import Results, read_results
 from harness.errors import InputError
 
 ROW = Row("swing", "period", ("denoc", "analytic"), 1e-9, 1e-8, "1", "RK4", "pass")
+OTHER = replace(ROW, case="other")
 SKIPPED = Row("swing", "all", ("denoc", "far"), None, None, "1", "", "skipped", "not installed")
 
 
@@ -27,7 +28,7 @@ def results(*rows: Row) -> Results:
 
 
 def accepted(*rows: Row) -> Accepted:
-    return accept(results(*rows), None, "first figures")
+    return accept(results(*rows), None, "first figures").accepted
 
 
 def reasons(now: Results, then: Accepted) -> dict[str, str]:
@@ -53,6 +54,10 @@ def test_rounding_of_another_processor_holds():
         (replace(ROW, difference=None, verdict="pass"), "not a finite number"),
         # Said to pass, though it is beyond its own limit.
         (replace(ROW, difference=2e-8), "left the line"),
+        (replace(ROW, difference=-1e-9), "no check gives"),
+        (replace(ROW, allowed=None), "no check gives"),
+        (replace(ROW, allowed=math.nan), "no check gives"),
+        (replace(ROW, allowed=-1.0, difference=-2.0), "no check gives"),
         # Ten times the accepted figure, and a fifth of what is allowed: within the limit, and yet a change.
         (replace(ROW, difference=3e-9), "grew"),
         (replace(ROW, difference=5e-8, allowed=1e-6), "loosened"),
@@ -107,10 +112,46 @@ def test_two_rows_of_one_name_are_not_accepted():
 def test_accepting_needs_a_reason_and_keeps_it():
     with pytest.raises(InputError, match="reason"):
         accept(results(ROW), None, "  ")
-    second = accept(results(replace(ROW, difference=2e-9)), accepted(ROW), "a better integrator")
+    second = accept(results(replace(ROW, difference=2e-9)), accepted(ROW), "a better integrator").accepted
     assert [entry["why"] for entry in second.history] == ["a better integrator", "first figures"]
     assert (second.history[0]["changed"], second.history[0]["added"], second.history[0]["date"]) == (1, 0, "2026-01-02")
     assert second.history[0]["versions"] == {"numpy": "2"}
+
+
+def test_a_part_of_a_run_cannot_take_the_rest_out_of_the_file():
+    other = replace(ROW, case="other")
+    change = accept(results(replace(ROW, difference=2e-9)), accepted(ROW, other), "a part")
+    assert change.kept == (other.key,)
+    assert change.accepted.rows[other.key] == accepted(other).rows[other.key]
+    assert "did not run" in reasons(results(ROW), change.accepted)[other.key]
+
+
+@pytest.mark.parametrize("name", ["other", "other/period", "other/period/denoc+analytic", "oth*"])
+def test_rows_are_let_go_by_name(name):
+    other = replace(ROW, case="other")
+    change = accept(results(ROW), accepted(ROW, other), "the case is gone", remove=[name])
+    assert change.removed == (other.key,)
+    assert set(change.accepted.rows) == {ROW.key}
+    assert change.accepted.history[0]["removed"] == 1
+
+
+@pytest.mark.parametrize(("name", "words"), [("othr", "names no accepted row"), ("swing", "which this run holds")])
+def test_what_is_not_there_or_still_there_cannot_be_let_go(name, words):
+    with pytest.raises(InputError, match=words):
+        accept(results(ROW), accepted(ROW, replace(ROW, case="other")), "because", remove=[name])
+
+
+def test_a_row_is_not_accepted_as_skipped_unless_it_is_let_go():
+    skipped = replace(ROW, difference=None, allowed=None, verdict="skipped", note="engine gone")
+    other = replace(ROW, case="other")
+    with pytest.raises(InputError, match="--remove"):
+        accept(results(skipped, other), accepted(ROW, other), "because")
+    change = accept(results(skipped, other), accepted(ROW, other), "no such engine here", remove=[ROW.key])
+    assert change.accepted.rows[ROW.key].verdict == "skipped"
+
+
+def test_a_loosened_limit_is_told():
+    assert accept(results(replace(ROW, allowed=1e-6)), accepted(ROW), "because").loosened == (ROW.key,)
 
 
 def test_the_file_survives_and_a_figure_is_a_line(tmp_path):
@@ -127,7 +168,12 @@ def test_the_file_survives_and_a_figure_is_a_line(tmp_path):
         (lambda d: d.update(schema="denoc.accepted/9"), "schema"),
         (lambda d: d.update(rows={}), "holds no figures"),
         (lambda d: d["rows"][ROW.key].update(difference=None), "no finite accepted figure"),
-        (lambda d: d["rows"][ROW.key].update(allowed="wide"), "no finite accepted figure"),
+        (lambda d: d["rows"][ROW.key].update(allowed="wide"), "Expected `float | null`, got `str`"),
+        (lambda d: d["rows"][ROW.key].update(verdict="skipped"), "is skipped, and has figures"),
+        (lambda d: d["rows"].update({"swing": d["rows"][ROW.key]}), "no row's key"),
+        (lambda d: d.update(rows=[1, 2]), "Expected `object`, got `array`"),
+        (lambda d: d.update(history=[1]), "Expected `object`, got `int`"),
+        (lambda d: d.update(shares={"period": None}), "Expected `float`, got `null`"),
         (lambda d: d["rows"][ROW.key].update(difference=1.0), "accepts 1 where"),
         (lambda d: d["rows"][ROW.key].update(difference=-1e-9), "accepts -1e-09 where"),
         (lambda d: d["rows"][ROW.key].pop("unit"), "incomplete"),
@@ -143,6 +189,102 @@ def test_a_spoiled_reference_is_refused(tmp_path, spoil, words):
     with pytest.raises(InputError, match=words) as caught:
         read_accepted(file)
     assert str(file) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda d: d["rows"][ROW.key].update(difference=9e-9),
+        lambda d: d["rows"][ROW.key].update(allowed=1.0),
+        lambda d: d["rows"][ROW.key].update(unit="rad"),
+        lambda d: d["rows"][ROW.key].update(verdict="skipped", difference=None, allowed=None),
+        lambda d: d["rows"].pop(OTHER.key),
+        lambda d: d["shares"].update(period=1.0),
+        lambda d: d["history"][0].update(why="another reason"),
+        lambda d: d["history"][0]["versions"].update(numpy="3"),
+        lambda d: d.pop("digest"),
+    ],
+)
+def test_figures_changed_by_hand_close_the_gate_until_they_are_accepted(tmp_path, edit):
+    document = json.loads(accepted(ROW, OTHER).to_json())
+    edit(document)
+    file = tmp_path / "accepted.json"
+    file.write_text(json.dumps(document), encoding="utf-8")
+    held = read_accepted(file)
+    judgement = judge(results(ROW, OTHER), held)
+    assert judgement.reference and not judgement.ok
+    again = accept(results(ROW, OTHER), held, "looked at, and right").accepted
+    file.write_text(again.to_json(), encoding="utf-8")
+    assert judge(results(ROW, OTHER), read_accepted(file)).ok
+    assert again.history[0]["edited"]
+
+
+def test_the_digest_does_not_hang_on_the_layout_of_the_file(tmp_path):
+    file = tmp_path / "accepted.json"
+    file.write_text(json.dumps(json.loads(accepted(ROW).to_json()), indent=7), encoding="utf-8")
+    assert not read_accepted(file).edited
+
+
+def test_a_row_that_stands_twice_in_the_file_is_refused(tmp_path):
+    file = tmp_path / "accepted.json"
+    text = accepted(ROW).to_json()
+    line = next(line for line in text.splitlines() if ROW.key in line)
+    file.write_text(text.replace(line, line + ",\n" + line), encoding="utf-8")
+    with pytest.raises(InputError, match="stands twice"):
+        read_accepted(file)
+
+
+@pytest.mark.parametrize("read", [read_accepted, read_results])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_damaged_file_is_refused_in_one_line(tmp_path, read, seed):
+    rng = np.random.default_rng(seed)
+    text = (accepted(ROW, SKIPPED).to_json() if read is read_accepted else results(ROW, SKIPPED).to_text()).encode()
+    pieces = [
+        b"null",
+        b"1e999",
+        b"-",
+        b"[" * 3000,
+        b'"',
+        b"{}",
+        b"[]",
+        b"true",
+        b"9" * 5000,
+        b"NaN",
+        b"\xff",
+        b",",
+        b"",
+    ]
+    file = tmp_path / "damaged.json"
+    refused = 0
+    for _ in range(150):
+        start, length = int(rng.integers(len(text))), int(rng.integers(0, 40))
+        file.write_bytes(text[:start] + pieces[int(rng.integers(len(pieces)))] + text[start + length :])
+        try:
+            read(file)
+        except InputError as error:
+            refused += 1
+            assert "\n" not in str(error) and len(str(error)) < 600
+    assert refused > 100
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[" * 100_000,
+        '{"schema": "denoc.accepted/1", "rows": ' + '{"a":' * 50_000,
+        "1",
+        "[]",
+        "null",
+        '"denoc.accepted/1"',
+    ],
+)
+def test_what_is_no_document_at_all_is_refused_in_one_line(tmp_path, text):
+    file = tmp_path / "damaged.json"
+    file.write_text(text, encoding="utf-8")
+    for read in (read_accepted, read_results):
+        with pytest.raises(InputError) as caught:
+            read(file)
+        assert "\n" not in str(caught.value) and len(str(caught.value)) < 600
 
 
 def test_a_reference_with_nan_is_refused(tmp_path):

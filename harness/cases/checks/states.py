@@ -12,8 +12,9 @@ from harness.cases.case import NATIVE, Array, Bench, Row, Series
 from harness.compare import quantities
 from harness.compare.attribution import attribute
 from harness.compare.odd_one_out import vote
+from harness.compare.parameters import Explanation, explain
 from harness.engines.protocol import EngineError, EngineModel
-from harness.errors import UnsupportedError
+from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.system import System
 
 # A quantity at one state, as a flat array: (model, q, qd, qdd, tau) -> values.
@@ -27,6 +28,9 @@ QUANTITIES: dict[str, Quantity] = {
     "gravity": lambda m, q, qd, qdd, tau: m.gravity(q),
     "energy": lambda m, q, qd, qdd, tau: np.asarray(m.energy(q, qd)),
 }
+
+# Coordinates up to which a number that explains a difference is looked for: the time goes with their square.
+MOST_EXPLAINED = 12
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,9 @@ class StateAgreement:
             remark, divergence = note, None
             if not difference[worst] <= allowed:
                 divergence = where(bench.system, self.quantity, worst, values[NATIVE][worst], values[name][worst])
-                remark = "; ".join(filter(None, [note, self._blame(bench, name, states)]))
+                said, place = self._blame(bench, name, states)
+                divergence |= place
+                remark = "; ".join(filter(None, [note, said]))
             yield bench.row(
                 self.quantity,
                 (NATIVE, name),
@@ -98,10 +104,14 @@ class StateAgreement:
         for name, reason in reasons.items():
             yield bench.skipped(self.quantity, (NATIVE, name), reason)
 
-    def _blame(self, bench: Bench, name: str, states: States) -> str:
-        if self.quantity != "acceleration":
-            return ""
-        return blame(bench, name, states.q, states.qd, states.tau, self.allowed)
+    def _blame(self, bench: Bench, name: str, states: States) -> tuple[str, dict[str, object]]:
+        said, place = blamed(bench, name, states.q, states.qd, states.tau, self.allowed)
+        if said.endswith("so it is the integration"):
+            # The equation of motion is right, so that what fails is this answer alone.
+            return f"the accelerations agree, so it is the answer to {self.quantity.replace('_', ' ')} alone", {
+                "term": self.quantity
+            }
+        return said, place
 
 
 def blame(bench: Bench, name: str, q: Array, qd: Array, tau: Array, allowed: float = 1e-10) -> str:
@@ -109,13 +119,58 @@ def blame(bench: Bench, name: str, q: Array, qd: Array, tau: Array, allowed: flo
 
     q, qd, tau: states to ask at, shape (B, n).
     """
+    return blamed(bench, name, q, qd, tau, allowed)[0]
+
+
+def blamed(
+    bench: Bench, name: str, q: Array, qd: Array, tau: Array, allowed: float = 1e-10
+) -> tuple[str, dict[str, object]]:
+    """What differs, as a sentence, and where: ``term`` and the link or joint that it is at.
+
+    The number of the description that would explain it, where one does, stands before the term of the equation of motion.
+    """
+    said: list[str] = []
+    place: dict[str, object] = {}
     try:
-        found = attribute(bench.models[name], bench.models[NATIVE], q, qd, tau, allowed=max(allowed, 1e-10))
+        ours, theirs = bench.models[NATIVE], bench.models[name]
+        found = attribute(theirs, ours, q, qd, tau, allowed=max(allowed, 1e-10), called=(name, NATIVE))
     except (UnsupportedError, EngineError, np.linalg.LinAlgError):
-        return ""
+        return "", {}
     if not found.blames:
-        return "" if found.difference > allowed else "the accelerations agree, so it is the integration"
-    return f"{NATIVE} against {name}: {found.sentence()}"
+        return ("" if found.difference > allowed else "the accelerations agree, so it is the integration"), {}
+    culprit = found.blames[0]
+    place = {"term": culprit.term, "at": culprit.coordinate}
+    if culprit.term != "solution":
+        explained = _explained(bench, name, q, qd, tau)
+        if explained:
+            said.append(" or ".join(one.sentence() for one in explained[:3]))
+            place |= explained[0].place
+    said.append(f"{NATIVE} against {name}: {found.sentence()}")
+    return "; ".join(said), place
+
+
+def _explained(bench: Bench, name: str, q: Array, qd: Array, tau: Array) -> list[Explanation]:
+    """Numbers of the description that the native engine seems to take otherwise."""
+    if len(bench.system.coordinate_names) > MOST_EXPLAINED or bench.system.flexible:
+        return []
+    # Several checks of a case ask, and the answer is one.
+    if name in bench.explained:
+        return bench.explained[name]
+    from harness.engines.registry import engine
+
+    rng = np.random.default_rng(bench.seed)
+    # As many states as four times the largest group has numbers.
+    count = max(3, -(-24 // q.shape[1]))
+    q, qd = q[:count], qd[:count]
+    # Accelerations that have nothing to do with the forces, and velocities too where all are at rest.
+    accelerations = rng.standard_normal(q.shape)
+    moving = qd if np.abs(qd).max() > 0.1 else rng.standard_normal(q.shape)
+    try:
+        found = explain(engine(name).build, bench.system, bench.models[NATIVE], q, moving, accelerations)
+    except (InputError, EngineError, EngineUnavailableError, np.linalg.LinAlgError):
+        found = []
+    bench.explained[name] = found
+    return found
 
 
 def _beyond(differences: dict[str, Array], allowed: float) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
-from harness.cases.checks.states import blame
+from harness.cases.checks.states import blamed
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
 
@@ -73,14 +73,16 @@ class TrajectoryAgreement:
             difference = float(apart.max()) if np.isfinite(apart).all() else float("nan")
             line = self.allowed
         left = ~(apart.max(axis=0) <= line)
-        divergence = None
+        divergence: dict[str, object] | None = None
         if not difference <= self.allowed:
             first = int(np.argmax(left)) if left.any() else len(time) - 1
             worst = common[int(np.argmax(np.nan_to_num(apart[:, first], nan=np.inf)))]
             divergence = {"time": float(time[first]), "signal": worst}
         note = f"over {self.duration:g} s"
         if divergence is not None and bench.models[name].names == bench.models[NATIVE].names:
-            note = "; ".join(filter(None, [note, self._blame(bench, name, first)]))
+            said, place = self._blame(bench, name, first)
+            divergence |= place
+            note = "; ".join(filter(None, [note, said]))
         unit = "1" if self.relative else unit_of(bench.system, common)
         return bench.row(
             self.quantity,
@@ -93,7 +95,7 @@ class TrajectoryAgreement:
             note=note,
         )
 
-    def _blame(self, bench: Bench, name: str, sample: int) -> str:
+    def _blame(self, bench: Bench, name: str, sample: int) -> tuple[str, dict[str, object]]:
         """Which term is to blame, asked along the native motion up to where the two part."""
         q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
         time = np.linspace(0.0, self.duration, round(self.duration * self.rate) + 1)[: max(sample, 1) + 1]
@@ -101,8 +103,8 @@ class TrajectoryAgreement:
         chosen = np.unique(np.linspace(0, len(time) - 1, 8).round().astype(int))
         q, qd = run.position[chosen], run.velocity[chosen]
         if not (np.isfinite(q).all() and np.isfinite(qd).all()):
-            return ""
-        return blame(bench, name, q, qd, np.zeros_like(q))
+            return "", {}
+        return blamed(bench, name, q, qd, np.zeros_like(q))
 
     def _lines(self, bench: Bench, name: str, time: Array, signal: dict[str, Array]) -> Iterable[Series]:
         for key, values in signal.items():

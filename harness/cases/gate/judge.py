@@ -32,14 +32,15 @@ class Judged:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Every row's judgement; versions_changed: name to (accepted with, run with)."""
+    """Every row's judgement; versions_changed: name to (accepted with, run with); reference: what is wrong with the file."""
 
     rows: tuple[Judged, ...]
     versions_changed: Mapping[str, tuple[str, str]]
+    reference: str = ""
 
     @property
     def ok(self) -> bool:
-        return bool(self.rows) and all(row.ok for row in self.rows)
+        return bool(self.rows) and not self.reference and all(row.ok for row in self.rows)
 
     @property
     def failed(self) -> tuple[Judged, ...]:
@@ -51,7 +52,7 @@ def judge(results: Results, accepted: Accepted) -> Judgement:
 
     A row closes the gate if it fails; if it is not finite; if it was never accepted, or accepted and now missing; if
     its limit or unit changed; and if it grew by more than its quantity's share of what is allowed. Exact digits are not
-    compared: they differ between processors.
+    compared: they differ between processors. Accepted figures that were changed by hand close it altogether.
     """
     twice = [key for key, count in Counter(row.key for row in results.rows).items() if count > 1]
     judged = [_judge(row, accepted.rows.get(row.key), accepted, row.key in twice) for row in results.rows]
@@ -67,7 +68,7 @@ def judge(results: Results, accepted: Accepted) -> Judgement:
         for name, version in before.items()
         if results.versions.get(name) != version
     }
-    return Judgement(tuple(judged), changed)
+    return Judgement(tuple(judged), changed, accepted.edited)
 
 
 def _judge(row: Row, entry: Entry | None, accepted: Accepted, twice: bool) -> Judged:
@@ -83,11 +84,13 @@ def _judge(row: Row, entry: Entry | None, accepted: Accepted, twice: bool) -> Ju
         return Judged(row.key, row, known, reason=f"is skipped now: {row.note}")
     if row.difference is None or not math.isfinite(row.difference):
         return Judged(row.key, row, known, reason="the difference is not a finite number")
+    if row.difference < 0.0 or row.allowed is None or not 0.0 <= row.allowed < math.inf:
+        return Judged(row.key, row, known, reason=f"no check gives {row.difference:.2e} where {row.allowed} is allowed")
     change = None if known is None else row.difference - known
     reason = ""
-    if row.verdict != "pass" or row.allowed is None or not row.difference <= row.allowed:
-        reason = f"left the line: {row.difference:.2e} where {row.allowed or 0.0:.0e} is allowed"
-    elif entry.allowed is None or known is None:
+    if row.verdict != "pass" or not row.difference <= row.allowed:
+        reason = f"left the line: {row.difference:.2e} where {row.allowed:.0e} is allowed"
+    elif entry.verdict != "pass" or entry.allowed is None or known is None:
         reason = "was skipped when the figures were accepted"
     elif row.unit != entry.unit:
         reason = f"is in {row.unit}, and was accepted in {entry.unit}"

@@ -1,0 +1,239 @@
+"""What a beam carries and how it dies away: payload with inertia, torsion, the second plane, damping, strain, tip acceleration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from harness.cases.beams import LENGTH, cantilever, closed_form, flexible_pendulum, strip
+from harness.cases.case import NATIVE, Bench, Case, Row, Series
+from harness.cases.checks import Measured
+from harness.denoc import Denoc
+from harness.errors import UnsupportedError
+from harness.system import Beam, Link, System
+from harness.system.description import constant
+from harness.system.flexible_link import flexible_link
+
+CLAMPED_FREE = (1.8751040687119611, 4.694091132974175, 7.854757438237613)
+PAYLOAD = 0.02  # kg
+SWING = 1e-5  # m, of vibrations that are to be linear
+
+
+def system() -> System:
+    return cantilever(strip(modes=5))
+
+
+def _with(**changes: object) -> Link:
+    """The strip with other numbers, its whole mass and inertia following."""
+    beam = strip(modes=5).beam
+    assert beam is not None
+    return flexible_link("rod", replace(beam, **changes))  # type: ignore[arg-type]
+
+
+def _beam(link: Link) -> Beam:
+    assert link.beam is not None
+    return link.beam
+
+
+def tip_mass_roots(mass: float, inertia: float, count: int) -> list[float]:
+    """Roots β l of a clamped beam that carries a mass and a rotary inertia, as shares of ρ l and ρ l³, at its tip.
+
+    Shear force EI u''' = -m ω² u and moment EI u'' = J ω² u' at the tip; u = A (cosh − cos) + B (sinh − sin) in x β.
+    """
+
+    def determinant(z: float) -> float:
+        ch, sh, c, s = math.cosh(z), math.sinh(z), math.cos(z), math.sin(z)
+        value, slope = (ch - c, sh - s), (sh + s, ch - c)
+        curvature, third = (ch + c, sh + s), (sh - s, ch + c)
+        moment = [k - inertia * z**3 * d for k, d in zip(curvature, slope, strict=True)]
+        shear = [t + mass * z * v for t, v in zip(third, value, strict=True)]
+        return (moment[0] * shear[1] - moment[1] * shear[0]) / math.cosh(z) ** 2
+
+    grid = np.linspace(0.05, 20.0, 4000)
+    signs = np.sign([determinant(z) for z in grid])
+    found = [
+        float(brentq(determinant, grid[k], grid[k + 1], xtol=1e-14)) for k in np.flatnonzero(signs[1:] != signs[:-1])
+    ]
+    return found[:count]
+
+
+def payload(bench: Bench) -> Iterable[Row | Series]:
+    """A payload with rotary inertia at the tip."""
+    link = _with(payload=PAYLOAD)
+    beam = _beam(link)
+    inertia = 2e-5
+    link = flexible_link("rod", replace(beam, payload_inertia=constant(np.diag([inertia, inertia, inertia]))))
+    roots = tip_mass_roots(PAYLOAD / beam.mass, inertia / (beam.mass * LENGTH**2), 2)
+    true = np.array([closed_form(root, link) for root in roots])
+    found = np.sort(Denoc(cantilever(link)).frequencies())[:2]
+    yield _frequency(
+        bench, "payload_inertia", found, true, 1e-9, "the shapes are the exact ones, payload and inertia included",
+        "clamped beam with mass and rotary inertia at its tip, characteristic equation",
+    )  # fmt: skip
+
+
+def torsion(bench: Bench) -> Iterable[Row | Series]:
+    """Torsion of a clamped beam: (2k − 1)/4l √(GJ / ρ I_p)."""
+    stiffness, polar = 0.05, 4e-6
+    link = _with(torsion_modes=2, torsional_stiffness=stiffness, polar_inertia=polar)
+    true = np.array([(2 * k - 1) / (4.0 * LENGTH) * math.sqrt(stiffness / polar) for k in (1, 2)])
+    yield _among(bench, "torsion", Denoc(cantilever(link)).frequencies(), true, "(2k − 1)/4l √(GJ / ρ I_p)")
+
+
+def second_plane(bench: Bench) -> Iterable[Row | Series]:
+    """Bending across, with a stiffness of its own."""
+    link = _with(bending2=True, bending_stiffness2=2.7)
+    across = replace(_beam(link), bending_stiffness=2.7)
+    true = np.array([closed_form(root, replace(link, beam=across)) for root in CLAMPED_FREE[:2]])
+    yield _among(bench, "second_plane", Denoc(cantilever(link)).frequencies(), true, "(β l)² √(EI₂/ρ) / 2π l²")
+
+
+def _among(bench: Bench, quantity: str, found: np.ndarray, true: np.ndarray, cites: str) -> Row:
+    """The frequencies nearest to the true ones."""
+    nearest = np.array([found[np.abs(found - value).argmin()] for value in true])
+    return _frequency(bench, quantity, nearest, true, 1e-9, "the shapes are the exact ones", cites)
+
+
+def _frequency(
+    bench: Bench, quantity: str, found: np.ndarray, true: np.ndarray, allowed: float, why: str, cites: str
+) -> Row:
+    errors = np.abs(found - true) / true
+    worst = int(np.argmax(errors))
+    note = f"mode {worst + 1}: {found[worst]:.8g} Hz against {true[worst]:.8g} Hz"
+    place = None if errors[worst] <= allowed else {"link": "rod", "value": "beam", "mode": worst + 1}
+    return bench.row(
+        f"{quantity}_frequency",
+        (NATIVE, "analytic"),
+        float(errors[worst]),
+        allowed,
+        why=why,
+        note=note,
+        first_divergence=place,
+        source=cites,
+    )
+
+
+def damping(bench: Bench) -> Iterable[Row | Series]:
+    """A mode dies away as exp(−ζ ω t): by Kelvin-Voigt material ζ = c ω / 2, by its own ratio as it is told."""
+    material, ratio = 2e-4, 0.013
+    omega = 2.0 * np.pi * closed_form(CLAMPED_FREE[0], strip())
+    for quantity, zeta, changes in (
+        ("material_damping", 0.5 * material * omega, {"material_damping": material}),
+        ("modal_damping", ratio, {"modal_damping": (ratio,)}),
+    ):
+        model = Denoc(cantilever(_with(modes=1, **changes)))
+        time = np.linspace(0.0, 0.5, 501)
+        run = model.simulate([SWING], [0.0], time)
+        turn = omega * math.sqrt(1.0 - zeta**2)
+        true = np.exp(-zeta * omega * time) * (
+            np.cos(turn * time) + zeta / math.sqrt(1.0 - zeta**2) * np.sin(turn * time)
+        )
+        yield bench.row(
+            f"{quantity}_decay",
+            (NATIVE, "analytic"),
+            float(np.abs(run.position[:, 0] / SWING - true).max()),
+            1e-6,
+            why="the integrator's tolerance; stiffening is of second order in a swing of 10 µm",
+            note=f"damping ratio {zeta:.4g}",
+            source="ζ = c ω / 2 (Kelvin-Voigt); x = e^(−ζωt) (cos ω_d t + ζ/√(1 − ζ²) sin ω_d t)",
+        )
+
+
+def sensors(bench: Bench) -> Iterable[Row | Series]:
+    """In its first mode a clamped strip's root strain is half its depth times β² of the tip's deflection, its tip's
+    acceleration −ω² of it; weight is read where nothing moves."""
+    model = Denoc(cantilever(_with(modes=1)))
+    root = CLAMPED_FREE[0]
+    omega = 2.0 * np.pi * closed_form(root, strip())
+    time = np.linspace(0.0, 0.2, 201)
+    channels = model.simulate([SWING], [0.0], time).channels
+    tip = channels["rod.tip_deflection"]
+    peak = float(np.abs(tip).max())
+    half = _beam(strip()).half_depth
+    why = "linear in a swing of 10 µm"
+    for channel, factor, cites in (
+        # |φ(l)| = 2 and φ''(0) = 2 β² of the clamped-free shape.
+        ("root_strain", half * (root / LENGTH) ** 2, "φ''(0) = β² |φ(l)| of the clamped-free shape; strain = h φ''(0)"),
+        ("tip_acceleration", -(omega**2), "ü = −ω² u"),
+    ):
+        apart = float(np.abs(channels[f"rod.{channel}"] - factor * tip).max()) / (abs(factor) * peak)
+        yield bench.row(channel, (NATIVE, "analytic"), apart, 1e-5, why=why, source=cites)
+    level = Denoc(replace(cantilever(_with(modes=1, bending_stiffness=1e4)), gravity=constant([-9.81, 0.0, 0.0])))
+    sagged = np.linalg.solve(level.linear_passive()[0], -level.gravity(np.zeros(1)))
+    read = level.simulate(sagged, [0.0], np.linspace(0.0, 0.01, 11)).channels["rod.tip_acceleration"]
+    yield bench.row(
+        "tip_acceleration_at_rest",
+        (NATIVE, "analytic"),
+        float(np.abs(read - 9.81).max()) / 9.81,
+        1e-5,
+        why="a beam that hardly sags, in balance: its tip turns by less than a milliradian",
+        source="an accelerometer at rest reads what holds it up against gravity",
+    )
+
+
+def static(bench: Bench) -> Iterable[Row | Series]:
+    """Weight of strip and payload: tip deflection and root strain about which a level cantilever vibrates."""
+    link = _with(payload=PAYLOAD, bending_stiffness=50.0)
+    beam = _beam(link)
+    g = 9.81
+    model = Denoc(replace(cantilever(link), gravity=constant([g, 0.0, 0.0])))
+    b = np.linalg.solve(model.linear_passive()[0], -model.gravity(np.zeros(model.n)))
+    data = model.beams[1]
+    deflection = float(b @ data.tip.s)
+    true = beam.mass * g * LENGTH**3 / (8.0 * 50.0) + PAYLOAD * g * LENGTH**3 / (3.0 * 50.0)
+    yield bench.row(
+        "static_deflection",
+        (NATIVE, "analytic"),
+        abs(deflection - true) / true,
+        1e-4,
+        why="five shapes of the strip with its payload; a sixth adds 1e-5",
+        source="w l⁴/8EI + P l³/3EI",
+    )
+
+
+def against_ancf(bench: Bench) -> Iterable[Row | Series]:
+    """A hanging strip with a payload swings by the weight of both: a cable's payload must weigh."""
+    hanging = flexible_pendulum(strip(modes=5, payload=PAYLOAD))
+    ours = Denoc(hanging).frequencies()[:2]
+    for name in ("exudyn_ancf",):
+        if name not in bench.models:
+            continue
+        try:
+            theirs = np.sort(bench.build(name, hanging).frequencies(np.zeros(len(hanging.coordinate_names))))[:2]
+        except UnsupportedError as reason:
+            yield bench.skipped("payload_weight", (NATIVE, name), str(reason))
+            continue
+        errors = np.abs(ours - theirs) / ours
+        yield bench.row(
+            "payload_weight",
+            (NATIVE, name),
+            float(errors.max()),
+            2e-5,
+            why="sixteen cables leave 1e-6; the swing hangs on gravity alone, the first bending on the payload's inertia",
+            note=", ".join(f"{a:.6g} against {b:.6g} Hz" for a, b in zip(ours, theirs, strict=True)),
+        )
+
+
+_CHECKS: tuple[tuple[str, Callable[[Bench], Iterable[Row | Series]]], ...] = (
+    ("payload_inertia", payload),
+    ("torsion", torsion),
+    ("second_plane", second_plane),
+    ("damping", damping),
+    ("sensors", sensors),
+    ("static", static),
+    ("payload_weight", against_ancf),
+)
+
+CASE = Case(
+    name="beam_paths",
+    title="What a beam carries and how it dies away: payload, torsion, second plane, damping, strain, tip acceleration",
+    source="R. D. Blevins, Formulas for Natural Frequency and Mode Shape (1979); closed forms of Euler-Bernoulli beams",
+    system=system,
+    checks=tuple(Measured(quantity, function) for quantity, function in _CHECKS),
+    group="flexible",
+    engines=(NATIVE, "exudyn_ancf"),
+)

@@ -1,0 +1,105 @@
+"""What is kept of a robot: its description, and its dynamics at recorded states, as plain values for JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.cases.case import NATIVE, Bench, Case
+from harness.cases.checks.states import evaluate, random_states
+from harness.cases.users import read
+from harness.engines import registry
+from harness.engines.protocol import EngineError, EngineModel
+from harness.errors import InputError
+from harness.system import Beam, Joint, Link, System
+
+STATES = 4
+DURATION, RATE = 1.0, 20.0
+# Quantities recorded at every state; what a robot's mass matrix holds shows in its inverse dynamics.
+FIGURES = ("acceleration", "inverse_dynamics", "gravity", "energy")
+
+
+def record(path: Path) -> dict[str, Any]:
+    """A robot as it is now.
+
+    ``links`` and ``joints`` by name with every number of the description in SI units (null where a limit is infinite),
+    ``gravity``, ``attachments``; random ``states`` inside the joints' limits and ``figures`` of the native dynamics there;
+    ``frequencies`` [Hz] about zero; a free ``run`` of one second from the first state. What the native dynamics cannot do
+    is left out, and said in ``left_out``. Raises InputError for an unreadable model.
+    """
+    system = read(path)
+    kept: dict[str, Any] = {
+        "links": {
+            link.name: _values(link, (f.name for f in fields(Link) if f.name not in ("name", "end")))
+            for link in system.links
+        },
+        "joints": {
+            joint.name: _values(joint, (f.name for f in fields(Joint) if f.name != "name")) for joint in system.joints
+        },
+        "base": system.base,
+        "gravity": _plain(system.gravity),
+        "attachments": [
+            {"effect": a.effect, "site": a.site, "parameters": dict(sorted(a.parameters.items()))}
+            for a in system.attachments
+        ],
+        "coordinates": list(system.coordinate_names),
+        "left_out": [],
+    }
+    native = registry.engine(NATIVE)
+    reason = native.refuses(system)
+    if reason:
+        kept["left_out"].append(f"its dynamics: {reason}")
+        return kept
+    model = native.build(system)
+    # Drawn by the file's name, so that two recordings of one robot ask at the same states.
+    bench = Bench(Case(path.stem, system.name, str(path), lambda: system, ()), system, {NATIVE: model})
+    states = random_states(bench, STATES, 1.0, 1.0, 1e-3)
+    kept["states"] = {name: _plain(getattr(states, name)) for name in ("q", "qd", "qdd", "tau")}
+    kept["figures"] = {quantity: _plain(evaluate(quantity, model, states)) for quantity in FIGURES}
+    kept.update(_motion(model, system, np.asarray(states.q[0]), 0.1 * np.asarray(states.qd[0]), kept["left_out"]))
+    return kept
+
+
+def sample_times() -> np.ndarray:
+    """When the run is sampled [s]."""
+    return np.linspace(0.0, DURATION, round(DURATION * RATE) + 1)
+
+
+def _motion(model: EngineModel, system: System, q0: Any, qd0: Any, left_out: list[str]) -> dict[str, Any]:
+    kept: dict[str, Any] = {}
+    try:
+        kept["frequencies"] = _plain(model.frequencies(np.zeros(len(q0))))
+    except (InputError, EngineError, np.linalg.LinAlgError) as error:
+        left_out.append(f"frequencies: {error}")
+    try:
+        run = model.simulate(q0, qd0, sample_times())
+        kept["run"] = {"q0": _plain(q0), "qd0": _plain(qd0), "position": _plain(run.position)}
+    except (InputError, EngineError) as error:
+        left_out.append(f"run: {error}")
+    return kept
+
+
+def _values(owner: Link | Joint | Beam, names: Iterable[str]) -> dict[str, Any]:
+    return {name: _plain(getattr(owner, name)) for name in names}
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it; infinities and what is not known are null."""
+    if isinstance(value, Beam):
+        return _values(value, (f.name for f in fields(Beam)))
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, bool) or value is None:
+        return value
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, int):
+        return value
+    return str(value)

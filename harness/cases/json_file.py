@@ -1,0 +1,68 @@
+"""JSON files that people may have damaged: read strictly, refused in one line."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from harness.errors import InputError
+
+T = TypeVar("T")
+
+
+def read_json(path: str | Path, *, missing: str = "there is no such file", mend: str, restore: str = "") -> Any:
+    """The document in a JSON file.
+
+    missing, mend: what is said, and advised, where there is no file. restore: advised where it is damaged.
+    Raises InputError for a missing, unreadable or damaged file, and where an object has two members of one name: only
+    the last would count, and hide the first.
+    """
+    path = Path(path)
+    restore = restore or mend
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(missing, source=path, mend=mend) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", source=path, mend=mend) from error
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise InputError("is not a text file", source=path, line=line, mend=restore) from error
+    try:
+        return json.loads(text, object_pairs_hook=_once)
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"is not JSON: {error.msg}", source=path, line=error.lineno, column=error.colno, mend=restore
+        ) from error
+    except RecursionError:
+        raise InputError("is nested too deep", source=path, mend=restore) from None
+    except ValueError as error:  # two members of one name, or a whole number of thousands of digits
+        raise InputError(f"is damaged: {error}", source=path, mend=restore) from error
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"{twice[:80]!r} stands twice in one object")
+    return found
+
+
+def shaped(document: Any, kind: type[T], *, source: str | Path | None, mend: str) -> T:
+    """A document as a (nested) dataclass; InputError names the member that is missing or of the wrong kind."""
+    try:
+        return msgspec.convert(document, kind)
+    except msgspec.ValidationError as error:
+        what, _, place = str(error).partition(" - at `$")
+        what = re.sub(r"^(Object m|M)issing required field", "lacks", what)
+        where = place.rstrip("`").lstrip(".")
+        raise InputError(
+            f"is incomplete or damaged: {what}" + (f" at {where[:120]}" if where else ""), source=source, mend=mend
+        ) from error
+    except (OverflowError, RecursionError) as error:
+        raise InputError(f"is damaged: {error}", source=source, mend=mend) from error

@@ -1,0 +1,162 @@
+"""Which number of a mechanism's description would make one engine answer as another does.
+
+Every number of the description is tried in turn, joint by joint and link by link: moved (as a group: the three of a centre of
+mass, the six of an inertia) until the trusted engine's inverse dynamics are the other's, by Gauss-Newton. The smallest group
+that does it wholly is named, with its place and by how much. Inverse dynamics at random velocities and accelerations see all
+that is in the equations of motion: inertia, frames, armature, damping, springs, gravity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.protocol import EngineModel
+from harness.errors import InputError
+from harness.system import Joint, Link, System
+from harness.system.description import constant
+
+Array = NDArray[np.float64]
+Build = Callable[[System], EngineModel]
+
+# What may be left of a difference that a group of numbers explains, and how often it is linearized anew.
+LEFT, STEPS = 1e-4, 5
+
+
+@dataclass(frozen=True)
+class Group:
+    """Numbers that are moved together: owner (``link``, ``joint`` or ``base``), its name, the member, how many."""
+
+    owner: str
+    name: str
+    member: str
+    size: int
+
+    def said(self) -> str:
+        return f"{self.member.replace('_', ' ')}" + (f" of {self.owner} {self.name!r}" if self.owner != "base" else "")
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A group and by how much it is off, in SI units (rad for rotations); left: share of the difference that stays."""
+
+    group: Group
+    off: Array
+    left: float
+
+    @property
+    def place(self) -> dict[str, object]:
+        return {self.group.owner: self.group.name, "value": self.group.member}
+
+    def sentence(self) -> str:
+        amounts = ", ".join(f"{value:+.3g}" for value in self.off)
+        return f"as if the {self.group.said()} were off by {amounts if len(self.off) == 1 else f'({amounts})'}"
+
+
+def groups(system: System) -> Iterator[Group]:
+    """Every group of numbers that the dynamics hang on, small groups first."""
+    for link in system.links:
+        yield Group("link", link.name, "mass", 1)
+    for joint in system.movable_joints:
+        for member in ("armature", "damping", "stiffness", "rest_position"):
+            if member != "rest_position" or joint.stiffness:
+                yield Group("joint", joint.name, member, 1)
+    for link in system.links:
+        yield Group("link", link.name, "com", 3)
+    for joint in system.joints:
+        if joint.movable:
+            yield Group("joint", joint.name, "axis", 3)
+        yield Group("joint", joint.name, "xyz", 3)
+        yield Group("joint", joint.name, "rotation", 3)
+    yield Group("base", system.base, "gravity", 3)
+    for link in system.links:
+        yield Group("link", link.name, "inertia", 6)
+
+
+def moved(system: System, group: Group, by: Array) -> System:
+    """The system with a group of its numbers off by ``by``."""
+    if group.owner == "base":
+        return replace(system, gravity=constant(np.asarray(system.gravity) + by))
+    if group.owner == "link":
+        return system.replace_link(_moved_link(system.link(group.name), group.member, by))
+    return system.replace_joint(_moved_joint(system.joint(group.name), group.member, by))
+
+
+def _moved_link(link: Link, member: str, by: Array) -> Link:
+    if member == "mass":
+        return replace(link, mass=link.mass + float(by[0]))
+    if member == "com":
+        return replace(link, com=constant(np.asarray(link.com) + by))
+    full = np.array([[by[0], by[3], by[4]], [by[3], by[1], by[5]], [by[4], by[5], by[2]]])
+    return replace(link, inertia=constant(np.asarray(link.inertia) + full))
+
+
+def _moved_joint(joint: Joint, member: str, by: Array) -> Joint:
+    if member == "xyz":
+        return replace(joint, xyz=constant(np.asarray(joint.xyz) + by))
+    if member == "axis":
+        axis = np.asarray(joint.axis) + by
+        return replace(joint, axis=constant(axis / np.linalg.norm(axis)))
+    if member == "rotation":
+        from scipy.spatial.transform import Rotation
+
+        return replace(joint, rotation=constant(np.asarray(joint.rotation) @ Rotation.from_rotvec(by).as_matrix()))
+    changes: dict[str, Any] = {member: getattr(joint, member) + float(by[0])}
+    return replace(joint, **changes)
+
+
+def explain(build: Build, system: System, other: EngineModel, q: Array, qd: Array, qdd: Array) -> list[Explanation]:
+    """The smallest groups that explain why ``other`` asks other forces than the trusted engine; several where they cannot be
+    told apart, none where no single group does.
+
+    build: of the trusted engine. q, qd, qdd: states in general position, each (B, n), in the order of ``other.names``.
+    """
+
+    def forces(model: EngineModel) -> Array:
+        return np.array([model.inverse_dynamics(*state) for state in zip(q, qd, qdd, strict=True)])
+
+    wanted, nominal = forces(other), forces(build(system))
+    scale = np.maximum(np.abs(nominal).max(axis=0), 1e-300)
+    whole = float(np.linalg.norm((wanted - nominal) / scale))
+    if not np.isfinite(whole) or whole == 0.0:
+        return []
+
+    def residual(group: Group, by: Array) -> Array:
+        return ((wanted - forces(build(moved(system, group, by)))) / scale).ravel()
+
+    found: list[Explanation] = []
+    for group in groups(system):
+        if found and group.size > found[0].group.size:
+            break
+        explained = _fit(group, residual, whole)
+        if explained is not None:
+            found.append(explained)
+    best = min((one.left for one in found), default=0.0)
+    return sorted((one for one in found if one.left <= 100.0 * max(best, 1e-9)), key=lambda one: one.left)
+
+
+def _fit(group: Group, residual: Callable[[Group, Array], Array], whole: float) -> Explanation | None:
+    by = np.zeros(group.size)
+    left = 1.0
+    step = 1e-6
+    try:
+        for _ in range(STEPS):
+            here = residual(group, by)
+            left = float(np.linalg.norm(here)) / whole
+            if left < 1e-9:
+                break
+            slopes = np.column_stack([(here - residual(group, by + step * unit)) / step for unit in np.eye(group.size)])
+            # Along an axis itself nothing changes; differences of a millionth leave a millionth of noise there.
+            change = np.linalg.lstsq(slopes, here, rcond=1e-4)[0]
+            # Linear ones are done at once; where the first step explains nothing, the others will not either.
+            after = float(np.linalg.norm(residual(group, by + change))) / whole
+            if not after < max(0.7 * left, 1e-12):
+                break
+            by, left = by + change, after
+    except (InputError, np.linalg.LinAlgError, ValueError, RuntimeError):
+        return None
+    return Explanation(group, by, left) if left <= LEFT else None

@@ -1,0 +1,74 @@
+"""The gate's answer on a terminal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.text import Text
+
+from harness.cases.gate import Change, Judged, Judgement, SelfTest
+from harness.report import words
+from harness.report.columns import figures, print_table
+
+
+def print_judgement(judgement: Judgement | None, trials: SelfTest | None, console: Console) -> None:
+    """What closed the gate, row by row, and how the gate did against planted defects."""
+    if judgement is not None:
+        if judgement.reference:
+            advice = "compare it with version control; `denoc gate --accept --why …` accepts it as it is"
+            console.print(Text(f"The reference {judgement.reference} ({advice}).", style="bold red"))
+        if judgement.failed:
+            heads = ("case", "quantity", "engines", figures("accepted"), figures("now"), "why the gate closes")
+            print_table(console, heads, [_cells(judged) for judged in judgement.failed])
+        count = len(judgement.failed)
+        text = f"All {len(judgement.rows)} rows hold."
+        if count or not judgement.rows:
+            text = f"{count} of {len(judgement.rows)} rows close the gate." if count else "There is no row to judge."
+        console.print(Text(text, style="bold green" if judgement.rows and not count else "bold red"))
+        for name, (before, now) in judgement.versions_changed.items():
+            console.print(Text(f"{name}: accepted with {before}, run with {now}", style="dim"))
+    if trials is not None:
+        planted = len(trials.trials)
+        caught = sum(trial.caught for trial in trials.trials)
+        named = sum(trial.named for trial in trials.trials)
+        text = f"Self-test: {planted} defects planted, {caught} caught, {named} named."
+        console.print(Text(text, style="bold green" if trials.ok else "bold red"))
+        if not trials.clean:
+            console.print(Text("  the same case without a defect does not pass", style="red"))
+        for trial in trials.trials:
+            if not (trial.caught and trial.named):
+                fate = "not caught" if not trial.caught else f"caught, but said to be: {trial.said}"
+                console.print(Text(f"  {trial.defect}: {fate}", style="red"))
+
+
+def print_change(change: Change, path: Path, console: Console) -> None:
+    """What an acceptance has done to the file."""
+    counts = ((change.added, "added"), (change.changed, "changed"), (change.removed, "removed"))
+    said = ", ".join(f"{len(keys)} {word}" for keys, word in counts)
+    console.print(Text(f"Accepted {len(change.accepted.rows)} rows into {path}: {said}."))
+    for keys, word in (
+        (change.loosened, "limits were loosened"),
+        (change.removed, "rows were let go"),
+        (change.kept, "rows are not in this run and stay as they were (--remove CASE lets them go)"),
+    ):
+        if keys:
+            names = ", ".join(keys[:4]) + (" …" if len(keys) > 4 else "")
+            console.print(Text(f"  {len(keys)} {word}: {names}", style="yellow"))
+
+
+def _cells(judged: Judged) -> tuple[Text, ...]:
+    case, quantity, engines = judged.key.rsplit("/", 2)
+    row = judged.row
+    reason = why(judged)
+    now = "missing" if row is None else words.figure(row.difference, verdict=row.verdict)
+    cells = (case, words.quantity(quantity), engines.replace("+", " · "), words.figure(judged.accepted), now, reason)
+    return tuple(Text(cell) for cell in cells)
+
+
+def why(judged: Judged) -> str:
+    """Why a row closes the gate, where and when."""
+    row = judged.row
+    if row is None or row.verdict != "fail":
+        return judged.reason
+    return "; ".join(filter(None, [judged.reason, words.divergence(row), row.note]))

@@ -1,0 +1,56 @@
+"""The full self-test's faults: enough of them, over everything, each still where its patch looks for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from harness.cases.discover import built_in
+from harness.cases.gate.planted.copy import PACKAGE, spoiled_copy
+from harness.cases.gate.planted.full import Fault, faults, try_fault
+from harness.cases.gate.planted.patches import PATCHES
+
+
+def test_there_are_enough_and_each_has_a_name_of_its_own():
+    names = [fault.name for fault in faults()]
+    assert len(names) >= 150
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("patch", PATCHES, ids=lambda patch: patch.name)
+def test_every_patch_finds_its_line_once(patch):
+    hits = [path.read_text("utf-8").count(patch.old) for path in PACKAGE.rglob(patch.file)]
+    assert sum(hits) == 1
+    assert patch.old != patch.new
+    assert set(patch.cases) <= set(built_in())
+
+
+def test_a_copy_is_wrong_in_one_file_and_keeps_what_is_compiled_of_the_others(tmp_path):
+    patch = next(patch for patch in PATCHES if patch.file == "laws.py")
+    place = spoiled_copy(patch, tmp_path)
+    changed = [
+        path for path in (place / "harness").rglob("*.py")
+        if path.read_bytes() != (PACKAGE / path.relative_to(place / "harness")).read_bytes()
+    ]  # fmt: skip
+    assert [path.name for path in changed] == ["laws.py"]
+    kept = {path.name.split("-")[0].split(".")[0] for path in Path(place).rglob("*.nbi")}
+    assert not kept & {"lanes_integrate", "lanes_address", "batch_kernels"}
+    there = {path.name.split("-")[0].split(".")[0] for path in PACKAGE.rglob("*.nbi")}
+    assert ("rigid" in kept) == ("rigid" in there)
+
+
+@pytest.mark.parametrize("name", ["tree: mass of link 'link3'", "chain: rotation of joint 'joint2'", "clean 3"])
+def test_a_fault_closes_the_gate_and_is_named_and_none_leaves_it_open(name):
+    fault = Fault(name, seed=3) if name.startswith("clean") else next(f for f in faults() if f.name == name)
+    fate = try_fault(fault)
+    assert (fate.closed, fate.named) == ((False, False) if name.startswith("clean") else (True, True)), fate.said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["rotation.py: roll, pitch and yaw in the other order", "lanes.py: armature forgotten"]
+)
+def test_a_fault_in_the_code_closes_the_gate_and_is_named(name):
+    fate = try_fault(next(fault for fault in faults() if fault.name == name))
+    assert fate.closed and fate.named, fate.said

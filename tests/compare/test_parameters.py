@@ -1,0 +1,99 @@
+"""A number of the description that is off is found by what it does, wherever it stands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from harness.compare.attribution import attribute
+from harness.compare.parameters import Group, explain, groups, moved
+from harness.engines import registry
+from harness.system import random_chain, random_tree
+
+CHAIN = random_chain(3, seed=2, prismatic=0.0, armature=True, damping=True)
+BUILD = registry.engine("pinocchio").build
+# What is off, and a size that is far from linear.
+GROUPS = [group for group in groups(CHAIN) if group.name not in ("link1", "joint1", "base")]
+
+
+def states(n: int, count: int = 8):
+    return np.random.default_rng(5).standard_normal((3, count, n))
+
+
+@pytest.mark.parametrize("group", GROUPS, ids=lambda group: group.said())
+def test_every_number_is_found_and_by_how_much(group):
+    by = np.linspace(0.02, 0.03, group.size) * (0.05 if group.member == "inertia" else 1.0)
+    wrong = BUILD(moved(CHAIN, group, by))
+    found = explain(BUILD, CHAIN, wrong, *states(3))
+    assert group in [one.group for one in found]
+    (right,) = [one for one in found if one.group == group]
+    if group.member != "axis":  # of which only what is across it counts
+        assert right.off == pytest.approx(by, rel=1e-4)
+    assert right.place == {group.owner: group.name, "value": group.member}
+
+
+def test_what_is_right_needs_no_explanation():
+    assert explain(BUILD, CHAIN, BUILD(CHAIN), *states(3)) == []
+
+
+def test_two_faults_at_two_places_are_not_told_as_one():
+    wrong = moved(
+        moved(CHAIN, GROUPS[0], np.array([0.1])), Group("link", "link3", "com", 3), np.array([0.01, 0.02, 0.0])
+    )
+    assert explain(BUILD, CHAIN, BUILD(wrong), *states(3)) == []
+
+
+def test_a_slider_s_coriolis_force_is_told_at_the_slider():
+    system = random_chain(4, seed=9, prismatic=0.0)
+    from dataclasses import replace
+
+    from harness.system import JointType
+
+    system = system.replace_joint(replace(system.joints[1], type=JointType.PRISMATIC))
+    right = BUILD(system)
+
+    class HalfOfTheSlider:
+        """Half of 2 ω × v of joint2: what its speed and the turning of joint1 make together."""
+
+        names = right.names
+
+        def __getattr__(self, name):
+            return getattr(right, name)
+
+        def _lost(self, q, qd):
+            one, two = np.eye(4)[0] * qd[0], np.eye(4)[1] * qd[1]
+            force = [right.bias(q, v) - right.gravity(q) for v in (one + two, one, two)]
+            return 0.5 * (force[0] - force[1] - force[2])
+
+        def bias(self, q, qd):
+            return right.bias(q, qd) - self._lost(q, qd)
+
+        def inverse_dynamics(self, q, qd, qdd):
+            return right.inverse_dynamics(q, qd, qdd) - self._lost(q, qd)
+
+        def forward_dynamics(self, q, qd, tau):
+            return right.forward_dynamics(q, qd, tau + self._lost(q, qd))
+
+    q, qd, tau = states(4)
+    found = attribute(right, HalfOfTheSlider(), q, qd, tau, called=("pinocchio", "denoc"))
+    assert found.culprit.term == "coriolis"
+    assert found.culprit.coordinate == "joint2"
+    assert "where joint2 moves" in found.sentence()
+
+
+def test_the_engine_that_does_not_solve_its_own_equation_is_named():
+    system = random_tree(4, seed=9, prismatic=0.0)
+    right = BUILD(system)
+
+    class Sloppy:
+        names = right.names
+
+        def __getattr__(self, name):
+            return getattr(right, name)
+
+        def forward_dynamics(self, q, qd, tau):
+            return right.forward_dynamics(q, qd, tau) * (1.0 + 1e-6)
+
+    found = attribute(right, Sloppy(), *states(4), called=("pinocchio", "denoc"))
+    assert found.culprit.term == "solution"
+    assert "forward dynamics of denoc" in found.sentence()
