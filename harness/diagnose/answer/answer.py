@@ -45,12 +45,12 @@ def answer(
     outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None
 ) -> Diagnosis:
     """The answer; recordings: all of them, the one held out too, for what was found of their quality."""
-    problem, study = outcome.problem, outcome.study
+    problem = outcome.problem
     # Nearly all of it in compiled code: on another thread, if there is one, beside all that follows.
     next_experiment = meanwhile(outcome.predictor.threads, _next, outcome, conclusion)
     noise = [
-        {"channel": c.name, "std": colour.std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
-        for c, colour in zip(problem.channels, study.likelihood.colours, strict=True)
+        {"channel": c.name, "std": std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
+        for c, std in zip(problem.channels, outcome.noise, strict=True)
     ]
     side, site = _side_and_site(outcome, conclusion)
     places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
@@ -254,7 +254,7 @@ def _fit_rows(outcome: Outcome, conclusion: Conclusion, best: Predictive | None 
         for name, (train, held) in fits.items():
             train, held = as_read(outcome, train), as_read(outcome, held)
             row[name] = {"train_rmse": rmse(outcome, train, c), "heldout_rmse": rmse(outcome, held, c)}
-        rows.append({**row, "noise_floor": outcome.study.likelihood.colours[c].std})
+        rows.append({**row, "noise_floor": outcome.noise[c]})
     return rows
 
 

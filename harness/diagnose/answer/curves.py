@@ -92,7 +92,7 @@ def curves(outcome: Outcome, best: Fit, held: Fit) -> Curves:
         time, left = before[run]
         recorded = problem.runs[run]
         for c, channel in enumerate(problem.channels):
-            noise = outcome.study.likelihood.colours[c].std
+            noise = outcome.noise[c]
             # Where there is no sample there is none to show either.
             measured = recorded.values[c][np.minimum(np.searchsorted(recorded.time, time), len(recorded.time) - 1)]
             other = np.interp(time, after[run][0], after[run][1][c]) if run in after else np.full(len(time), np.nan)

@@ -60,7 +60,7 @@ def locate(outcome: Outcome, side: str, site: str) -> tuple[Mismatch, ...]:
     nominal = outcome.nominal
     pieces = raw_residuals(outcome, nominal)
     for c, channel in enumerate(outcome.problem.channels):
-        colour = outcome.study.likelihood.colours[c]
+        noise = outcome.noise[c]
         white = []
         for window, r in zip(nominal.windows, nominal.linear.residuals, strict=True):
             white.append(r.reshape(len(outcome.problem.channels), window.size)[c])
@@ -70,9 +70,9 @@ def locate(outcome: Outcome, side: str, site: str) -> tuple[Mismatch, ...]:
         if not intervals:
             continue
         residual = np.concatenate([r[c] for _, r in pieces])
-        severity = float(np.sqrt(np.nanmean(residual**2)) / colour.std)
+        severity = float(np.sqrt(np.nanmean(residual**2)) / noise)
         run = outcome.problem.runs[nominal.windows[0].run]
-        band = _band(pieces[0][1][c], run.interval, colour.std)
+        band = _band(pieces[0][1][c], run.interval, noise)
         found.append(
             Mismatch(
                 channel.name, side, site, tuple(_joined(intervals)), band, _region(outcome, nominal, c, pieces), severity,

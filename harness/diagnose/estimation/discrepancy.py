@@ -33,6 +33,7 @@ FINEST = 40.0  # knots in the period of the slowest swing at most: what is faste
 LONGEST = 8.0  # periods of the slowest swing: a force that lasts longer is a constant one
 IMMATERIAL = 1e-4  # variance in units of the sensor's, below which a direction is left as it is
 CHANCE = 1e-6  # of the gain in likelihood under sensor noise alone, below which there is such a force
+LOUDEST = 1e12  # variance beside a force, in units of the noise's
 SMALLEST, LARGEST = 1e-7, 1e2  # sizes that are looked at, in units of the natural torque
 
 
@@ -50,13 +51,15 @@ class Discrepancy:
     """Size and memory of the force that a model leaves out, and what they make of a whitened residual.
 
     joints: where it acts; sizes: standard deviations [N·m or N]; memory: correlation time [s]; gain: twice the log-likelihood over
-    none; scale: natural force that the responses are in [N·m].
+    none; louder: variance of what is left beside it, in units of the sensors' noise (errors of the model too fast for a force over
+    the knots); scale: natural force that the responses are in, seen through that noise [N·m].
     """
 
     joints: tuple[str, ...]
     sizes: tuple[float, ...]
     memory: float
     gain: float
+    louder: float
     scale: float
     responses: Responses
     _filters: dict[Window, tuple[Array, Array]] = field(default_factory=dict, repr=False)
@@ -167,11 +170,13 @@ def covariance_at(knots: Array, sizes: Array, memory: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """A window's residual seen by the forces, the initial state projected out: cost outside, Qᵀr, R, knots."""
+    """A window's residual seen by the forces, initial states projected out: Qᵀr, R, knots; cost and number of the rest."""
 
     along: Array
     r: Array
     knots: Array
+    outside: float
+    count: int
 
 
 def _pieces(found: Responses, fitted: Fit, residuals: Sequence[Array]) -> list[_Piece]:
@@ -189,16 +194,20 @@ def _pieces(found: Responses, fitted: Fit, residuals: Sequence[Array]) -> list[_
         root = np.sqrt(values[kept])
         projected = residual - states @ (states.T @ residual)
         along = (vectors[:, kept].T @ (forced.q.T @ projected)) / root
-        out.append(_Piece(along, (root[:, None] * vectors[:, kept].T) @ forced.r, forced.knots))
+        count = max(int(np.count_nonzero(residual)) - states.shape[1] - len(along), 0)
+        outside = max(float(projected @ projected) - float(along @ along), 0.0)
+        out.append(_Piece(along, (root[:, None] * vectors[:, kept].T) @ forced.r, forced.knots, outside, count))
     return out
 
 
-def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float) -> float:
-    """Twice the restricted log-likelihood with such a force over that of none."""
+def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float, louder: float) -> float:
+    """Twice the restricted log-likelihood with such a force and so much louder noise over that of neither."""
     total = 0.0
     for piece in pieces:
         spread = piece.r @ covariance_at(piece.knots, sizes, memory) @ piece.r.T
-        total += float(piece.along @ piece.along) - sum(_weighed(spread, piece.along))
+        inside, determinant = _weighed(spread / louder, piece.along)
+        total += float(piece.along @ piece.along) + piece.outside - (inside + piece.outside) / louder
+        total -= determinant + (piece.count + len(piece.along)) * float(np.log(louder))
     return total
 
 
@@ -227,23 +236,32 @@ def estimate(found: Responses, fitted: Fit, residuals: Sequence[Array], joints: 
     n = len(joints)
     shortest = max(float(np.median([p.knots[1] - p.knots[0] for p in pieces])), 1e-9)
     bounds = [(np.log(SMALLEST), np.log(LARGEST))] * n + [(np.log(shortest), np.log(LONGEST * found.period))]
+    bounds.append((0.0, np.log(LOUDEST)))
 
     def loss(z: Array) -> float:
-        return -_gain(pieces, np.exp(z[:n]), float(np.exp(z[n])))
+        return -_gain(pieces, np.exp(z[:n]), float(np.exp(z[n])), float(np.exp(z[n + 1])))
 
     best: tuple[float, Array] | None = None
     for memory in (2.0 * shortest, 0.25 * found.period):
-        start = np.log(np.array([*np.full(n, _first_size(pieces, n, memory)), memory]))
+        louder = sum(p.outside for p in pieces) / max(sum(p.count for p in pieces), 1)
+        start = np.log(np.array([*np.full(n, _first_size(pieces, n, memory)), memory, max(louder, 1.0)]))
         start = np.clip(start, *np.array(bounds).T)
         ended = minimize(loss, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": 25, "ftol": 1e-7})
         if best is None or ended.fun < best[0]:
             best = float(ended.fun), np.asarray(ended.x)
     assert best is not None
-    gain = -best[0]
-    if chi2.sf(max(gain, 0.0), n + 1) >= CHANCE:
+    gain, louder = -best[0], float(np.exp(best[1][n + 1]))
+    # Noise that is louder than it was taken to be is no force: it is asked for beside that.
+    alone = max(
+        sum(float(p.along @ p.along) + p.outside for p in pieces) / sum(p.count + len(p.along) for p in pieces), 1.0
+    )
+    without = _gain(pieces, np.full(n, SMALLEST), shortest, alone)
+    if chi2.sf(max(gain - max(without, 0.0), 0.0), n + 1) >= CHANCE:
         return None
     sizes = tuple(float(s) * found.torque for s in np.exp(best[1][:n]))
-    return Discrepancy(tuple(joints), sizes, float(np.exp(best[1][n])), gain, found.torque, found)
+    return Discrepancy(
+        tuple(joints), sizes, float(np.exp(best[1][n])), gain, louder, found.torque * float(np.sqrt(louder)), found
+    )
 
 
 def _first_size(pieces: Sequence[_Piece], joints: int, memory: float) -> float:

@@ -70,6 +70,13 @@ class Colour:
         np.moveaxis(out, axis, -1)[..., 0] *= sigma / self.std
         return out
 
+    def louder(self, variance: float) -> Colour:
+        """The same noise with so many times its variance."""
+        if variance == 1.0:
+            return self
+        root = float(np.sqrt(variance))
+        return Colour(self.white * root, self.coloured * root, self.phi, self.interval)
+
     def thinned(self, step: int) -> Colour:
         """The same noise after averaging over blocks of ``step`` samples."""
         if step == 1:

@@ -8,7 +8,7 @@ what the estimate is held against, so a law that is merely wrong, and wrong alik
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 
@@ -71,7 +71,9 @@ def unequal_friction(outcome: Outcome, fitted: Fit) -> Unequal | None:
 
     fitted: to all recordings, of free motion in which every channel is a joint's.
     """
-    problem = outcome.problem
+    # Held against the scatter between stretches, and so in need of no other model of error.
+    plain = replace(outcome.study, likelihood=outcome.study.likelihood.of_sensors)
+    problem, outcome = outcome.problem, replace(outcome, study=plain)
     joints = rubbing(outcome, fitted)
     count = len(problem.runs)
     if count < 2 or not joints:

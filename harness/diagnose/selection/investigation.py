@@ -93,6 +93,15 @@ class Outcome:
     read: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
 
     @property
+    def noise(self) -> tuple[float, ...]:
+        """Standard deviations of the channels' sensors [channel unit]: as estimated, or as readings scatter beside a force.
+
+        What a likelihood needs beside such a force is not the sensor's alone.
+        """
+        likelihood = self.study.likelihood
+        return tuple(c.std for c in (likelihood.colours if self.force is None else crude_colours(self.problem)))
+
+    @property
     def force(self) -> Discrepancy | None:
         """The force that every hypothesis leaves out, None where noise is all there is."""
         found = self.study.likelihood.discrepancy

@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from harness.diagnose.estimation.discrepancy import Discrepancy, Responses, estimate, responses
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
@@ -52,6 +54,8 @@ def weighed(study: Study, ways: Sequence[Responses], fitted: Fit) -> Weighed:
         colours = 2.0 * sum(1.0 for colour in sensors.colours if colour.coloured > 0.0)
         rows.append((cost - gain + sensors.spread(fitted.windows) + 2.0 * colours, sensors, force))
     value, sensors, force = min(rows, key=lambda row: row[0])
+    if force is not None:
+        sensors = replace(sensors, colours=tuple(colour.louder(force.louder) for colour in sensors.colours))
     return Weighed(fitted, study.criterion(fitted) - fitted.cost + value, sensors, force)
 
 
@@ -133,9 +137,10 @@ def _best_of_each_size(study: Study) -> list[Fit]:
 
 def _alike(one: Weighed, other: Weighed) -> bool:
     """Whether two likelihoods weigh alike."""
-    if one.force is None or other.force is None or one.sensors is not other.sensors:
+    if one.force is None or other.force is None or one.force.responses is not other.force.responses:
         return False
-    pairs = zip(one.force.sizes, other.force.sizes, strict=True)
+    sizes = ((*force.sizes, float(np.sqrt(force.louder))) for force in (one.force, other.force))
+    pairs = zip(*sizes, strict=True)
     return all(abs(a - b) <= SETTLED * max(a, b) for a, b in pairs)
 
 
