@@ -16,9 +16,9 @@ from harness.diagnose.claims.conclude import conclude
 from harness.diagnose.conditioning.conventions import conventional
 from harness.diagnose.conditioning.free_motion import free_parts
 from harness.diagnose.conditioning.held_start import released
-from harness.diagnose.criticism.structure import worth_of_structure
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
+from harness.diagnose.levels.known_error import worth_of_known_error
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.selection import effort_hold
@@ -89,7 +89,7 @@ def diagnose(
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
     frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)
-    outcome = investigate(problem, known, frequency, effort=effort, progress=tell, structure=worth_of_structure)
+    outcome = investigate(problem, known, frequency, effort=effort, progress=tell, structure=worth_of_known_error)
     conclusion = conclude(outcome)
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = differing_levels(outcome, conclusion, train, judged)

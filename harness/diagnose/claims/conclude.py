@@ -336,7 +336,7 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))
     if remains.significant:
-        further = (motion_where_held(outcome, best), shaken_up_and_down(outcome, best))
+        further = (motion_where_held(outcome, best), shaken_up_and_down(outcome.study, best))
         remains = replace(remains, tests=(*remains.tests, *(test for test in further if test is not None)))
     # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
     floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)

@@ -203,13 +203,13 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
 
 def _up_and_down_as_well(outcome: Outcome, best: Fit, smaller: Fit, remains: Remains) -> bool:
     """Whether a support that moves up and down does as well as what shakes in the way that ``best`` has it: either is as likely."""
-    study, vertical = outcome.study, shaken_up_and_down(outcome, smaller)
+    study, vertical = outcome.study, shaken_up_and_down(outcome.study, smaller)
     if _do_better(study, best, smaller, [vertical]):
         return True
     if not remains.significant:
         return False
     # What does not explain all has only gained more by a fit than the other by a linear view, where the swing is changed much.
-    sideways = shaken_sideways(outcome, smaller)
+    sideways = shaken_sideways(outcome.study, smaller)
     return sideways is not None and vertical.worth(study.samples) > sideways.worth(study.samples)
 
 

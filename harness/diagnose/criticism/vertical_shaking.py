@@ -20,8 +20,8 @@ from harness.diagnose.criticism.probe import Probe, Test, probe
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linear_response import responsive, to_channels
 from harness.diagnose.problem.windows import Window
-from harness.diagnose.selection.investigation import Outcome
 from harness.diagnose.selection.score_tests import MOST_TOGETHER, Projected, nuisance
+from harness.diagnose.selection.study import Study
 from harness.effects.scale import references
 from harness.system import System
 
@@ -35,14 +35,14 @@ AT_ONCE = MOST_TOGETHER // 2  # two waves each
 DEPENDENT = 1e-9  # share of the largest column's square, below which the area of two is rounding
 
 
-def shaken_up_and_down(outcome: Outcome, fitted: Fit) -> Test:
+def shaken_up_and_down(study: Study, fitted: Fit) -> Test:
     """Gain by gravity that comes and goes at one frequency.
 
     In one phase, counted from the first sample of every recording; ``together``: with an amplitude and a phase of its own in every
     window.
     """
-    own = _probe(outcome, fitted)
-    system = outcome.problem.system
+    own = _probe(study, fitted)
+    system = study.problem.system
     found = own.motions.values()
     weights = _gravity(own.names, system, np.concatenate([m.q for m in found])) / own.torque
     by_window = dict(zip(own.motions, np.split(weights, np.cumsum([len(m.q) for m in found])[:-1]), strict=True))
@@ -53,34 +53,34 @@ def shaken_up_and_down(outcome: Outcome, fitted: Fit) -> Test:
         ]
         return np.asarray(np.sum(pulses, axis=0))
 
-    return _at_one_frequency(outcome, own, changes, UP_AND_DOWN)
+    return _at_one_frequency(study, own, changes, UP_AND_DOWN)
 
 
-def shaken_sideways(outcome: Outcome, fitted: Fit) -> Test | None:
+def shaken_sideways(study: Study, fitted: Fit) -> Test | None:
     """The same by a base that shakes sideways, as the catalogue's does; none where channels are not linear in the motion."""
-    if not responsive(outcome.predictor):
+    if not responsive(study.predictor):
         return None
-    own = _probe(outcome, fitted)
+    own = _probe(study, fitted)
 
     def changes(window: Window, waves: Array) -> Array:
         found = own.motions[window]
         moved = found.by_shaking(waves)
         return np.nan_to_num(to_channels(own.predictor, own.likelihood, fitted, found, moved))
 
-    return _at_one_frequency(outcome, own, changes, SIDEWAYS)
+    return _at_one_frequency(study, own, changes, SIDEWAYS)
 
 
-def _probe(outcome: Outcome, fitted: Fit) -> Probe:
-    system = outcome.problem.system
+def _probe(study: Study, fitted: Fit) -> Probe:
+    system = study.problem.system
     torque = references(system, system.joint_names[0]).torque
-    return probe(outcome.predictor, outcome.study.likelihood, fitted, torque)
+    return probe(study.predictor, study.likelihood, fitted, torque)
 
 
-def _at_one_frequency(outcome: Outcome, own: Probe, changes: Callable[[Window, Array], Array], name: str) -> Test:
+def _at_one_frequency(study: Study, own: Probe, changes: Callable[[Window, Array], Array], name: str) -> Test:
     """Gain by what waves over time (2K, G) do to the channels of a window (2K, M), at the best of many frequencies."""
     fitted = own.fitted
-    space = nuisance(fitted, outcome.predictor)
-    swing = 1.0 / outcome.period
+    space = nuisance(fitted, study.predictor)
+    swing = 1.0 / study.swing
     longest = max(float(m.time[-1]) for m in own.motions.values())
     count = int(np.clip((HIGHEST - LOWEST) * swing * longest * FINENESS, 2, MOST))
     frequencies = np.linspace(LOWEST * swing, HIGHEST * swing, count)
@@ -93,11 +93,11 @@ def _at_one_frequency(outcome: Outcome, own: Probe, changes: Callable[[Window, A
         for window, one in zip(own.motions, moved, strict=True):
             apart[part] += _gains(space.measure([one], only=fitted.windows.index(window)))
     best, windows = int(np.argmax(apart)), len(own.motions)
-    loudness = outcome.study.loudness(fitted)
+    loudness = study.loudness(fitted)
     chances = (chi2.sf(alike.max() / loudness, 2), chi2.sf(apart[best] / loudness, 2 * windows))
     chance = min(1.0, count * float(min(chances)))
     # An amplitude and a phase for every window; that they share a frequency is paid for at once.
-    together = (float(apart[best]) - float(np.log(outcome.study.samples)), windows)
+    together = (float(apart[best]) - float(np.log(study.samples)), windows)
     return Test(name, float(alike.max()), 2, chance, (f"at {frequencies[best]:.3g} Hz",), 1, together)
 
 

@@ -20,6 +20,7 @@ from harness.diagnose.criticism.doubt import LEVEL
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.levels.levels import LevelFit, fit_levels, free_run_error, labels
 from harness.diagnose.levels.unequal_friction import Unequal, rubbing, unequal_friction
+from harness.diagnose.problem.problem import Problem
 from harness.diagnose.selection.investigation import Outcome
 from harness.effects.room import STATED
 from harness.recording.recording import Recording
@@ -53,15 +54,12 @@ def differing_levels(
     train, heldout: the recordings behind the problem's runs.
     """
     problem = outcome.problem
-    measured = {c.site for c in problem.channels if c.quantity == "position"}
-    if problem.driven or problem.system.flexible or problem.same_recording or len(train) < 2:
+    if not comparable(problem):
         return None
-    if not measured.issuperset(problem.system.joint_names):
-        return None
-    fitted = next((f for f in _shortlist(outcome, conclusion) if rubbing(outcome, f)), None)
+    fitted = next((f for f in _shortlist(outcome, conclusion) if rubbing(outcome.study, f)), None)
     if fitted is None or not _can_be_levelled(fitted):
         return None
-    asked = unequal_friction(outcome, fitted)
+    asked = unequal_friction(outcome.study, fitted)
     if asked is None or asked.chance > LEVEL or float(np.ptp(asked.levels)) < LEAST:
         return None
     start = _start(outcome, fitted)
@@ -86,13 +84,21 @@ def differing_levels(
             }
         )  # fmt: skip
     document = {
-        "joints": list(rubbing(outcome, fitted)),
+        "joints": list(rubbing(outcome.study, fitted)),
         "chance": asked.chance,
         "recordings": rows,
         "laws": [_law(attachment) for attachment in levelled.system.attachments],
         "how": HOW,
     }
     return Differing(document, _sentence(asked, rows), levelled.system)
+
+
+def comparable(problem: Problem) -> bool:
+    """Whether the recordings are such that their friction can be compared: several free swings with every joint measured."""
+    measured = {c.site for c in problem.channels if c.quantity == "position"}
+    if problem.driven or problem.system.flexible or problem.same_recording or len(problem.train) < 2:
+        return False
+    return measured.issuperset(problem.system.joint_names)
 
 
 def _shortlist(outcome: Outcome, conclusion: Conclusion) -> list[Fit]:

@@ -25,8 +25,9 @@ from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.levels.levels import SLOTS
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window, cut
-from harness.diagnose.selection.investigation import SWINGS, Outcome
+from harness.diagnose.selection.investigation import SWINGS
 from harness.diagnose.selection.score_tests import carry_state
+from harness.diagnose.selection.study import Study
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
@@ -47,48 +48,54 @@ class Unequal:
 
     levels, std: shape (R,), those held out included; 1 and 0 for the last training recording. chance: of such differences if
     friction were equal (Hotelling's T², the covariance a jackknife's over stretches; Efron and Stein, Ann. Statist. 9 (1981) 586).
+    share: of what short stretches leave above the noise, that levels take away.
     """
 
     levels: Array
     std: Array
     chance: float
+    share: float
 
 
-def rubbing(outcome: Outcome, fitted: Fit) -> tuple[str, ...]:
+def rubbing(study: Study, fitted: Fit) -> tuple[str, ...]:
     """Joints that have dry friction in a fit."""
-    model = outcome.predictor.mechanism(fitted.hypothesis).model
-    row = outcome.predictor.row(fitted.hypothesis, fitted.x)
+    model = study.predictor.mechanism(fitted.hypothesis).model
+    row = study.predictor.row(fitted.hypothesis, fitted.x)
     sizes = ("coulomb_torque", "static_torque", "mu_radius", "dahl_torque")
     return tuple(
-        joint
-        for joint in outcome.problem.system.joint_names
-        if any(row[model.slot(joint, slot)] > 0.0 for slot in sizes)
+        joint for joint in study.problem.system.joint_names if any(row[model.slot(joint, slot)] > 0.0 for slot in sizes)
     )
 
 
-def unequal_friction(outcome: Outcome, fitted: Fit) -> Unequal | None:
+def unequal_friction(study: Study, fitted: Fit) -> Unequal | None:
     """Levels of dry friction of all recordings to first order; None where there is nothing to compare.
 
     fitted: to all recordings, of free motion in which every channel is a joint's.
     """
     # Held against the scatter between stretches, and so in need of no other model of error.
-    plain = replace(outcome.study, likelihood=outcome.study.likelihood.of_sensors)
-    problem, outcome = outcome.problem, replace(outcome, study=plain)
-    joints = rubbing(outcome, fitted)
+    study = replace(study, likelihood=study.likelihood.of_sensors)
+    problem = study.problem
+    joints = rubbing(study, fitted)
     count = len(problem.runs)
     if count < 2 or not joints:
         return None
-    stretches = _stretched(outcome, fitted)
-    grams, rights, size = _normal_equations(outcome, stretches, joints)
+    stretches = _stretched(study, fitted)
+    grams, rights, size = _normal_equations(study, stretches, joints)
     if len(grams) < 2 * count:
         return None
     prior = np.zeros(size)
-    prior[: len(outcome.predictor.nominal)] = 1.0
+    prior[: len(study.predictor.nominal)] = 1.0
     pull = np.zeros(size)
-    pull[: len(outcome.predictor.nominal)] = fitted.x[: len(outcome.predictor.nominal)]
+    pull[: len(study.predictor.nominal)] = fitted.x[: len(study.predictor.nominal)]
     whole, right = sum(grams) + np.diag(prior), sum(rights) + pull
     last = slice(size - (count - 1), size)
-    found = _solved(whole, right)[last]
+    every = _solved(whole, right)
+    found = every[last]
+    shared = _solved(whole[: last.start, : last.start], right[: last.start])
+    gain = float(right[: last.start] @ shared - right @ every)
+    excess = max(
+        float(sum(r @ r for r in stretches.linear.residuals)) - study.likelihood.samples(stretches.windows), 1e-300
+    )
     # Without one stretch after the other: what stretches of one recording disagree about is the scatter that counts.
     left_out = np.array([_solved(whole - g, right - r)[last] for g, r in zip(grams, rights, strict=True)])
     away = left_out - left_out.mean(axis=0)
@@ -99,39 +106,41 @@ def unequal_friction(outcome: Outcome, fitted: Fit) -> Unequal | None:
     chance = float(f_distribution.sf(square * rest / (freedom * (count - 1)), count - 1, rest)) if rest > 0 else 1.0
     base = len(problem.train) - 1
     levels = np.insert(np.exp(np.clip(found, -FURTHEST, FURTHEST)), base, 1.0)
-    return Unequal(levels, np.insert(np.sqrt(np.diag(covariance)), base, 0.0), chance)
+    return Unequal(
+        levels, np.insert(np.sqrt(np.diag(covariance)), base, 0.0), chance, min(max(gain, 0.0) / excess, 1.0)
+    )
 
 
-def _stretched(outcome: Outcome, fitted: Fit) -> Fit:
+def _stretched(study: Study, fitted: Fit) -> Fit:
     """The same parameters over short stretches of all recordings, initial states fitted."""
-    problem, predictor = outcome.problem, outcome.predictor
+    problem, predictor = study.problem, study.predictor
     windows: list[Window] = []
     for k, run in enumerate(problem.runs):
         own = [w for w in fitted.windows if w.run == k]
-        shortest = SWINGS * outcome.period
+        shortest = SWINGS * study.swing
         windows += own if len(own) >= PIECES else cut(problem.runs, [k], max(shortest, run.duration / PIECES))
     states = {
         w: carry_state(predictor, Hypothesis(), fitted.hypothesis, measured_state(problem, predictor, w))
         for w in windows
     }
     held = np.ones(len(fitted.x), dtype=bool)
-    objective = outcome.study.objective(fitted.hypothesis).on(windows)
+    objective = study.objective(fitted.hypothesis).on(windows)
     found = fit(objective, fitted.x, states, fixed=held)
     _, upper = objective.bounds()
     linear = linearise(objective, found.x, found.states, upper=upper, fixed=~fitted.free)
     return Fit(found.hypothesis, found.windows, found.x, found.states, linear, found.prior, True, fitted.free)
 
 
-def _normal_equations(outcome: Outcome, fitted: Fit, joints: tuple[str, ...]) -> tuple[list[Array], list[Array], int]:
+def _normal_equations(study: Study, fitted: Fit, joints: tuple[str, ...]) -> tuple[list[Array], list[Array], int]:
     """Per stretch AᵀA and Aᵀr of [parameters, shared shapes, common level, levels of all but the last one trained on]."""
-    predictor, likelihood, problem = outcome.predictor, outcome.study.likelihood, outcome.problem
+    predictor, likelihood, problem = study.predictor, study.likelihood, study.problem
     probes = {j: probe(predictor, likelihood, fitted, references(problem.system, j).torque) for j in joints}
     shapes = [_shared_shapes(own, joint) for joint, own in probes.items()]
     motions = next(iter(probes.values())).motions
     others = [k for k in range(len(problem.runs)) if k != len(problem.train) - 1]
     grams, rights = [], []
     for k, window in enumerate(fitted.windows):
-        level = _level_change(outcome, fitted, motions[window], joints)
+        level = _level_change(study, fitted, motions[window], joints)
         own = level[:, None] * (np.array(others) == window.run)
         columns = np.hstack(
             [
@@ -185,9 +194,9 @@ def _hats(x: Array, knots: tuple[float, ...]) -> list[Array]:
     return [np.interp(x, knots, np.eye(len(knots))[k]) for k in range(len(knots))]
 
 
-def _level_change(outcome: Outcome, fitted: Fit, motion: Response, joints: tuple[str, ...]) -> Array:
+def _level_change(study: Study, fitted: Fit, motion: Response, joints: tuple[str, ...]) -> Array:
     """Whitened change of the channels (M,) by the logarithm of the level of all dry friction in one stretch."""
-    predictor = outcome.predictor
+    predictor = study.predictor
     mechanism = predictor.mechanism(fitted.hypothesis)
     model, n = mechanism.model, len(mechanism.names)
     rows = np.tile(predictor.row(fitted.hypothesis, fitted.x), (2, 1))
@@ -199,7 +208,7 @@ def _level_change(outcome: Outcome, fitted: Fit, motion: Response, joints: tuple
         rows, state[:, :n].copy(), state[:, n:].copy(), motion.time, tolerance=predictor.tolerance
     )
     change = np.concatenate([q[1] - q[0], qd[1] - qd[0]], axis=1)[:, :, None] / STEP
-    return to_channels(predictor, outcome.study.likelihood, fitted, motion, change)[0]
+    return to_channels(predictor, study.likelihood, fitted, motion, change)[0]
 
 
 def _solved(matrix: Array, right: Array) -> Array:
