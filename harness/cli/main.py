@@ -18,6 +18,7 @@ VERBS = {
     "gate": "Hold the suite against the accepted figures (for CI).",
     "report": "Render saved results again: HTML, Markdown, CSV, JUnit XML.",
     "diagnose": "Find the physics a model left out, from recordings of the real system.",
+    "decay": "Read damping off the decay of a free swing.",
     "prove": "Conceal effects in other engines' recordings, find them blind, score.",
     "audit": "Check whether a parameter table is physically possible.",
     "simulate": "Run a system once, to a recording or a plot.",
