@@ -22,6 +22,7 @@ VERBS = {
     "prove": "Conceal effects in other engines' recordings, find them blind, score.",
     "audit": "Check whether a parameter table is physically possible.",
     "simulate": "Run a system once, to a recording or a plot.",
+    "paper": "Compute the paper's figures, and what it leaves open.",
     "bench": "Measure time and memory against the peers, side by side.",
     "doctor": "List the engines, their versions, and a tiny run of each.",
 }
