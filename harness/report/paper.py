@@ -47,6 +47,13 @@ def drawn(series: Sequence[Series]) -> dict[str, str]:
 def series_document(series: Sequence[Series]) -> list[dict[str, Any]]:
     """Lines of the pictures as plain values."""
     return [
-        {"figure": s.figure, "label": s.label, "x": list(s.x), "y": list(s.y), "x_label": s.x_label, "y_label": s.y_label}
+        {
+            "figure": s.figure,
+            "label": s.label,
+            "x": list(s.x),
+            "y": list(s.y),
+            "x_label": s.x_label,
+            "y_label": s.y_label,
+        }
         for s in series
     ]

@@ -60,7 +60,6 @@ def figures() -> Figures:
 
 def _rigid_facts(wide: Run, small: Run, numbers: dict[str, float]) -> list[Fact]:
     pot = swing(wide.time, wide.read["potentiometer"])
-    first = wide.time[-1] if len(pot.time) < 4 else pot.time[3]
     numbers["rigid_first"] = float(pot.frequency[0])
     numbers["rigid_mean_10s"] = _mean(pot, 10.0)
     numbers["rigid_last"] = float(pot.frequency[pot.time < 10.0][-1])
@@ -85,7 +84,6 @@ def _rigid_facts(wide: Run, small: Run, numbers: dict[str, float]) -> list[Fact]
     amplifier = ChargeAmplifier()
     numbers["amplifier_gain"] = abs(amplifier.gain(paper_small_frequency()))
     numbers["felt_share"] = 1.0 - 9.81 / ((2.0 * math.pi * paper_small_frequency()) ** 2 * LENGTH)
-    del first
     return [
         Fact("swing of the rigid pendulum, potentiometer", "section 5.1, figure 6(a)", "0.9 Hz",
              f"{numbers['rigid_first']:.3f} Hz in the first half-swing to {numbers['rigid_last']:.3f} Hz after 10 s",
@@ -96,7 +94,8 @@ def _rigid_facts(wide: Run, small: Run, numbers: dict[str, float]) -> list[Fact]
              f"{numbers['xi_decrement_7']:.3g} from 7°, every sample {numbers['xi_likelihood']:.3g}, printed rule "
              f"{numbers['xi_printed']:.3g} N·m·s", "of a simulated recording whose ξ is 1.9e-3"),
         Fact("accelerometer from 7°", "section 5.1, figure 6(b)", "right",
-             f"{numbers['accelerometer_scale_7']:.3f} of the angle, {100.0 * numbers['accelerometer_left_7']:.1f} % left by that scale",
+             f"{numbers['accelerometer_scale_7']:.3f} of the angle, "
+             f"{100.0 * numbers['accelerometer_left_7']:.1f} % left by that scale",
              f"gravity leaves {100.0 * numbers['felt_share']:.0f} % of the acceleration, the 2 Hz cut-off "
              f"{100.0 * numbers['amplifier_gain']:.0f} % of the displacement at 1.07 Hz"),
         Fact("accelerometer from 90°", "section 5.1", "not correct",
@@ -186,7 +185,14 @@ def _angles(figure: str, what: str, run: Run, sensors: tuple[str, ...], scaled: 
 def _tips(run: Run) -> list[Series]:
     what = "the flexible pendulum, released from the horizontal"
     return [
-        _line("7(a)", what, "gauges at the root, by the clamped calibration", run.time, 1e3 * run.read["gauges"], unit="mm"),
+        _line(
+            "7(a)",
+            what,
+            "gauges at the root, by the clamped calibration",
+            run.time,
+            1e3 * run.read["gauges"],
+            unit="mm",
+        ),
         _line("7(b)", what, "tip deflection, simulated", run.time, 1e3 * run.true["tip"], unit="mm"),
     ]
 

@@ -51,8 +51,8 @@ class Likelihood:
 def best(time: Array, signal: Array, found: HalfSwings) -> tuple[Likelihood, tuple[Likelihood, ...]]:
     """The set of laws with the least BIC, and all sets tried, best first; each begins at what the envelope says of it."""
     tried: list[Likelihood] = []
-    for count in range(len(LAWS), -1, -1):
-        for laws in combinations(LAWS, count):
+    for size in range(len(LAWS), -1, -1):
+        for laws in combinations(LAWS, size):
             one = fit(time, signal, found, envelope(found, laws).coefficients, laws)
             # Where dry friction stops the motion the residual has kinks, and a small set may end in a wrong valley: it is begun
             # anew from a larger one that can do without its member.
