@@ -1,9 +1,9 @@
 """What the printed equations leave out, asked of a recording that finite elements made: term by term, by regression.
 
-Units that do not match are mended from the page alone; along a recording of angle and tip deflection, equation (10) does not balance
-even then. What is missing is a sum of the terms that would mend the other misprints, each with a factor: 1 where the misprint is
-real, 0 where the print is right. The factors are found by least squares, and a term is named where the balance is worse without it,
-by the Bayesian information criterion.
+Units that do not match are mended from the page alone. Along a recording of angle and tip deflection equation (10) does not
+balance even then: what is missing is a sum of the terms that would mend the other misprints, each with a factor, 1 where the
+misprint is real, 0 where the print is right. The factors are found by least squares, and a term is named where the balance is
+worse without it, by the Bayesian information criterion.
 
 (Units have to be mended first: a vibration of one frequency has b̈ = −ω² b, so a wrong modal inertia and a missing stiffness look
 alike along it.)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
@@ -79,9 +80,7 @@ def compared(motion: Motion) -> tuple[Motion, dict[int, float] | str]:
     system = arm(motion.kinds, stiffening=stiffening, shapes=motion.shapes)
     start = {} if motion.driven else {"joint1": -1.0} | ({"joint2": -0.5} if len(motion.kinds) > 1 else {})
     try:
-        peer: EngineModel = (
-            Ancf(elements=motion.elements).build(system) if stiffening else registry.engine(motion.peer).build(system)
-        )
+        peer = _ancf(system, motion.elements) if stiffening else registry.engine(motion.peer).build(system)
         truth = peer.simulate(
             *initial_state(system, start, {}),
             time,
@@ -99,13 +98,17 @@ def compared(motion: Motion) -> tuple[Motion, dict[int, float] | str]:
     return motion, errors
 
 
+def _ancf(system: System, elements: int) -> EngineModel:
+    return cast(EngineModel, Ancf(elements=elements).build(system))
+
+
 def configurations(kinds: str, angles: Sequence[float], elements: int) -> list[tuple[float, list[float], list[float]]]:
     """First natural frequencies [Hz] of a weightless arm by the angle of its second joint [rad]: native, and ANCF's matched."""
     system = arm(kinds, modes=5, gravity=0.0)
     ours = registry.engine(NATIVE).build(system)
     try:
         Ancf().version()
-        theirs: EngineModel | None = Ancf(elements=elements).build(system)
+        theirs: EngineModel | None = _ancf(system, elements)
     except EngineUnavailableError:
         theirs = None
     found = []
@@ -154,7 +157,9 @@ def _told(
     modes: Sequence[int],
 ) -> Study:
     heads = ("arm", "motion", "shapes", "against", *(f"{m} mode{'s' if m > 1 else ''}" for m in modes))
-    rows, series, numbers = [], [], {}
+    rows: list[tuple[str, ...]] = []
+    series: list[Series] = []
+    numbers: dict[str, float] = {}
     for motion, errors in ran:
         what = "driven" if motion.driven else "falling"
         if isinstance(errors, str):
