@@ -132,6 +132,39 @@ def asked(trial: Trial) -> Answer:
     )
 
 
+def departures(seed: int, *, duration: float = 25.0) -> Study:
+    """When the viscous model of the first four swings leaves the recording, by kind and release; truths as in ``damping``."""
+    rng = np.random.default_rng(seed)
+    truths = [conceal(kind, rng) for kind in KINDS]
+    heads = ("concealed", "share of the loss", *(f"from {release:g}°" for release in reversed(RELEASES)))
+    rows, series, numbers = [], [], {}
+    for truth in truths:
+        left = []
+        for release in RELEASES:
+            recording = record(Trial(truth, release, duration, int(rng.integers(2**31))))
+            try:
+                left.append(departure(half_swings(recording.time, recording.channels[0].values, sine=True)))
+            except InputError:
+                left.append(None)
+        cells = ["not" if t is None else f"{t:.1f} s" for t in reversed(left)]
+        rows.append((truth.kind, f"{100.0 * truth.share:.0f} %", *cells))
+        times = [math.nan if t is None else t for t in left]
+        series.append(
+            Series(
+                "paper",
+                "when the linear model leaves",
+                truth.kind.replace("_", " "),
+                RELEASES,
+                tuple(times),
+                "release [°]",
+                "time of departure [s]",
+                style="points",
+            )
+        )
+        numbers |= {f"{truth.kind}_{release:g}": t for release, t in zip(RELEASES, times, strict=True)}
+    return Study({"departure": (heads, rows)}, tuple(series), numbers)
+
+
 def damping(seed: int, *, quick: bool = False, progress: Progress = silent) -> Study:
     """Every kind, release and length diagnosed; truths drawn from the seed. quick: from 90° alone, three lengths."""
     rng = np.random.default_rng(seed)
