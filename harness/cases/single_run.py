@@ -134,8 +134,8 @@ def run_once(
     it keeps the earlier value ("zero") or runs straight ("linear"), which every engine is given as its mean from each to the next.
     Raises InputError for an unknown engine, a system the engine cannot express, and a motion that leaves all bounds.
     """
-    if engine not in registry.names():
-        raise InputError(f"no engine is named {engine!r}", mend=did_you_mean(engine, registry.names()))
+    if engine not in registry.every_name():
+        raise InputError(f"no engine is named {engine!r}", mend=did_you_mean(engine, registry.every_name()))
     adapter = registry.engine(engine)
     version = adapter.version()
     # Effects may add coordinates of their own (a base that slides, a link that bends); these start at rest, undriven.

@@ -19,10 +19,12 @@ VERBS = {
     "gate": "Hold the suite against the accepted figures (for CI).",
     "report": "Render saved results again: HTML, Markdown, CSV, JUnit XML.",
     "diagnose": "Find the physics a model left out, from recordings of the real system.",
+    "decay": "Read damping off the decay of a free swing.",
     "prove": "Conceal effects in other engines' recordings, find them blind, score.",
     "audit": "Check whether a parameter table is physically possible.",
     "simulate": "Run a system once, to a recording or a plot.",
     "view": "Show a mechanism in motion, simulated beside a recording: MuJoCo's viewer, or a page.",
+    "paper": "Compute the paper's figures, and what it leaves open.",
     "bench": "Measure time and memory against the peers, side by side.",
     "doctor": "List the engines, their versions, and a tiny run of each.",
 }

@@ -230,7 +230,9 @@ def _blame_force(
     a, b = getattr(ours, term), getattr(theirs, term)
     apart = np.abs(a - b).max(axis=0)
     worst = names[int(np.argmax(apart))]
-    return Blame(term, differs, share, worst, _words(_NAMES[term], names, a, b, apart, allowed))
+    # Elastic coordinates are named after their link, `rod.mode1`.
+    what = "the elastic stiffness" if term == "stiffness" and ".mode" in worst else _NAMES[term]
+    return Blame(term, differs, share, worst, _words(what, names, a, b, apart, allowed))
 
 
 def _words(what: str, names: tuple[str, ...], a: Array, b: Array, apart: Array, allowed: float) -> str:

@@ -20,6 +20,8 @@ _HOME = {
     "exudyn_ffrf": ("harness.engines.exudyn_ffrf", "Ffrf"),
     "analytic": ("harness.engines.analytic", "Analytic"),
 }
+# Equations that are known to be wrong: to be had by name, and never asked as a peer.
+_NO_PEERS = {"as_printed": ("harness.engines.as_printed", "AsPrinted")}
 
 
 @dataclass(frozen=True)
@@ -32,22 +34,28 @@ class Availability:
 
 
 def names() -> tuple[str, ...]:
-    """Names of all engines, the native one first, those of other packages last."""
+    """Names of the engines that are asked for a comparison, the native one first, those of other packages last."""
     return (*_HOME, *own_names())
 
 
 def own_names() -> tuple[str, ...]:
     """Names of the engines that other packages bring (entry points ``denoc.engines``); ours cannot be replaced by one."""
-    return tuple(name for name in own.entry_points() if name not in _HOME)
+    return tuple(name for name in own.entry_points() if name not in _HOME and name not in _NO_PEERS)
+
+
+def every_name() -> tuple[str, ...]:
+    """Names of all engines, those that are no peers to anyone included."""
+    return (*_HOME, *_NO_PEERS, *own_names())
 
 
 def engine(name: str) -> Engine:
     """The engine of that name, installed or not; InputError if there is none."""
     if name in own_names():
         return cast(Engine, own.from_entry_point(own.entry_points()[name]))
-    if name not in _HOME:
-        raise InputError(f"no engine is named {name!r}", mend=f"one of {', '.join(names())}")
-    module, kind = _HOME[name]
+    homes = {**_HOME, **_NO_PEERS}
+    if name not in homes:
+        raise InputError(f"no engine is named {name!r}", mend=f"one of {', '.join((*homes, *own_names()))}")
+    module, kind = homes[name]
     made: Engine = getattr(import_module(module), kind)()
     return made
 

@@ -65,6 +65,13 @@ KINDS = (
         lines,
     ),
     Kind("amplitude_decay", "Decay of the amplitude", "Amplitude of each half-swing over time.", lines),
+    Kind(
+        "misprints",
+        "What each misprint does",
+        "The paper's equations as printed, and as their misprints are mended one after the other, beside engines that never "
+        "had them. A line ends where its equation has no solution, or has left the picture.",
+        lines,
+    ),
     Kind("cost", "Cost", "Time for one evaluation over the number of joints.", lines),
 )
 

@@ -1,0 +1,59 @@
+"""The paper's figures and studies as pictures, tables and a document for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from harness.cases.case import Series
+from harness.report.figures.lines import lines
+from harness.report.pictures import alone
+
+Rows = Sequence[Sequence[str]]
+
+
+def print_table(title: str, heads: Sequence[str], rows: Rows, console: Console) -> None:
+    """A table on the terminal."""
+    table = Table(box=None, header_style="bold", pad_edge=False, title=title, title_justify="left")
+    for head in heads:
+        table.add_column(Text(head), overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))
+    console.print(table)
+
+
+def markdown_table(heads: Sequence[str], rows: Rows) -> str:
+    """The same in Markdown."""
+    told = ["| " + " | ".join(heads) + " |", "|" + " -- |" * len(heads)]
+    told += ["| " + " | ".join(cell.replace("|", "/") for cell in row) + " |" for row in rows]
+    return "\n".join(told) + "\n"
+
+
+def drawn(series: Sequence[Series]) -> dict[str, str]:
+    """File name to SVG, on white, one picture a figure."""
+    found = {}
+    ordered = sorted(series, key=lambda line: line.figure)
+    for figure, members in groupby(ordered, key=lambda line: line.figure):
+        name = figure.replace(" ", "-").replace("(", "").replace(")", "").replace("°", "")
+        found[f"{name}.svg"] = alone(lines(list(members), name, height=3.6))
+    return found
+
+
+def series_document(series: Sequence[Series]) -> list[dict[str, Any]]:
+    """Lines of the pictures as plain values."""
+    return [
+        {
+            "figure": s.figure,
+            "label": s.label,
+            "x": list(s.x),
+            "y": list(s.y),
+            "x_label": s.x_label,
+            "y_label": s.y_label,
+        }
+        for s in series
+    ]
