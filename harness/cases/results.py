@@ -20,6 +20,7 @@ class Results:
     """Rows of the table, lines of the plots, and what they were made with.
 
     versions: package or engine name to version. titles: case name to its one-line title. created: ISO 8601, UTC.
+    notes: case name to what reading its model left out or found otherwise read by another tool, one line each.
     seconds: wall time of the whole run [s]; case_seconds: by case.
     """
 
@@ -30,6 +31,12 @@ class Results:
     created: str = ""
     seconds: float = math.nan
     case_seconds: Mapping[str, float] = field(default_factory=dict)
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """All notes, each with the case that it is of."""
+        return tuple(f"{case}: {note}" for case, notes in self.notes.items() for note in notes)
 
     @property
     def ok(self) -> bool:
@@ -52,9 +59,14 @@ class Results:
             "seconds": _number(self.seconds),
             "versions": dict(self.versions),
             "summary": {verdict: self.count(verdict) for verdict in ("pass", "fail", "skipped")},
+            "notes": list(self.told),
             "rows": [row_as_dict(row) for row in self.rows],
             "cases": {
-                name: {"title": title, "seconds": _number(self.case_seconds.get(name, math.nan))}
+                name: {
+                    "title": title,
+                    "seconds": _number(self.case_seconds.get(name, math.nan)),
+                    "notes": list(self.notes.get(name, ())),
+                }
                 for name, title in self.titles.items()
             },
             "series": [_series_as_dict(series) for series in self.series],
@@ -141,6 +153,7 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
         document.get("created", ""),
         math.nan if seconds is None else seconds,
         {name: facts["seconds"] for name, facts in cases.items() if facts.get("seconds") is not None},
+        {name: tuple(facts["notes"]) for name, facts in cases.items() if facts.get("notes")},
     )
 
 

@@ -28,13 +28,14 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one case gave: rows, data for plots, wall time [s]."""
+    """What one case gave: rows, data for plots, wall time [s], and what reading its model left out."""
 
     case: str
     title: str
     rows: tuple[Row, ...]
     series: tuple[Series, ...]
     seconds: float
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,7 @@ def run(
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         seconds=perf_counter() - start,
         case_seconds={outcome.case: outcome.seconds for outcome in outcomes},
+        notes={outcome.case: outcome.notes for outcome in outcomes if outcome.notes},
     )
 
 
@@ -184,7 +186,7 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
             # One broken engine or check must not take the other rows with it, and must not pass either.
             rows.append(_broken(bench, check.quantity, tuple(models) or (NATIVE,), error))
     rows.sort(key=lambda row: row.verdict == "skipped")
-    return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start)
+    return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start, system.notes)
 
 
 def _broken(bench: Bench, quantity: str, engines: tuple[str, ...], error: Exception) -> Row:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, output_options, progress, write_json
+from harness.cli.options import console, output_options, progress, say_notes, write_json
 
 
 @click.command()
@@ -69,6 +69,7 @@ def diagnose(
         ).replayed()
     document = found.to_json()
     screen = console(json_file)
+    say_notes(document["notes"])
     print_diagnosis(document, screen)
     if out is not None:
         for path in write_diagnosis(found, out, said=lambda line: screen.print(line, markup=False)):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, write_json
+from harness.cli.options import console, say_notes, write_json
 
 
 @click.command()
@@ -66,6 +66,7 @@ def simulate(
     from harness.system import load
 
     mechanism = load(system, physical=not allow_unphysical)
+    say_notes(mechanism.notes)
     if engine == NATIVE:
         from harness.denoc import ahead
 
@@ -97,6 +98,7 @@ def simulate(
             "final": {name: float(values[-1]) for name, values in run.columns.items()},
             "energy_change": run.energy,
             "shapes": list(shapes),
+            "notes": list(mechanism.notes),
         }
         write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
     if out is None and plot is None and json_file is None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, output_options, progress, wide_options, write_json
+from harness.cli.options import console, output_options, progress, say_notes, wide_options, write_json
 
 
 @click.command()
@@ -71,6 +71,8 @@ def validate(
             physical=not (allow_unphysical or all_robots),
             progress=step,
         )
+    if chosen is not None:
+        say_notes(results.told)
     if out is not None:
         from harness.report.write import write_reports
 

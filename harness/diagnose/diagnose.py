@@ -78,7 +78,8 @@ def diagnose(
     tell("reading")
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     if fit_effort:
-        return diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        driven = diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        return replace(driven, notes=system.notes)
     problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
@@ -88,7 +89,8 @@ def diagnose(
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = differing_levels(outcome, conclusion, train, judged)
     tell("telling")
-    return answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+    found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+    return replace(found, notes=system.notes)
 
 
 def _read(

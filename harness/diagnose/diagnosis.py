@@ -47,7 +47,7 @@ class Diagnosis:
     verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
     curves: what the plots are drawn from. opening: from where the augmented model runs again; replay: how it does so in other
     engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
-    with its laws fitted beside such levels, where recordings ask for them.
+    with its laws fitted beside such levels, where recordings ask for them. notes: what reading the model left out, one line each.
     """
 
     verdict: str
@@ -66,6 +66,7 @@ class Diagnosis:
     levelled: System | None = None
     opening: Opening | None = None
     replay: Sequence[Mapping[str, Any]] = ()
+    notes: Sequence[str] = ()
 
     def replayed(self) -> Diagnosis:
         """The same answer with the augmented model run in every installed engine that can express what was found."""
@@ -87,6 +88,7 @@ class Diagnosis:
             "remainder": dict(self.remainder),
             "next_experiment": dict(self.next_experiment),
             "quality": list(self.quality),
+            "notes": list(self.notes),
         }
         if self.replay:
             document["replay"] = list(self.replay)

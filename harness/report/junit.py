@@ -26,6 +26,8 @@ def junit(results: Results) -> bytes:
             elif row.verdict == "skipped":
                 test.result = [Skipped(_printable(row.note))]
             suite.add_testcase(test)
+        for note in results.notes.get(name, ()):
+            suite.add_property("note", _printable(note))
         document.add_testsuite(suite)
     document.update_statistics()
     data = document.tostring()

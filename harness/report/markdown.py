@@ -34,9 +34,15 @@ def markdown(results: Results) -> str:
                 )
             )
         lines.append("")
+    if results.notes:
+        lines += ["## What the models say beside this", "", *(f"- {_plain(note)}" for note in results.told), ""]
     lines += ["## Versions", "", _line(("what", "version")), _line(("---", "---"))]
     lines += [_line(item) for item in results.versions.items()]
     return "\n".join(lines) + "\n"
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.split()).replace("\\", "\\\\").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
 
 
 def _line(cells: object) -> str:

@@ -189,6 +189,34 @@ class Attachment:
 
 
 @dataclass(frozen=True, eq=False)
+class Actuator:
+    """A drive with feedback of its own, as an MJCF states it; it acts in single runs, never in a comparison or a diagnosis.
+
+    Force at ``joint``: offset + gain · command − stiffness · position − damping · velocity, within lower and upper [N·m or N].
+    stiffness, damping: at the joint, gear included. gain: per unit of the command.
+    """
+
+    name: str
+    joint: str
+    gain: float = 0.0
+    offset: float = 0.0
+    stiffness: float = 0.0
+    damping: float = 0.0
+    lower: float = -np.inf
+    upper: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Keyframe:
+    """A state that a model file names: positions, velocities by joint [rad or m, …], commands by actuator."""
+
+    name: str
+    position: Mapping[str, float]
+    velocity: Mapping[str, float]
+    command: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
 class System:
     """A tree-structured mechanism on a fixed base.
 
@@ -197,6 +225,8 @@ class System:
     gravity: free-fall acceleration in base coordinates [m/s²], shape (3,).
     tolerance: relative 1σ of the nominal masses, lengths, inertias and stiffnesses.
     attachments: effects beyond the nominal physics.
+    actuators: drives with feedback of their own, which act in single runs alone.
+    keyframes: states that the file names, to start from.
     source: the file it was read from.
     notes: what reading the file left out or had to interpret, one line each.
     """
@@ -208,6 +238,8 @@ class System:
     gravity: Array = field(default_factory=lambda: constant(STANDARD_GRAVITY))
     tolerance: float = 0.01
     attachments: tuple[Attachment, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
+    keyframes: tuple[Keyframe, ...] = ()
     source: Path | None = None
     notes: tuple[str, ...] = ()
 

@@ -8,6 +8,7 @@ from typing import Any
 from harness.diagnose.curves import Curves
 from harness.report.diagnosis.sections import Answer, BeforeAndAfter, Data, Levels, Pictures, Replay, Rivals, Where
 from harness.report.html import page
+from harness.report.sections.notes import ModelNotes
 from harness.report.sections.section import Section
 
 
@@ -21,6 +22,7 @@ def diagnosis_html(document: Mapping[str, Any], curves: Curves | None = None) ->
         Pictures(curves),
         Rivals(),
         Replay(),
+        ModelNotes(),
         Data(),
     ]
     return page("What the model left out", document, sections)
