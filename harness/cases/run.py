@@ -11,6 +11,7 @@ from pathlib import Path
 from time import perf_counter
 
 from harness.cases.case import NATIVE, Bench, Case, Row, Series
+from harness.cases.checks.as_read import told
 from harness.cases.discover import built_in, select
 from harness.cases.results import Results
 from harness.engines import registry
@@ -46,6 +47,7 @@ class Task:
     engines: tuple[str, ...]
     model: Path | None = None
     physical: bool = True
+    allow: tuple[Path, ...] = ()
 
 
 def validate(
@@ -56,6 +58,7 @@ def validate(
     workers: int | None = None,
     dask: str | None = None,
     physical: bool = True,
+    allow: Sequence[str | Path] = (),
     progress: Progress | None = None,
 ) -> Results:
     """Compare the native dynamics with the other engines: on the built-in suite, or on models of the user's own.
@@ -63,6 +66,7 @@ def validate(
     models: URDF, MJCF or TOML files; None runs the suite. cases: names of the suite's cases (``chain*`` takes all that
     start so). engines: by name, default all. workers: processes, default all cores. dask: address of a scheduler.
     physical: refuse models with inertia that no body can have; False compares them all the same.
+    allow: folders beside a model's own that it may name includes and meshes in.
     progress: called with (done, total, name of the case that ended).
     Raises InputError for an unreadable model and an unknown case or engine.
     """
@@ -75,9 +79,12 @@ def validate(
         raise InputError("cases are of the built-in suite and do not go with models", mend="give the one or the other")
     from harness.cases.users import names_of, read
 
+    folders = tuple(Path(folder).resolve() for folder in allow)
     for path in paths:
-        read(path, physical=physical)  # what cannot be read is said before anything runs
-    tasks = [Task(name, engine_names(engines), path.resolve(), physical) for name, path in names_of(paths).items()]
+        read(path, physical=physical, allow=folders)  # what cannot be read is said before anything runs
+    tasks = [
+        Task(name, engine_names(engines), path.resolve(), physical, folders) for name, path in names_of(paths).items()
+    ]
     return run(tasks, workers, dask, progress)
 
 
@@ -132,7 +139,7 @@ def run_task(task: Task) -> Outcome:
     if task.model is not None:
         from harness.cases.users import case_of
 
-        case = case_of(task.case, task.model, physical=task.physical)
+        case = case_of(task.case, task.model, physical=task.physical, allow=task.allow)
     else:
         case = built_in()[task.case]
     return run_case(case, {name: registry.engine(name) for name in task.engines})
@@ -186,7 +193,8 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
             # One broken engine or check must not take the other rows with it, and must not pass either.
             rows.append(_broken(bench, check.quantity, tuple(models) or (NATIVE,), error))
     rows.sort(key=lambda row: row.verdict == "skipped")
-    return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start, system.notes)
+    notes = (*system.notes, *told(rows))
+    return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start, notes)
 
 
 def _broken(bench: Bench, quantity: str, engines: tuple[str, ...], error: Exception) -> Row:

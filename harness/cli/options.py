@@ -32,6 +32,17 @@ def output_options(out_help: str) -> Callable[[F], F]:
     return decorate
 
 
+def allow_option(function: F) -> F:
+    """``--allow-path``, for models that name files elsewhere."""
+    return click.option(
+        "--allow-path",
+        "allow",
+        multiple=True,
+        metavar="DIR",
+        help="A folder beside the model's own that its includes and meshes may lie in; repeatable.",
+    )(function)
+
+
 def wide_options(function: F) -> F:
     """``--workers`` and ``--dask``, for work that goes through the parallel map."""
     function = click.option(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, say_notes, write_json
+from harness.cli.options import allow_option, console, say_notes, write_json
 
 
 @click.command()
@@ -27,6 +27,7 @@ from harness.cli.options import console, say_notes, write_json
 )
 @click.option("--engine", default="denoc", show_default=True, help="Which engine runs it (denoc doctor lists them).")
 @click.option("--step", type=float, metavar="S", help="Fixed step [s]; default: the engine's own choice.")
+@allow_option
 @click.option("--allow-unphysical", is_flag=True, help="Run a model whose inertia no body can have all the same.")
 @click.option("--plot", metavar="FILE", help="Draw the run to a .png, .svg or .pdf.")
 @click.option("--out", metavar="FILE", help="The recording: .csv, .csv.gz or .parquet (a folder: run.csv in it).")
@@ -44,6 +45,7 @@ def simulate(
     engine: str,
     step: float | None,
     allow_unphysical: bool,
+    allow: tuple[str, ...],
     plot: str | None,
     out: str | None,
     json_file: str | None,
@@ -65,7 +67,7 @@ def simulate(
     from harness.report.run_files import csv_text, write_plot, write_recording
     from harness.system import load
 
-    mechanism = load(system, physical=not allow_unphysical)
+    mechanism = load(system, physical=not allow_unphysical, allow=allow)
     say_notes(mechanism.notes)
     if engine == NATIVE:
         from harness.denoc import ahead

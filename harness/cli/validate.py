@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, output_options, progress, say_notes, wide_options, write_json
+from harness.cli.options import allow_option, console, output_options, progress, say_notes, wide_options, write_json
 
 
 @click.command()
@@ -15,6 +15,7 @@ from harness.cli.options import console, output_options, progress, say_notes, wi
 @click.option("--case", "cases", multiple=True, metavar="NAME", help="Only this case ('robot*': all that start so).")
 @click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine beside the native one.")
 @click.option("--all-robots", is_flag=True, help="Every URDF of the package example-robot-data instead of the suite.")
+@allow_option
 @click.option("--allow-unphysical", is_flag=True, help="Compare models whose inertia no body can have all the same.")
 @click.option("--rows", "every_row", is_flag=True, help="Print every row, not the worst of each case and engine.")
 @click.option("--list", "list_cases", is_flag=True, help="List the cases of the suite and their sources.")
@@ -27,6 +28,7 @@ def validate(
     engines: tuple[str, ...],
     all_robots: bool,
     allow_unphysical: bool,
+    allow: tuple[str, ...],
     every_row: bool,
     list_cases: bool,
     workers: int | None,
@@ -69,6 +71,7 @@ def validate(
             workers=workers,
             dask=dask,
             physical=not (allow_unphysical or all_robots),
+            allow=allow,
             progress=step,
         )
     if chosen is not None:

@@ -29,7 +29,7 @@ from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_left_out import disabled, left_out, uniform_compensation
 from harness.system.rotation import about_axis, from_quaternion
 from harness.system.topology import arrange
-from harness.system.xml_source import without_foreign_comments
+from harness.system.xml_source import parse_xml, without_foreign_comments
 
 BASE = "world"
 _warning_handler = threading.Lock()
@@ -54,7 +54,7 @@ def read_mjcf(
     """
     known = places(root, source, allow)
     spec, model, notes = _compile(data, root, source, known)
-    names = _joint_names(model, _body_names(model))
+    names = names_of_joints(model)
     drives, told_drives = actuators(model, names)
     notes += [*left_out(model), *told_drives]
     joints, links, effects = _tree(model, source, notes)
@@ -84,7 +84,7 @@ def read_mjcf(
 def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tuple[Any, Any, list[str]]:
     import mujoco
 
-    by_path = source is not None and source.suffix.lower() == ".xml"
+    by_path = source is not None and (source.suffix.lower() == ".xml" or root.tag == "robot")
     if not by_path and root.find(".//include") is not None:
         raise InputError("has includes but does not end in .xml", mend="rename it to .xml", source=source)
     with _collected_warnings(mujoco) as warnings:
@@ -157,6 +157,18 @@ def _lines(spec: Any) -> dict[tuple[str, str], int]:
             if element.name and line is not None:
                 lines[(kind, element.name)] = line
     return lines
+
+
+def compiled(path: Path, *, allow: Sequence[Path] = ()) -> Any:
+    """A URDF or MJCF file as MuJoCo reads it by itself, compiled; InputError with its message where it refuses the file."""
+    data = path.read_bytes()
+    root = parse_xml(data, path)
+    return _compile(data, root, path, places(root, path, allow))[1]
+
+
+def names_of_joints(model: Any) -> list[str]:
+    """Names of a compiled model's joints in MuJoCo's order; one without a name gets one that nobody has."""
+    return _joint_names(model, _body_names(model))
 
 
 def _body_names(model: Any) -> list[str]:
