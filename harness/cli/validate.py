@@ -17,6 +17,9 @@ from harness.cli.options import allow_option, console, output_options, progress,
 @click.option("--all-robots", is_flag=True, help="Every URDF of the package example-robot-data instead of the suite.")
 @allow_option
 @click.option("--allow-unphysical", is_flag=True, help="Compare models whose inertia no body can have all the same.")
+@click.option(
+    "--audit-import", is_flag=True, help="Tell which fields of MODEL each engine's reader passes over, and the cost."
+)
 @click.option("--rows", "every_row", is_flag=True, help="Print every row, not the worst of each case and engine.")
 @click.option("--list", "list_cases", is_flag=True, help="List the cases of the suite and their sources.")
 @wide_options
@@ -29,6 +32,7 @@ def validate(
     all_robots: bool,
     allow_unphysical: bool,
     allow: tuple[str, ...],
+    audit_import: bool,
     every_row: bool,
     list_cases: bool,
     workers: int | None,
@@ -38,12 +42,13 @@ def validate(
 
     Without a MODEL: the built-in suite. With URDF, MJCF or TOML models: acceleration, inverse dynamics, mass matrix,
     bias, gravity and energy of each at random states; of flexible links the motion against finite elements, and what
-    is left when they are held straight.
+    is left when they are held straight. A model's file is read once more by Pinocchio and MuJoCo themselves.
 
     \b
     Examples:
       denoc validate --out results
       denoc validate robot.urdf arm.xml rig.toml --json -
+      denoc validate robot.urdf --audit-import
       denoc validate --case 'rigid_*' --engine mujoco
     """
     if list_cases:
@@ -52,6 +57,8 @@ def validate(
     from harness.errors import InputError
     from harness.report.terminal import print_results
 
+    if audit_import:
+        return _audit_import(models, out, json_file, not allow_unphysical, allow)
     chosen: tuple[str, ...] | None = models or None
     refused: list[tuple[str, str]] = []
     if all_robots:
@@ -90,6 +97,29 @@ def validate(
     if out is not None:
         screen.print(f"Written to {out}: open {out / 'report.html'} in a browser.", markup=False)
     return 0 if results.ok else 1
+
+
+def _audit_import(
+    models: tuple[str, ...], out: Path | None, json_file: str | None, physical: bool, allow: tuple[str, ...]
+) -> int:
+    from harness.cases.import_audit import audit_import
+    from harness.errors import InputError
+    from harness.report.files import write_folder
+    from harness.report.import_audit import import_audit_json, print_import_audit
+
+    if not models:
+        raise InputError("--audit-import needs a model", mend="denoc validate robot.urdf --audit-import")
+    with progress("audit") as step:
+        found = {}
+        for count, model in enumerate(models, start=1):
+            found[model] = audit_import(model, physical=physical, allow=allow)
+            step(count, len(models), model)
+    print_import_audit(found, console(json_file))
+    text = import_audit_json(found)
+    if out is not None:
+        write_folder(out, {"import.json": text})
+    write_json(text, json_file)
+    return 0
 
 
 def _list() -> int:
