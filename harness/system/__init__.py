@@ -2,7 +2,7 @@
 
 from harness.system.audit import audit
 from harness.system.audit_findings import Audit
-from harness.system.description import Actuator, Attachment, Beam, Joint, JointType, Keyframe, Link, System
+from harness.system.description import Actuator, Attachment, Beam, Joint, JointType, Keyframe, Link, Stops, System
 from harness.system.load import load
 from harness.system.random_systems import random_chain, random_tree
 from harness.system.trajectory import Trajectory
@@ -17,6 +17,7 @@ __all__ = [
     "JointType",
     "Keyframe",
     "Link",
+    "Stops",
     "System",
     "Trajectory",
     "audit",

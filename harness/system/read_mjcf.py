@@ -23,11 +23,12 @@ import numpy as np
 
 from harness.errors import InputError, UnsupportedError
 from harness.system.check import check_bodies, check_dynamics, check_joints
-from harness.system.description import Array, Attachment, Joint, JointType, Keyframe, Link, System, constant
+from harness.system.description import Array, Attachment, Joint, JointType, Keyframe, Link, Stops, System, constant
 from harness.system.mjcf_actuators import actuators, reflected
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_left_out import disabled, left_out, uniform_compensation
 from harness.system.rotation import about_axis, from_quaternion
+from harness.system.soft_constraints import limit_law
 from harness.system.topology import arrange
 from harness.system.xml_source import parse_xml, without_foreign_comments
 
@@ -73,6 +74,7 @@ def read_mjcf(
         tolerance=0.01 if tolerance is None else tolerance,
         attachments=tuple(effects),
         actuators=drives,
+        limits=_limits(model, names),
         keyframes=_keyframes(model, names),
         source=source,
         notes=tuple(notes),
@@ -192,10 +194,24 @@ def _joint_names(model: Any, bodies: list[str]) -> list[str]:
     return names
 
 
+def _limits(model: Any, joints: list[str]) -> tuple[Stops, ...]:
+    """The joints' limits with their softness."""
+    if disabled(model, "LIMIT") or disabled(model, "CONSTRAINT"):
+        return ()
+    found = []
+    for k, name in enumerate(joints):
+        if model.jnt_limited[k]:
+            solref, solimp = model.jnt_solref[k], model.jnt_solimp[k]
+            weight = float(model.dof_invweight0[model.jnt_dofadr[k]])
+            law = limit_law((float(solref[0]), float(solref[1])), (float(solimp[0]), float(solimp[1])), weight)
+            found.append(Stops(name, float(model.jnt_range[k, 0]), float(model.jnt_range[k, 1]), *law))
+    return tuple(found)
+
+
 def _keyframes(model: Any, joints: list[str]) -> tuple[Keyframe, ...]:
-    """The states that the file names (``key1``, … where it names none), by joint and actuator."""
+    """The states that the file names (``key1``, … where it names none), by joint and actuator, and ``qpos0`` last."""
     drives = [model.actuator(a).name or f"actuator{a + 1}" for a in range(model.nu)]
-    return tuple(
+    named = tuple(
         Keyframe(
             model.key(i).name or f"key{i + 1}",
             {name: float(model.key_qpos[i, model.jnt_qposadr[k]]) for k, name in enumerate(joints)},
@@ -204,6 +220,8 @@ def _keyframes(model: Any, joints: list[str]) -> tuple[Keyframe, ...]:
         )
         for i in range(model.nkey)
     )
+    rest = {name: float(model.qpos0[model.jnt_qposadr[k]]) for k, name in enumerate(joints)}
+    return (*named, Keyframe("qpos0", rest, {}, {}))
 
 
 def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint], list[Link], list[Attachment]]:

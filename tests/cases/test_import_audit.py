@@ -91,7 +91,8 @@ def test_damping_that_pinocchio_keeps_and_never_applies(tmp_path: Path) -> None:
 
 def test_mimic_is_an_equality_in_mujoco_and_free_in_pinocchio(tmp_path: Path) -> None:
     second = """<link name="b"><inertial><mass value="1"/><origin xyz="0 0 -.2"/>
-    <inertia ixx=".01" ixy="0" ixz="0" iyy=".01" iyz="0" izz=".01"/></inertial></link><joint name="k" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/>
+    <inertia ixx=".01" ixy="0" ixz="0" iyy=".01" iyz="0" izz=".01"/></inertial></link>
+    <joint name="k" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/>
     <mimic joint="j" multiplier="-1"/></joint>"""
     text = URDF.format(dynamics="", rest=second)
     row = found(file(tmp_path, text, "x.urdf"))["mimic"]
