@@ -25,6 +25,7 @@ class Results:
     """Rows of the table, lines of the plots, and what they were made with.
 
     versions: package or engine name to version. titles: case name to its one-line title. created: ISO 8601, UTC.
+    notes: case name to what reading its model left out or found otherwise read by another tool, one line each.
     seconds: wall time of the whole run [s]; case_seconds: by case. doubts: what an audit finds in models of the user's own.
     """
 
@@ -36,6 +37,12 @@ class Results:
     seconds: float = math.nan
     case_seconds: Mapping[str, float] = field(default_factory=dict)
     doubts: tuple[Doubt, ...] = ()
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """All notes, each with the case that it is of."""
+        return tuple(f"{case}: {note}" for case, notes in self.notes.items() for note in notes)
 
     @property
     def ok(self) -> bool:
@@ -59,9 +66,14 @@ class Results:
             "versions": dict(self.versions),
             "summary": {verdict: self.count(verdict) for verdict in ("pass", "fail", "skipped")},
             "warnings": [asdict(doubt) for doubt in self.doubts],
+            "notes": list(self.told),
             "rows": [row_as_dict(row) for row in self.rows],
             "cases": {
-                name: {"title": title, "seconds": _number(self.case_seconds.get(name, math.nan))}
+                name: {
+                    "title": title,
+                    "seconds": _number(self.case_seconds.get(name, math.nan)),
+                    "notes": list(self.notes.get(name, ())),
+                }
                 for name, title in self.titles.items()
             },
             "series": [_series_as_dict(series) for series in self.series],
@@ -173,6 +185,7 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
         math.nan if found.seconds is None else found.seconds,
         {name: facts.seconds for name, facts in found.cases.items() if facts.seconds is not None},
         found.warnings,
+        {name: facts.notes for name, facts in found.cases.items() if facts.notes},
     )
 
 
@@ -180,6 +193,7 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
 class _Case:
     title: str = ""
     seconds: float | None = None
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

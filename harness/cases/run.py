@@ -11,6 +11,7 @@ from pathlib import Path
 from time import perf_counter
 
 from harness.cases.case import NATIVE, Bench, Case, Doubt, Row, Series
+from harness.cases.checks.as_read import told
 from harness.cases.discover import built_in, select
 from harness.cases.results import Results
 from harness.compare.descriptions import TOLERANCE
@@ -29,7 +30,7 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one case gave: rows, data for plots, wall time [s], and what is doubtful about a user's model."""
+    """What one case gave: rows, data for plots, wall time [s], and of a user's model what is doubtful and what reading left out."""
 
     case: str
     title: str
@@ -37,6 +38,7 @@ class Outcome:
     series: tuple[Series, ...]
     seconds: float
     doubts: tuple[Doubt, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ class Task:
     physical: bool = True
     against: tuple[str, str, Path] | None = None
     tolerance: float = TOLERANCE
+    allow: tuple[Path, ...] = ()
 
 
 def validate(
@@ -64,6 +67,7 @@ def validate(
     physical: bool = True,
     tolerance: float = TOLERANCE,
     separate: bool = False,
+    allow: Sequence[str | Path] = (),
     progress: Progress | None = None,
 ) -> Results:
     """Compare the native dynamics with the other engines: on the built-in suite, or on models of the user's own.
@@ -73,6 +77,7 @@ def validate(
     physical: refuse models with inertia that no body can have; False compares them all the same.
     tolerance: relative difference (angles: rad) allowed between two descriptions of one mechanism. separate: models are of
     different mechanisms, and are not held against one another.
+    allow: folders beside a model's own that it may name includes and meshes in.
     progress: called with (done, total, name of the case that ended).
     Raises InputError for an unreadable model and an unknown case or engine.
     """
@@ -89,15 +94,16 @@ def validate(
 
     if not tolerance >= 0.0:
         raise InputError(f"tolerance {tolerance:g} is no relative difference", mend="0.001 is a tenth of a per cent")
+    folders = tuple(Path(folder).resolve() for folder in allow)
     # What cannot be read is said before anything runs.
-    systems = {name: read(path, physical=physical) for name, path in names_of(paths).items()}
     files = names_of(paths)
-    tasks = [Task(name, engine_names(engines), path.resolve(), physical) for name, path in files.items()]
+    systems = {name: read(path, physical=physical, allow=folders) for name, path in files.items()}
+    tasks = [Task(name, engine_names(engines), path.resolve(), physical, allow=folders) for name, path in files.items()]
     if not separate:
         from harness.cases.descriptions import pairs_of
 
         tasks += [
-            Task(f"{a} against {b}", (), files[a].resolve(), physical, (a, b, files[b].resolve()), tolerance)
+            Task(f"{a} against {b}", (), files[a].resolve(), physical, (a, b, files[b].resolve()), tolerance, folders)
             for a, b in pairs_of(systems)
         ]
     return run(tasks, workers, dask, progress)
@@ -142,6 +148,7 @@ def run(
         seconds=perf_counter() - start,
         case_seconds={outcome.case: outcome.seconds for outcome in outcomes},
         doubts=tuple(doubt for outcome in outcomes for doubt in outcome.doubts),
+        notes={outcome.case: outcome.notes for outcome in outcomes if outcome.notes},
     )
 
 
@@ -158,12 +165,15 @@ def run_task(task: Task) -> Outcome:
             from harness.cases.descriptions import case_of_two
 
             first, second, path = task.against
-            systems = (read(task.model, physical=task.physical), read(path, physical=task.physical))
+            systems = (
+                read(task.model, physical=task.physical, allow=task.allow),
+                read(path, physical=task.physical, allow=task.allow),
+            )
             case = case_of_two((first, second), systems, task.tolerance)
         else:
             from harness.cases.users import doubts
 
-            case = case_of(task.case, task.model, physical=task.physical)
+            case = case_of(task.case, task.model, physical=task.physical, allow=task.allow)
             outcome = run_case(case, {name: registry.engine(name) for name in task.engines})
             return replace(outcome, doubts=doubts(task.case, task.model))
     else:
@@ -223,7 +233,8 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
             share = (perf_counter() - begun) / (len(rows) - found)
             rows[found:] = [replace(row, seconds=share) for row in rows[found:]]
     rows.sort(key=lambda row: row.verdict == "skipped")
-    return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start)
+    notes = (*system.notes, *told(rows))
+    return Outcome(case.name, case.title, tuple(rows), tuple(series), perf_counter() - start, notes=notes)
 
 
 def _broken(bench: Bench, quantity: str, engines: tuple[str, ...], error: Exception) -> Row:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.cases.acting import bounded, driven, reached
 from harness.cases.case import NATIVE, Array
 from harness.cases.checks.trajectory import initial_state
 from harness.effects import input_chain, sensor_chain
@@ -31,12 +32,14 @@ class SingleRun:
 
     columns: recording column name to samples, ``time`` first, each shape (T,). energy: largest change of the total
     energy relative to the largest kinetic energy, None where the engine does not tell or something drives or damps.
+    notes: what acted of the model beside its description, and what did not though the motion met it.
     """
 
     engine: str
     version: str
     columns: Mapping[str, Array]
     energy: float | None
+    notes: tuple[str, ...] = ()
 
 
 def assignments(texts: Sequence[str], option: str, quantity: str, system: System) -> dict[str, float]:
@@ -126,8 +129,13 @@ def run_once(
     tau: Array | None = None,
     hold: str = "zero",
     step: float | None = None,
+    command: Mapping[str, float] | None = None,
+    limits: bool = False,
 ) -> SingleRun:
     """Run a system once.
+
+    command: of its actuators, held, by name (0 where absent); None leaves actuators out. limits: whether those of the joints act
+    where the motion reaches them, as soft constraints.
 
     position, velocity: initial values by coordinate name, others zero [rad or m, rad/s or m/s]. tau: (T, n), as
     recorded; effects of the input attached to the system act on it, those of sensors on what is returned. hold: between samples
@@ -136,6 +144,10 @@ def run_once(
     """
     if engine not in registry.every_name():
         raise InputError(f"no engine is named {engine!r}", mend=did_you_mean(engine, registry.every_name()))
+    notes: tuple[str, ...] = ()
+    if command is not None:
+        efforts = system.joint_names if tau is not None else ()
+        system, notes = driven(system, command, efforts)
     adapter = registry.engine(engine)
     version = adapter.version()
     # Effects may add coordinates of their own (a base that slides, a link that bends); these start at rest, undriven.
@@ -155,6 +167,15 @@ def run_once(
         arriving = kept(arriving)
     try:
         run = model.simulate(q0, qd0, time, tau=arriving, step=step)
+        met = reached(system, run.names, time, run.position) if limits else ()
+        if met:
+            notes += met
+            ends = bounded(system)
+            reason = adapter.refuses(realised(ends))
+            if reason is None:
+                run = adapter.build(realised(ends)).simulate(q0, qd0, time, tau=arriving, step=step)
+            else:
+                notes += (f"limits do not act, the motion runs through them: {reason}",)
     except EngineError as error:
         raise InputError(str(error), mend="a smaller --step or --duration, or a gentler start") from error
     columns: dict[str, Array] = {"time": time}
@@ -172,7 +193,8 @@ def run_once(
                 f"{engine}: {name} stops being finite at {first:g} s", mend="a smaller --step, or a gentler start"
             )
     seen = {name: _through_sensors(system, name, values, time) for name, values in columns.items()}
-    return SingleRun(engine, version, seen, _energy_change(system, model, run, tau))
+    change = None if system.drives or met else _energy_change(system, model, run, tau)
+    return SingleRun(engine, version, seen, change, notes)
 
 
 def _arriving(system: System, whole: System, tau: Array, time: Array) -> Array:

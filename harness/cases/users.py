@@ -7,6 +7,7 @@ from pathlib import Path
 
 from harness.cases.case import Case, Check, Doubt
 from harness.cases.checks import StateAgreement
+from harness.cases.checks.as_read import AsRead
 from harness.cases.tolerances import acceleration_allowed
 from harness.cases.user_beams import beam_checks, comparable, straight_checks
 from harness.engines.expressed import realised
@@ -15,12 +16,12 @@ from harness.system import System, load
 from harness.system.audit import audit
 
 
-def read(path: Path, *, physical: bool = True) -> System:
+def read(path: Path, *, physical: bool = True, allow: Sequence[Path] = ()) -> System:
     """The model; InputError if it cannot be read or has no joint that moves.
 
-    physical: refuse inertia that no body can have.
+    physical: refuse inertia that no body can have. allow: folders beside its own that it may name files in.
     """
-    system = load(path, physical=physical)
+    system = load(path, physical=physical, allow=allow)
     if not system.coordinate_names:
         raise InputError("no joint moves", source=path, mend="give a mechanism with a revolute or prismatic joint")
     return system
@@ -43,15 +44,16 @@ def names_of(paths: Sequence[Path]) -> dict[str, Path]:
     return names
 
 
-def case_of(name: str, path: Path, *, physical: bool = True) -> Case:
+def case_of(name: str, path: Path, *, physical: bool = True, allow: tuple[Path, ...] = ()) -> Case:
     """The case of one model file."""
-    system, left_out = comparable(realised(read(path, physical=physical)))
+    system, left_out = comparable(realised(read(path, physical=physical, allow=allow)))
+    checks = (*beam_checks(system, left_out), *straight_checks(system)) or state_checks(len(system.coordinate_names))
     return Case(
         name=name,
         title=f"{system.name} ({path.name})" + (f", {left_out}" if left_out else ""),
         source=str(path),
         system=lambda: system,
-        checks=(*beam_checks(system, left_out), *straight_checks(system)) or state_checks(len(system.coordinate_names)),
+        checks=(*checks, AsRead(path, allow)),
         group="models",
     )
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, output_options, progress, write_json
+from harness.cli.options import allow_option, console, output_options, progress, say_notes, write_json
 
 
 @click.command()
@@ -23,6 +23,7 @@ from harness.cli.options import console, output_options, progress, write_json
 @click.option(
     "--holdout", metavar="FILE", help="Judge on this recording; default: the last one, or the last 30 % of one."
 )
+@allow_option
 @click.option(
     "--tolerance", type=float, metavar="X", help="Relative 1σ of nominal masses, lengths, inertias, stiffnesses."
 )
@@ -37,6 +38,7 @@ def diagnose(
     model: str,
     mapping: tuple[str, ...],
     holdout: str | None,
+    allow: tuple[str, ...],
     tolerance: float | None,
     fit_effort: bool,
     effects_files: tuple[str, ...],
@@ -56,12 +58,13 @@ def diagnose(
     from harness.diagnose.diagnose import diagnose as find
     from harness.report.diagnosis import print_diagnosis, write_diagnosis
     from harness.report.json_text import json_text
+    from harness.system import load
 
     ahead.start(ahead.DIAGNOSE)
     with progress("diagnose") as step:
         found = find(
             list(recordings),
-            model=model,
+            model=load(model, physical=False, allow=allow),
             mapping=mapping,
             holdout=holdout,
             tolerance=tolerance,
@@ -74,6 +77,7 @@ def diagnose(
     )
     document = found.to_json()
     screen = console(json_file)
+    say_notes(document["notes"])
     print_diagnosis(document, screen)
     if out is not None:
         for path in write_diagnosis(found, out, said=lambda line: screen.print(line, markup=False)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -34,6 +34,17 @@ def output_options(out_help: str) -> Callable[[F], F]:
     return decorate
 
 
+def allow_option(function: F) -> F:
+    """``--allow-path``, for models that name files elsewhere."""
+    return click.option(
+        "--allow-path",
+        "allow",
+        multiple=True,
+        metavar="DIR",
+        help="A folder beside the model's own that its includes and meshes may lie in; repeatable.",
+    )(function)
+
+
 def wide_options(function: F) -> F:
     """``--workers`` and ``--dask``, for work that goes through the parallel map."""
     function = click.option(
@@ -51,6 +62,12 @@ def console(json_file: str | None = None) -> Console:
     stream = sys.stderr if json_file == "-" else sys.stdout
     # Piped output is for grep: as wide as its lines are, without colours.
     return Console(file=stream, width=None if stream.isatty() else UNLIMITED, soft_wrap=False, highlight=False)
+
+
+def say_notes(notes: Iterable[str]) -> None:
+    """What was left out of a model or a recording, or had to be interpreted, on standard error, one line each."""
+    for note in notes:
+        click.echo("denoc: note: " + " ".join(note.split()), err=True)
 
 
 def write_json(text: str, json_file: str | None) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
 
-from harness.cli.options import console, write_json
+from harness.cli.options import allow_option, console, say_notes, write_json
 
 
 @click.command()
@@ -16,6 +17,17 @@ from harness.cli.options import console, write_json
 @click.option("--rate", type=float, default=1000.0, show_default=True, metavar="HZ", help="Samples a second.")
 @click.option("--position", multiple=True, metavar="JOINT=VALUE", help="Start position, pivot=1.2 or 'pivot=70[deg]'.")
 @click.option("--velocity", multiple=True, metavar="JOINT=VALUE", help="Start velocity, pivot=0.5 or 'pivot=30[rpm]'.")
+@click.option("--keyframe", metavar="NAME", help="Start from a keyframe of the MJCF, or from its qpos0.")
+@click.option(
+    "--actuators/--no-actuators",
+    default=True,
+    help="Whether the MJCF's actuators act, their commands those of the keyframe or 0, where no effort is given.",
+)
+@click.option(
+    "--limits/--no-limits",
+    default=True,
+    help="Whether the joints' limits act, as soft constraints, where they are reached.",
+)
 @click.option("--effort", metavar="FILE", help="Applied efforts: a recording with time and <joint>.effort columns.")
 @click.option(
     "--hold",
@@ -30,6 +42,7 @@ from harness.cli.options import console, write_json
 @click.option(
     "--effects", "effects_files", multiple=True, metavar="FILE", help="Effects of your own that SYSTEM has attached."
 )
+@allow_option
 @click.option("--allow-unphysical", is_flag=True, help="Run a model whose inertia no body can have all the same.")
 @click.option("--plot", metavar="FILE", help="Draw the run to a .png, .svg or .pdf.")
 @click.option("--out", metavar="FILE", help="The recording: .csv, .csv.gz or .parquet (a folder: run.csv in it).")
@@ -42,12 +55,16 @@ def simulate(
     rate: float,
     position: tuple[str, ...],
     velocity: tuple[str, ...],
+    keyframe: str | None,
+    actuators: bool,
+    limits: bool,
     effort: str | None,
     hold: str,
     engine: str,
     step: float | None,
     effects_files: tuple[str, ...],
     allow_unphysical: bool,
+    allow: tuple[str, ...],
     plot: str | None,
     out: str | None,
     json_file: str | None,
@@ -60,10 +77,12 @@ def simulate(
     Examples:
       denoc simulate models/urdf/rigid_pendulum.urdf --position pivot=1.2 --out run.csv
       denoc simulate diagnosis/augmented.toml --effects magnet.py --out rerun.csv
+      denoc simulate arm.xml --keyframe home --out run.csv
       denoc simulate robot.xml --engine mujoco --duration 2 --rate 100 --plot run.png
     """
     import json
 
+    from harness.cases.acting import keyframe as keyframe_of
     from harness.cases.beam_shapes import told_shapes
     from harness.cases.case import NATIVE
     from harness.cases.single_run import assignments, drive_from, run_once, sample_times
@@ -74,20 +93,24 @@ def simulate(
         from harness.effects import load_user_effects
 
         load_user_effects(file)
-    mechanism = load(system, physical=not allow_unphysical)
+    mechanism = load(system, physical=not allow_unphysical, allow=allow)
     if engine == NATIVE:
         from harness.denoc.compiling import ahead
 
         ahead.start(ahead.SIMULATE)
     time = sample_times(duration, rate)
-    start = assignments(position, "--position", "position", mechanism)
-    speed = assignments(velocity, "--velocity", "velocity", mechanism)
+    frame = keyframe_of(mechanism, keyframe or "qpos0")
+    start = {**(frame.position if keyframe else {}), **assignments(position, "--position", "position", mechanism)}
+    speed = {**(frame.velocity if keyframe else {}), **assignments(velocity, "--velocity", "velocity", mechanism)}
     drive = None if effort is None else drive_from(effort, time, mechanism, hold=hold)
-    notes = [] if drive is None else [note.words() for note in drive.notes]
-    for line in notes:
-        click.echo(f"note: {effort}: {line}", err=True)
     tau = None if drive is None else drive.tau
-    run = run_once(mechanism, time, start, speed, engine=engine, tau=tau, hold=hold, step=step)
+    command = (frame.command if keyframe else {}) if actuators else None
+    run = run_once(
+        mechanism, time, start, speed, engine=engine, tau=tau, hold=hold, step=step, command=command, limits=limits
+    )
+    driving = () if drive is None else tuple(f"{effort}: {note.words()}" for note in drive.notes)
+    notes = (*mechanism.notes, *driving, _where(keyframe, start, speed), *run.notes)
+    say_notes(notes)
     screen = console(json_file)
     shapes = told_shapes(mechanism) if engine == NATIVE else ()
     if out is not None or plot is not None:
@@ -110,7 +133,7 @@ def simulate(
             "final": {name: float(values[-1]) for name, values in run.columns.items()},
             "energy_change": run.energy,
             "shapes": list(shapes),
-            "notes": notes,
+            "notes": list(notes),
         }
         write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
     if out is None and plot is None and json_file is None:
@@ -118,3 +141,11 @@ def simulate(
     elif run.energy is not None:
         screen.print(f"energy is kept to {run.energy:.1e} of the largest kinetic energy")
     return 0
+
+
+def _where(keyframe: str | None, position: Mapping[str, float], velocity: Mapping[str, float]) -> str:
+    """One line on where the run starts."""
+    said = [f"{name} = {value:.6g}" for name, value in position.items() if value]
+    said += [f"d({name})/dt = {value:.6g}" for name, value in velocity.items() if value]
+    origin = f"keyframe {keyframe!r}" if keyframe else "the model's zero"
+    return f"starts from {origin}" + (f", {', '.join(said)}" if said else "") + "; all else at zero"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, output_options, progress, wide_options, write_json
+from harness.cli.options import allow_option, console, output_options, progress, say_notes, wide_options, write_json
 
 
 @click.command()
@@ -15,6 +15,7 @@ from harness.cli.options import console, output_options, progress, wide_options,
 @click.option("--case", "cases", multiple=True, metavar="NAME", help="Only this case ('robot*': all that start so).")
 @click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine beside the native one.")
 @click.option("--all-robots", is_flag=True, help="Every URDF of the package example-robot-data instead of the suite.")
+@allow_option
 @click.option("--allow-unphysical", is_flag=True, help="Compare models whose inertia no body can have all the same.")
 @click.option(
     "--tolerance",
@@ -24,6 +25,9 @@ from harness.cli.options import console, output_options, progress, wide_options,
 )
 @click.option(
     "--separate", is_flag=True, help="The models are of different mechanisms: do not compare their descriptions."
+)
+@click.option(
+    "--audit-import", is_flag=True, help="Tell which fields of MODEL each engine's reader passes over, and the cost."
 )
 @click.option("--rows", "every_row", is_flag=True, help="Print every row, not a line for each group and what failed.")
 @click.option("--list", "list_cases", is_flag=True, help="List the cases of the suite and their sources.")
@@ -38,6 +42,8 @@ def validate(
     allow_unphysical: bool,
     tolerance: float | None,
     separate: bool,
+    allow: tuple[str, ...],
+    audit_import: bool,
     every_row: bool,
     list_cases: bool,
     workers: int | None,
@@ -47,15 +53,16 @@ def validate(
 
     Without a MODEL: the built-in suite. With URDF, MJCF or TOML models: acceleration, inverse dynamics, mass matrix,
     bias, gravity and energy of each at random states; of flexible links the motion against finite elements, and what
-    is left when they are held straight. Two models are also held against one another as descriptions of one mechanism:
-    which body, joint and field differs, by how much, and what it costs in motion (of three and more, those that share
-    names).
+    is left when they are held straight. A model's file is read once more by Pinocchio and MuJoCo themselves. Two models are
+    also held against one another as descriptions of one mechanism: which body, joint and field differs, by how much, and
+    what it costs in motion (of three and more, those that share names).
 
     \b
     Examples:
       denoc validate --out results
       denoc validate robot.urdf arm.xml rig.toml --json -
       denoc validate robot.urdf robot.xml --tolerance 0.01
+      denoc validate robot.urdf --audit-import
       denoc validate --case 'rigid_*' --engine mujoco
     """
     if list_cases:
@@ -64,6 +71,8 @@ def validate(
     from harness.errors import InputError
     from harness.report.terminal import print_results
 
+    if audit_import:
+        return _audit_import(models, out, json_file, not allow_unphysical, allow)
     chosen: tuple[str, ...] | None = models or None
     refused: list[tuple[str, str]] = []
     if all_robots:
@@ -85,8 +94,11 @@ def validate(
             physical=not (allow_unphysical or all_robots),
             separate=separate or all_robots,
             **({} if tolerance is None else {"tolerance": tolerance}),
+            allow=allow,
             progress=step,
         )
+    if chosen is not None:
+        say_notes(results.told)
     if out is not None:
         from harness.report.write import write_reports
 
@@ -103,6 +115,29 @@ def validate(
     elif not every_row:
         screen.print("Every row: --rows; with the reason for what is allowed, and pictures: --out DIR.", style="dim")
     return 0 if results.ok else 1
+
+
+def _audit_import(
+    models: tuple[str, ...], out: Path | None, json_file: str | None, physical: bool, allow: tuple[str, ...]
+) -> int:
+    from harness.cases.import_audit import audit_import
+    from harness.errors import InputError
+    from harness.report.files import write_folder
+    from harness.report.import_audit import import_audit_json, print_import_audit
+
+    if not models:
+        raise InputError("--audit-import needs a model", mend="denoc validate robot.urdf --audit-import")
+    with progress("audit") as step:
+        found = {}
+        for count, model in enumerate(models, start=1):
+            found[model] = audit_import(model, physical=physical, allow=allow)
+            step(count, len(models), model)
+    print_import_audit(found, console(json_file))
+    text = import_audit_json(found)
+    if out is not None:
+        write_folder(out, {"import.json": text})
+    write_json(text, json_file)
+    return 0
 
 
 def _list() -> int:

@@ -15,10 +15,11 @@ Array = NDArray[np.float64]
 FLOOR = 0.01
 
 
-def relative(a: Array, b: Array, *, floor: float = FLOOR) -> Array:
+def relative(a: Array, b: Array, *, floor: float = FLOOR, terms: Array | None = None) -> Array:
     """Largest difference of each state over the state's largest entry, shape (B,).
 
     a, b: values at B states, shape (B, …). The scale is at least ``floor`` of the largest entry over all states.
+    terms: sizes of the terms that the values are sums of, shape (B,), where they may cancel; the scale is at least that.
     Values that are not finite differ infinitely; two exact zeros agree.
     """
     first, second = (np.asarray(x, dtype=np.float64).reshape(len(x), -1) for x in (a, b))
@@ -26,6 +27,8 @@ def relative(a: Array, b: Array, *, floor: float = FLOOR) -> Array:
         raise ValueError(f"shapes {first.shape} and {second.shape} cannot be compared")
     finite = _finite(first, second)
     size = np.where(finite, np.maximum(np.abs(first).max(axis=1), np.abs(second).max(axis=1)), 0.0)
+    if terms is not None:
+        size = np.maximum(size, terms)
     return _over(np.abs(first - second).max(axis=1), size, finite, floor)
 
 

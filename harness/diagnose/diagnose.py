@@ -84,7 +84,7 @@ def diagnose(
     register(further)
     if fit_effort:
         by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell)
-        return replace(by_effort, provenance=made_from)
+        return replace(by_effort, provenance=made_from, notes=system.notes)
     problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
@@ -95,7 +95,7 @@ def diagnose(
     levels = differing_levels(outcome, conclusion, train, judged)
     tell("telling")
     found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
-    return replace(found, provenance=made_from)
+    return replace(found, provenance=made_from, notes=system.notes)
 
 
 def _read(

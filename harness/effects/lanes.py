@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from harness.denoc.lanes.model import LaneModel
 
 USER_PARAMETERS = 4  # that a row has slots for
+BOUNDLESS = 1e6  # N·m, stands for a drive without a range of force: its digits have to leave those of the force
 
 
 def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
@@ -25,7 +26,7 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
     user: effects of the user's own that may be attached, now or in later rows.
     Raises UnsupportedError if two different laws would be needed: the lanes carry one.
     """
-    from harness.denoc.joint_laws.address import teeth
+    from harness.denoc.joint_laws.address import servo, teeth
     from harness.denoc.lanes.model import LaneModel
 
     needed: dict[str, Callable[..., float]] = {
@@ -33,6 +34,8 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
     }
     if any(attachment.effect == "backlash" for attachment in system.attachments):
         needed["backlash"] = teeth
+    if system.drives:
+        needed["actuators"] = servo
     if len(needed) > 1:
         raise UnsupportedError(
             f"{' and '.join(sorted(needed))} together need two laws of their own", mend="simulate them one at a time"
@@ -49,6 +52,14 @@ def lane_row(model: LaneModel, system: System, user: Sequence[Effect] = ()) -> A
     known = {**catalogue(), **{effect.name: effect for effect in user}}
     for attachment in system.attachments:
         write_attachment(row, model, attachment, known)
+    for drive in system.drives:
+        # A range that is not the same both ways is a constant force and one that is.
+        low, high = max(drive.lower, -BOUNDLESS), min(drive.upper, BOUNDLESS)
+        middle = 0.5 * (low + high)
+        row[model.slot(drive.joint, "constant_torque")] += middle
+        _write_user(
+            row, model, drive.joint, (drive.offset - middle, drive.stiffness, drive.damping, 0.5 * (high - low))
+        )
     return row
 
 

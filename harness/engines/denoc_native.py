@@ -11,6 +11,7 @@ from harness.effects.catalogue import effect
 from harness.engines.checked import held_forces, positive_step, sample_times, vector, vectors
 from harness.engines.expressed import Expressed, express
 from harness.engines.protocol import Array, EngineError
+from harness.engines.stops import enclosing_zero, refusal, run_between
 from harness.errors import InputError, UnsupportedError
 from harness.system import System, Trajectory
 
@@ -68,7 +69,7 @@ class NativeModel:
         q0, qd0 = vectors(n, q0=q0, qd0=qd0)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
-        if self.expressed.laws:
+        if self.expressed.laws or self.system.drives or self.system.stops:
             return self._simulate_laws(q0, qd0, time, forces, positive_step(step))
         plain = not self.system.flexible and not any(joint.friction for joint in self.system.movable_joints)
         method = "rk4" if plain and step is not None else None
@@ -79,7 +80,7 @@ class NativeModel:
         from harness.denoc.motion.channels import channels
         from harness.effects.lanes import lane_model, lane_row
 
-        attached = replace(self.system, attachments=self.expressed.laws)
+        attached, shift = enclosing_zero(replace(self.system, attachments=self.expressed.laws))
         own = [
             kind for kind in map(effect, dict.fromkeys(a.effect for a in attached.attachments)) if kind.user is not None
         ]
@@ -88,11 +89,30 @@ class NativeModel:
         if self.expressed.shaking is not None:
             for axis, part in zip("xyz", self.expressed.shaking.direction, strict=True):
                 row[0, lanes.slot("base", f"excitation_{axis}")] = part
-        position, velocity, acceleration = lanes.simulate(row, q0, qd0, time - time[0], tau=tau, hold="zero", step=step)
+
+        def run(sides: Array, q: Array, qd: Array, times: Array, forces: Array | None) -> tuple[Array, Array, Array]:
+            for side, stop in zip(sides, attached.stops, strict=True):
+                angle = stop.upper if side > 0.0 else stop.lower
+                for name, value in (
+                    ("stop_angle", angle),
+                    ("stop_stiffness", stop.stiffness),
+                    ("stop_damping", stop.damping),
+                    ("stop_inertia", stop.inertia),
+                ):
+                    row[0, lanes.slot(stop.joint, name)] = value
+            found = lanes.simulate(row, q, qd, times, tau=forces, hold="zero", step=step)
+            return found[0][0], found[1][0], found[2][0]
+
+        if attached.stops:
+            places = np.array([self.names.index(stop.joint) for stop in attached.stops])
+            found = run_between(run, attached.stops, places, q0 - shift, qd0, time - time[0], tau)
+        else:
+            found = run(np.empty(0), q0, qd0, time - time[0], tau)
+        position, velocity, acceleration = found[0] + shift, found[1], found[2]
         if not np.all(np.isfinite(position)):
             raise EngineError("denoc: the motion is not finite any more")
-        signals = channels(self.model, position[0], velocity[0], acceleration[0]) if self.system.flexible else {}
-        return Trajectory(time, self.names, position[0], velocity[0], channels=signals)
+        signals = channels(self.model, position, velocity, acceleration) if self.system.flexible else {}
+        return Trajectory(time, self.names, position, velocity, channels=signals)
 
     def frequencies(self, q: Array) -> Array:
         return np.asarray(self.model.frequencies(vector("q", q, len(self.names))))
@@ -116,6 +136,10 @@ class Native:
             beyond = express(system).beyond
         except InputError as error:
             return str(error)
+        bounded = replace(express(system).system, attachments=express(system).laws)
+        reason = refusal(bounded)
+        if reason is not None:
+            return f"the native dynamics has no {reason}"
         for attachment in beyond:
             kind = effect(attachment.effect)
             if kind.law is None and kind.user is None:

@@ -30,7 +30,8 @@ class JointForces:
     """Joint laws of position and velocity, each array of shape (n,) in the order of the joints, zero where absent.
 
     drag [N·m·s²/rad²], cubic [N·m/rad³], constant [N·m], cogging amplitude [N·m], periods [1/rev] and phase [rad],
-    stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad]; whole gap [rad] of teeth, their stiffness and damping.
+    stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad]; whole gap [rad] of teeth, their stiffness and damping; offset,
+    stiffness and damping of a drive with feedback and its least and greatest force [N·m].
     """
 
     drag: Array
@@ -45,6 +46,11 @@ class JointForces:
     teeth_gap: Array
     teeth_stiffness: Array
     teeth_damping: Array
+    drive_offset: Array
+    drive_stiffness: Array
+    drive_damping: Array
+    drive_lower: Array
+    drive_upper: Array
 
     @property
     def any(self) -> bool:
@@ -52,8 +58,9 @@ class JointForces:
 
     @property
     def irregular(self) -> bool:
-        """Whether there is more than polynomials of position and velocity: cogging, a stop or teeth with play."""
-        kinds = (self.cogging_amplitude, self.stop_stiffness, self.stop_damping, self.teeth_stiffness)
+        """Whether there is more than polynomials of position and velocity: cogging, a stop, teeth with play or a drive."""
+        drives = (self.drive_lower, self.drive_upper)
+        kinds = (self.cogging_amplitude, self.stop_stiffness, self.stop_damping, self.teeth_stiffness, *drives)
         return any(bool(np.any(kind)) for kind in kinds)
 
     def __call__(self, q: Array, qd: Array) -> Array:
@@ -70,13 +77,15 @@ class JointForces:
         return np.asarray(self.constant - self.drag * qd * np.abs(qd) - self.cubic * q**3)
 
     def rest(self, q: Array, qd: Array) -> Array:
-        """Cogging, end stops and teeth, shape (n,). A stop or a tooth pushes and never pulls."""
+        """Cogging, end stops, teeth and drives, shape (n,). A stop or a tooth pushes and never pulls."""
         side = np.where(self.stop_angle < 0.0, -1.0, 1.0)
         depth = side * (q - self.stop_angle)
         contact = np.maximum(self.stop_stiffness * depth + self.stop_damping * side * qd, 0.0)
         push = np.where(depth > 0.0, side * contact, 0.0)
         cogging = self.cogging_amplitude * np.sin(self.cogging_periods * q + self.cogging_phase)
-        return np.asarray(cogging - push + self._teeth(q, qd))
+        driven = self.drive_offset - self.drive_stiffness * q - self.drive_damping * qd
+        driven = np.clip(driven, self.drive_lower, self.drive_upper)
+        return np.asarray(cogging - push + self._teeth(q, qd) + driven)
 
     def _teeth(self, q: Array, qd: Array) -> Array:
         """Nothing within half the gap either way, beyond it a spring and a damper, shape (n,)."""
@@ -122,6 +131,10 @@ class Expressed:
         self, engine: str, *, forces: bool = True, shaking: bool = False, constraints: bool = False
     ) -> str | None:
         """Why an engine that takes forces, a shaking base or soft constraints (or not) cannot express the system, or None."""
+        if self.system.drives and not forces:
+            return f"{engine} cannot express the actuator {self.system.drives[0].name}"
+        if self.system.stops and not constraints:
+            return f"{engine} cannot express limits of joints, that of {self.system.stops[0].joint} first"
         for attachment in self.laws:
             can = attachment.effect in FORCES if attachment not in self.beyond else False
             if attachment.effect == "base_excitation":
@@ -146,6 +159,10 @@ def express(system: System) -> Expressed:
     laws, plain = plain.attachments, replace(plain, attachments=())
     names = plain.joint_names
     table = {name: np.zeros(len(names)) for name in JointForces.__dataclass_fields__}
+    for drive in plain.drives:
+        k = names.index(drive.joint)
+        for name in ("offset", "stiffness", "damping", "lower", "upper"):
+            table[f"drive_{name}"][k] = getattr(drive, name)
     shaking = None
     beyond = []
     for law in laws:

@@ -29,6 +29,7 @@ from harness.engines.checked import (
 )
 from harness.engines.expressed import JointForces, Shaking, bends, express, refusal
 from harness.engines.folded import bodies
+from harness.engines.mujoco_constraints import bound as bound_both
 from harness.engines.mujoco_constraints import limit, soften
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
@@ -38,7 +39,7 @@ from harness.system.soft_constraints import soft_friction, soft_stops
 
 # At 1 ms a pendulum swung to 120° is within 5e-10 rad of the exact solution over ten seconds.
 DEFAULT_STEP = 1e-3
-# Where a joint runs into a limit the force jumps, and a step that it falls into errs by first order.
+# Where a joint runs into a limit the force jumps, and where a drive leaves its range it bends: steps that this falls into err more.
 STEP_WITH_BLOWS = 1e-4
 # Below this MuJoCo's compiler refuses the mass or inertia of a moving body (its mjMINVAL is 1e-15).
 SMALLEST = 1e-14
@@ -232,11 +233,15 @@ class MujocoModel:
     def simulate(
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
     ) -> Trajectory:
-        """RK4 with steps of at most ``step`` [s] (1 ms if None, 0.1 ms with limits); EngineError where the motion breaks down."""
+        """RK4 with steps of at most ``step`` [s] (1 ms if None, 0.1 ms with limits or drives that have a range of force).
+
+        EngineError where the motion breaks down.
+        """
         n = len(self.names)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
-        largest = positive_step(step) or (STEP_WITH_BLOWS if np.any(self.model.jnt_limited) else DEFAULT_STEP)
+        sudden = np.any(self.model.jnt_limited) or self.system.drives
+        largest = positive_step(step) or (STEP_WITH_BLOWS if sudden else DEFAULT_STEP)
         mujoco = _mujoco()
         mujoco.mj_resetData(self.model, self.data)
         self._set(q0, qd0)
@@ -357,6 +362,7 @@ class Mujoco:
         stops = soft_stops(bound)
         soften(model, soft_friction(bound))
         limit(model, stops)
+        bound_both(model, system.stops)
         names = system.joint_names
         places = {name: k for k, name in enumerate(names)}
         order = np.empty(model.nv, dtype=np.intp)

@@ -138,7 +138,8 @@ def departures(seed: int, *, duration: float = 25.0) -> Study:
     rng = np.random.default_rng(seed)
     truths = [conceal(kind, rng) for kind in KINDS]
     heads = ("concealed", "share of the loss", *(f"from {release:g}°" for release in reversed(RELEASES)))
-    rows, series, numbers = [], [], {}
+    rows, series = [], []
+    numbers: dict[str, Any] = {}
     for truth in truths:
         left = []
         for release in RELEASES:

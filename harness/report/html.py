@@ -13,6 +13,7 @@ from harness.cases.results import Results
 from harness.report.figures.canvas import titled
 from harness.report.figures.kinds import KINDS, kind_of
 from harness.report.sections.distances import Distances
+from harness.report.sections.notes import Notes
 from harness.report.sections.section import Section
 from harness.report.sections.story import Story
 from harness.report.sections.summary import Summary
@@ -25,7 +26,7 @@ def sections_for(results: Results) -> list[Section]:
     known = [kind.figure for kind in KINDS]
     unforeseen = dict.fromkeys(line.figure for line in results.series if line.figure not in known)
     kinds = [*KINDS, *(kind_of(figure) for figure in unforeseen)]
-    return [Summary(), Distances(), *(Story(kind) for kind in kinds), Table(), Versions()]
+    return [Summary(), Distances(), *(Story(kind) for kind in kinds), Notes(), Table(), Versions()]
 
 
 def html(results: Results, title: str = "DeNOC validation") -> str:

@@ -34,6 +34,8 @@ def junit(results: Results, judgement: Judgement | None = None) -> bytes:
             elif row.verdict == "skipped":
                 test.result = [Skipped(_printable(row.note))]
             suite.add_testcase(test)
+        for note in results.notes.get(name, ()):
+            suite.add_property("note", _printable(note))
         document.add_testsuite(suite)
     if judgement is not None and (closed or judgement.reference):
         suite = TestSuite("reference")

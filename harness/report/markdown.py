@@ -38,9 +38,15 @@ def markdown(results: Results) -> str:
         lines += ["## Warnings", "", line(("model", "link", "severity", "what")), line(["---"] * 4)]
         lines += [line((doubt.case, doubt.site, doubt.severity, doubt.what)) for doubt in results.doubts]
         lines.append("")
+    if results.notes:
+        lines += ["## What the models say beside this", "", *(f"- {_plain(note)}" for note in results.told), ""]
     lines += ["## Versions", "", line(("what", "version")), line(("---", "---"))]
     lines += [line(item) for item in results.versions.items()]
     return "\n".join(lines) + "\n"
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.split()).replace("\\", "\\\\").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
 
 
 def line(cells: object) -> str:

@@ -2,19 +2,22 @@
 
 from harness.system.audit import audit
 from harness.system.audit_findings import Audit
-from harness.system.description import Attachment, Beam, Joint, JointType, Link, System
+from harness.system.description import Actuator, Attachment, Beam, Joint, JointType, Keyframe, Link, Stops, System
 from harness.system.load import load
 from harness.system.random_systems import random_chain, random_tree
 from harness.system.trajectory import Trajectory
 from harness.system.write import write
 
 __all__ = [
+    "Actuator",
     "Attachment",
     "Audit",
     "Beam",
     "Joint",
     "JointType",
+    "Keyframe",
     "Link",
+    "Stops",
     "System",
     "Trajectory",
     "audit",

@@ -56,7 +56,7 @@ class Joint:
     damping: viscous coefficient [N·m·s/rad or N·s/m]; the paper's ξ.
     friction: dry friction, truly sticking [N·m or N].
     stiffness, rest_position: linear spring [N·m/rad or N/m] and where it is slack [rad or m].
-    lower, upper: limits of position [rad or m]; recorded, not enforced by the dynamics.
+    lower, upper: limits of position [rad or m]; recorded; they act where ``System.stops`` says so.
     effort, velocity: limits as stated by the model file; recorded, not enforced.
     """
 
@@ -191,6 +191,49 @@ class Attachment:
 
 
 @dataclass(frozen=True, eq=False)
+class Actuator:
+    """A drive with feedback of its own, as an MJCF states it; it acts in single runs, never in a comparison or a diagnosis.
+
+    Force at ``joint``: offset + gain · command − stiffness · position − damping · velocity, within lower and upper [N·m or N].
+    stiffness, damping: at the joint, gear included. gain: per unit of the command.
+    """
+
+    name: str
+    joint: str
+    gain: float = 0.0
+    offset: float = 0.0
+    stiffness: float = 0.0
+    damping: float = 0.0
+    lower: float = -np.inf
+    upper: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Stops:
+    """Both ends of a joint's range as soft constraints: beyond an end by δ they push with K δ + C δ̇ + J δ̈, and never pull.
+
+    lower, upper [rad or m]; stiffness K [N·m/rad or N/m], damping C [N·m·s/rad or N·s/m], inertia J [kg·m² or kg].
+    """
+
+    joint: str
+    lower: float
+    upper: float
+    stiffness: float
+    damping: float
+    inertia: float
+
+
+@dataclass(frozen=True, eq=False)
+class Keyframe:
+    """A state that a model file names: positions, velocities by joint [rad or m, …], commands by actuator."""
+
+    name: str
+    position: Mapping[str, float]
+    velocity: Mapping[str, float]
+    command: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
 class System:
     """A tree-structured mechanism on a fixed base.
 
@@ -199,6 +242,9 @@ class System:
     gravity: free-fall acceleration in base coordinates [m/s²], shape (3,).
     tolerance: relative 1σ of the nominal masses, lengths, inertias and stiffnesses.
     attachments: effects beyond the nominal physics.
+    actuators: drives with feedback of their own as the file states them; drives: those that act, their command in their offset.
+    limits: how soft the joints' limits are where the file says so; stops: those that act.
+    keyframes: states that the file names, to start from.
     source: the file it was read from.
     notes: what reading the file left out or had to interpret, one line each.
     """
@@ -210,6 +256,11 @@ class System:
     gravity: Array = field(default_factory=lambda: constant(STANDARD_GRAVITY))
     tolerance: float = 0.01
     attachments: tuple[Attachment, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
+    drives: tuple[Actuator, ...] = ()
+    limits: tuple[Stops, ...] = ()
+    stops: tuple[Stops, ...] = ()
+    keyframes: tuple[Keyframe, ...] = ()
     source: Path | None = None
     notes: tuple[str, ...] = ()
 

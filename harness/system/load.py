@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+from collections.abc import Sequence
 from pathlib import Path
 
 from harness.errors import InputError
@@ -13,12 +14,19 @@ from harness.system.read_urdf import read_urdf
 from harness.system.xml_source import parse_xml
 
 
-def load(path: str | Path, *, tolerance: float | None = None, physical: bool = True) -> System:
+def load(
+    path: str | Path,
+    *,
+    tolerance: float | None = None,
+    physical: bool = True,
+    allow: Sequence[str | Path] = (),
+) -> System:
     """Read a mechanism from URDF, MJCF or the project's TOML, told apart by content.
 
     tolerance: relative 1σ of nominal masses, lengths, inertias, stiffnesses; overrides what the file says.
     physical: refuse inertia that no body can have; with False it becomes a line in ``System.notes``, and only
         joints without positive inertia against them are refused.
+    allow: folders beside the model's own that an MJCF may name includes and meshes in.
     Raises InputError, one line that names file, line where known, what is wrong and the mend, and UnsupportedError
     for what is well formed but not modelled.
     """
@@ -32,7 +40,8 @@ def load(path: str | Path, *, tolerance: float | None = None, physical: bool = T
     if root.tag == "robot":
         return read_urdf(root, source, tolerance=tolerance, physical=physical)
     if root.tag == "mujoco":
-        return read_mjcf(data, root, source, tolerance=tolerance, physical=physical)
+        folders = [Path(folder) for folder in allow]
+        return read_mjcf(data, root, source, tolerance=tolerance, physical=physical, allow=folders)
     raise InputError(
         f"the root element is <{root.tag}>",
         mend="URDF begins with <robot>, MJCF with <mujoco>",

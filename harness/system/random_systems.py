@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from harness.system.description import Array, Beam, Joint, JointType, Link, System, constant
+from harness.system.description import STANDARD_GRAVITY, Array, Beam, Joint, JointType, Link, System, constant
 from harness.system.flexible_link import flexible_link
+from harness.system.rotation import about_axis
 
 Fraction = float
 
@@ -47,6 +50,37 @@ def random_tree(
     Options as in ``random_chain``.
     """
     return _random_system(n, seed, False, prismatic, flexible, modes, bending2, armature, damping, fixed)
+
+
+SPECIAL = ("planar", "vertical", "balanced", "weightless", "tilted")
+
+
+def special_chain(kind: str, n: int, seed: int = 0) -> System:
+    """A chain of hinges in which the terms of some forces cancel.
+
+    kind: ``planar`` (parallel horizontal axes, no gravity), ``vertical`` (axes along gravity), ``balanced`` (what a joint carries
+    has its centre on the axis), ``weightless`` (axes in general position, no gravity), ``tilted`` (``vertical`` but for the last
+    digit of a right angle as files print it).
+    """
+    rng = np.random.default_rng([n, seed, SPECIAL.index(kind)])
+    chain = random_chain(n, seed, prismatic=0.0)
+    along = {"planar": [0.0, 1.0, 0.0], "vertical": [0.0, 0.0, 1.0], "balanced": [0.0, 1.0, 0.0]}.get(kind)
+    joints, links = [], []
+    for k, (joint, link) in enumerate(zip(chain.joints, chain.links, strict=True)):
+        if along is not None:
+            joint = replace(joint, rotation=constant(np.eye(3)), axis=constant(along))
+        if kind == "tilted":
+            # pi / 2 to eight digits, about y: the x axis of the frame points down but for what the digits leave.
+            turn = about_axis([0.0, 1.0, 0.0], 1.5707963) if k == 0 else np.eye(3)
+            joint = replace(joint, rotation=constant(turn), axis=constant([1.0, 0.0, 0.0]))
+        if kind == "balanced":
+            # Every joint sits on the axis of the one before it, and every centre of mass on its joint's axis.
+            joint = replace(joint, xyz=constant([0.0, float(rng.uniform(0.1, 0.3)), 0.0]))
+            link = replace(link, com=constant([0.0, float(rng.uniform(-0.2, 0.2)), 0.0]))
+        joints.append(joint)
+        links.append(link)
+    gravity = np.zeros(3) if kind in ("planar", "weightless") else np.array(STANDARD_GRAVITY)
+    return System(f"{kind}_{n}_{seed}", tuple(joints), tuple(links), gravity=constant(gravity))
 
 
 def _random_system(

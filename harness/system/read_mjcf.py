@@ -14,7 +14,8 @@ from __future__ import annotations
 import contextlib
 import re
 import threading
-from collections.abc import Iterator
+import warnings as python_warnings
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,42 +23,59 @@ import numpy as np
 
 from harness.errors import InputError, UnsupportedError
 from harness.system.check import check_bodies, check_dynamics, check_joints
-from harness.system.description import Array, Joint, JointType, Link, System, constant
-from harness.system.rotation import about_axis
+from harness.system.description import Array, Attachment, Joint, JointType, Keyframe, Link, Stops, System, constant
+from harness.system.mjcf_actuators import actuators, reflected
+from harness.system.mjcf_files import Places, places, take_out_shapes, unique
+from harness.system.mjcf_left_out import disabled, left_out, uniform_compensation
+from harness.system.rotation import about_axis, from_quaternion
+from harness.system.soft_constraints import limit_law
 from harness.system.topology import arrange
-from harness.system.xml_source import parse_xml
+from harness.system.xml_source import parse_xml, without_foreign_comments
 
 BASE = "world"
 _warning_handler = threading.Lock()
 
 
 def read_mjcf(
-    data: bytes, root: Any, source: Path | None = None, *, tolerance: float | None = None, physical: bool = True
+    data: bytes,
+    root: Any,
+    source: Path | None = None,
+    *,
+    tolerance: float | None = None,
+    physical: bool = True,
+    allow: Sequence[Path] = (),
 ) -> System:
     """A system from an MJCF document.
 
     data, root: the document and its parsed root element. source: its file, which includes and meshes are relative to.
-    What MuJoCo would let act and a system does not hold (tendons, equalities, actuators, contacts, fluid, higher
-    damping and stiffness) becomes a line in ``System.notes``.
+    allow: folders beside the model's own that files may be read from.
+    Actuators are kept apart, for single runs. What MuJoCo would let act and a system does not hold (tendons, equalities, contacts,
+    fluid, higher damping and stiffness) becomes a line in ``System.notes``.
     Raises InputError with MuJoCo's own message, and UnsupportedError naming free and ball joints.
     """
-    folder = (source.parent if source is not None else Path.cwd()).resolve()
-    _refuse_outside_files(root, source, folder, folder, set())
-    spec, model, warnings = _compile(data, root, source)
-    notes = [*warnings, *_left_out(model)]
-    joints, links = _tree(model, source, notes)
+    known = places(root, source, allow)
+    spec, model, notes = _compile(data, root, source, known)
+    names = names_of_joints(model)
+    drives, told_drives = actuators(model, names)
+    notes += [*left_out(model), *told_drives]
+    joints, links, effects = _tree(model, source, notes)
     lines = _lines(spec) if root.find(".//include") is None else {}
     ordered_joints, ordered_links = arrange(joints, links, BASE, source=source, lines=lines)
     notes += check_joints(ordered_joints, physical=physical, source=source, lines=lines)
     ordered_links, told = check_bodies(ordered_links, physical=physical, source=source, lines=lines)
     notes += told
+    weightless = disabled(model, "GRAVITY")
     system = System(
         name=root.get("model") or (source.stem if source is not None else "model"),
         joints=ordered_joints,
         links=ordered_links,
         base=BASE,
-        gravity=constant(np.zeros(3) if _disabled(model, "GRAVITY") else model.opt.gravity),
+        gravity=constant(np.zeros(3) if weightless else (1.0 - uniform_compensation(model)) * model.opt.gravity),
         tolerance=0.01 if tolerance is None else tolerance,
+        attachments=tuple(effects),
+        actuators=drives,
+        limits=_limits(model, names),
+        keyframes=_keyframes(model, names),
         source=source,
         notes=tuple(notes),
     )
@@ -65,40 +83,10 @@ def read_mjcf(
     return system
 
 
-def _refuse_outside_files(root: Any, source: Path | None, here: Path, folder: Path, seen: set[Path]) -> None:
-    """Refuse files named by the document that lie outside the model's folder, before MuJoCo opens anything."""
-    places = {here, folder}
-    for compiler in root.iter("compiler"):
-        for key in ("meshdir", "texturedir", "assetdir"):
-            if compiler.get(key):
-                places |= {place / compiler.get(key) for place in tuple(places)}
-    for element in root.iter():
-        if not isinstance(element.tag, str):
-            continue
-        named = [value for key, value in element.attrib.items() if key.startswith("file") and value]
-        if element.tag == "compiler":
-            named += [element.get(key) for key in ("meshdir", "texturedir", "assetdir") if element.get(key)]
-        for name in named:
-            for place in places:
-                target = (place / name).resolve()
-                if not target.is_relative_to(folder):
-                    raise InputError(
-                        f"<{element.tag}> names {name!r}, which lies outside the model's folder",
-                        mend="move it under the folder of the model",
-                        source=source,
-                        line=element.sourceline,
-                    )
-                # Includes, and whole models attached as assets, may name files in their turn.
-                if element.tag in ("include", "model") and target.is_file() and target not in seen:
-                    seen.add(target)
-                    inner = parse_xml(target.read_bytes(), target)
-                    _refuse_outside_files(inner, target, target.parent, folder, seen)
-
-
-def _compile(data: bytes, root: Any, source: Path | None) -> tuple[Any, Any, list[str]]:
+def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tuple[Any, Any, list[str]]:
     import mujoco
 
-    by_path = source is not None and source.suffix.lower() == ".xml"
+    by_path = source is not None and (source.suffix.lower() == ".xml" or root.tag == "robot")
     if not by_path and root.find(".//include") is not None:
         raise InputError("has includes but does not end in .xml", mend="rename it to .xml", source=source)
     with _collected_warnings(mujoco) as warnings:
@@ -106,9 +94,10 @@ def _compile(data: bytes, root: Any, source: Path | None) -> tuple[Any, Any, lis
             if by_path:
                 spec = mujoco.MjSpec.from_file(str(source))
             else:
-                spec = mujoco.MjSpec.from_string(data.decode("utf-8-sig"))
+                spec = mujoco.MjSpec.from_string(without_foreign_comments(data).decode("utf-8-sig"))
                 spec.modelfiledir = str((source or Path.cwd() / "model").parent)
             _refuse_joint_types(mujoco, spec, source)
+            notes = take_out_shapes(mujoco, spec, known, source)
             model = spec.compile()
         except UnicodeDecodeError:
             raise InputError("is not UTF-8 text", mend="save it as UTF-8", source=source) from None
@@ -125,20 +114,22 @@ def _compile(data: bytes, root: Any, source: Path | None) -> tuple[Any, Any, lis
                 source=source,
                 line=int(line[1]) if line else None,
             ) from None
-    return spec, model, [f"MuJoCo warns: {' '.join(text.split())}" for text in warnings]
+    return spec, model, [*(f"MuJoCo warns: {' '.join(text.split())}" for text in dict.fromkeys(warnings)), *notes]
 
 
 @contextlib.contextmanager
 def _collected_warnings(mujoco: Any) -> Iterator[list[str]]:
-    """Warnings of MuJoCo as a list, instead of a log file in the working directory."""
+    """Warnings of MuJoCo as a list, instead of a log file in the working directory and lines of Python's."""
     warnings: list[str] = []
-    with _warning_handler:
+    with _warning_handler, python_warnings.catch_warnings(record=True) as raised:
+        python_warnings.simplefilter("always")
         before = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(warnings.append)
         try:
             yield warnings
         finally:
             mujoco.set_mju_user_warning(before)
+            warnings += [str(warning.message) for warning in raised]
 
 
 def _refuse_joint_types(mujoco: Any, spec: Any, source: Path | None) -> None:
@@ -170,31 +161,91 @@ def _lines(spec: Any) -> dict[tuple[str, str], int]:
     return lines
 
 
-def _disabled(model: Any, what: str) -> bool:
-    import mujoco
+def compiled(path: Path, *, allow: Sequence[Path] = ()) -> Any:
+    """A URDF or MJCF file as MuJoCo reads it by itself, compiled; InputError with its message where it refuses the file."""
+    data = path.read_bytes()
+    root = parse_xml(data, path)
+    return _compile(data, root, path, places(root, path, allow))[1]
 
-    return bool(model.opt.disableflags & int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{what}")))
+
+def names_of_joints(model: Any) -> list[str]:
+    """Names of a compiled model's joints in MuJoCo's order; one without a name gets one that nobody has."""
+    return _joint_names(model, _body_names(model))
 
 
-def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint], list[Link]]:
-    """Joints and links of a compiled model, one fixed joint for a body without joints."""
+def _body_names(model: Any) -> list[str]:
+    """Names of the bodies in MuJoCo's order; one without a name gets one that nobody has."""
+    stated = {model.body(b).name for b in range(model.nbody)}
+    names = [model.body(b).name or unique(f"body{b}", stated) for b in range(model.nbody)]
+    return [BASE, *names[1:]]
+
+
+def _joint_names(model: Any, bodies: list[str]) -> list[str]:
+    """Names of the joints in MuJoCo's order, in the same way."""
+    names = [model.joint(k).name for k in range(model.njnt)]
+    taken = set(names)
+    for k, name in enumerate(names):
+        if not name:
+            b = int(model.jnt_bodyid[k])
+            several = int(model.body_jntnum[b]) > 1
+            number = k - int(model.body_jntadr[b]) + 1 if several else ""
+            names[k] = unique(f"{bodies[b]}__joint{number}", taken)
+            taken.add(names[k])
+    return names
+
+
+def _limits(model: Any, joints: list[str]) -> tuple[Stops, ...]:
+    """The joints' limits with their softness."""
+    if disabled(model, "LIMIT") or disabled(model, "CONSTRAINT"):
+        return ()
+    found = []
+    for k, name in enumerate(joints):
+        if model.jnt_limited[k]:
+            solref, solimp = model.jnt_solref[k], model.jnt_solimp[k]
+            weight = float(model.dof_invweight0[model.jnt_dofadr[k]])
+            law = limit_law((float(solref[0]), float(solref[1])), (float(solimp[0]), float(solimp[1])), weight)
+            found.append(Stops(name, float(model.jnt_range[k, 0]), float(model.jnt_range[k, 1]), *law))
+    return tuple(found)
+
+
+def _keyframes(model: Any, joints: list[str]) -> tuple[Keyframe, ...]:
+    """The states that the file names (``key1``, … where it names none), by joint and actuator, and ``qpos0`` last."""
+    drives = [model.actuator(a).name or f"actuator{a + 1}" for a in range(model.nu)]
+    named = tuple(
+        Keyframe(
+            model.key(i).name or f"key{i + 1}",
+            {name: float(model.key_qpos[i, model.jnt_qposadr[k]]) for k, name in enumerate(joints)},
+            {name: float(model.key_qvel[i, model.jnt_dofadr[k]]) for k, name in enumerate(joints)},
+            {name: float(model.key_ctrl[i, model.actuator_ctrladr[a]]) for a, name in enumerate(drives)},
+        )
+        for i in range(model.nkey)
+    )
+    rest = {name: float(model.qpos0[model.jnt_qposadr[k]]) for k, name in enumerate(joints)}
+    return (*named, Keyframe("qpos0", rest, {}, {}))
+
+
+def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint], list[Link], list[Attachment]]:
+    """Joints, links and joint laws of a compiled model, one fixed joint for a body without joints."""
     import mujoco
 
     joints: list[Joint] = []
     links: list[Link] = []
-    names = [model.body(b).name or f"body{b}" for b in range(model.nbody)]
-    names[0] = BASE
+    effects: list[Attachment] = []
+    names = _body_names(model)
+    joint_names = _joint_names(model, names)
+    # Names of the links and joints that no body or joint of the file stands for.
+    link_names, all_joints = set(names), set(joint_names)
     # Where each body's frame lies in the frame of the link that stands for it (axes are parallel).
     body_in_link = [np.zeros(3) for _ in range(model.nbody)]
     for b in range(1, model.nbody):
         parent = int(model.body_parentid[b])
         xyz = model.body_pos[b] + body_in_link[parent]
-        rotation = _matrix(model.body_quat[b])
+        rotation = from_quaternion(model.body_quat[b])
         first, count = int(model.body_jntadr[b]), int(model.body_jntnum[b])
         if count == 0:
             joints.append(
                 Joint(
-                    f"{names[b]}__fixed",
+                    unique(f"{names[b]}__fixed", all_joints),
                     JointType.FIXED,
                     names[parent],
                     names[b],
@@ -205,25 +256,26 @@ def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint
         anchor = np.zeros(3)
         carrier = names[parent]
         for k in range(first, first + count):
-            name = model.joint(k).name or f"{names[b]}__joint{k - first + 1 if count > 1 else ''}"
+            name = joint_names[k]
             kind = mujoco.mjtJoint(int(model.jnt_type[k]))
             if kind not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
                 raise UnsupportedError(
                     f"joint {name!r}: only hinge and slide joints are modelled", mend="use those", source=source
                 )
             last = k == first + count - 1
-            child = names[b] if last else f"{names[b]}__{name}"
+            child = names[b] if last else unique(f"{names[b]}__{name}", link_names)
             # The first joint is placed in the parent; the others in the massless link before them, whose axes are
             # the body's.
             place = xyz + rotation @ model.jnt_pos[k] if k == first else model.jnt_pos[k] - anchor
             turn = rotation if k == first else np.eye(3)
-            joints.append(_joint(model, k, name, carrier, child, place, turn, notes))
+            joints.append(_joint(model, k, name, carrier, child, place, turn))
+            effects += _joint_laws(model, k, name, notes)
             if not last:
                 links.append(Link(child))
             anchor = model.jnt_pos[k].copy()
             carrier = child
         body_in_link[b] = -anchor
-        axes = _matrix(model.body_iquat[b])
+        axes = from_quaternion(model.body_iquat[b])
         inertia = axes @ np.diag(model.body_inertia[b]) @ axes.T
         links.append(
             Link(
@@ -233,12 +285,10 @@ def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint
                 inertia=constant((inertia + inertia.T) / 2.0),
             )
         )
-    return joints, links
+    return joints, links, effects
 
 
-def _joint(
-    model: Any, k: int, name: str, parent: str, child: str, place: Array, turn: Array, notes: list[str]
-) -> Joint:
+def _joint(model: Any, k: int, name: str, parent: str, child: str, place: Array, turn: Array) -> Joint:
     import mujoco
 
     dof, coordinate = int(model.jnt_dofadr[k]), int(model.jnt_qposadr[k])
@@ -252,18 +302,9 @@ def _joint(
         turn = turn @ about_axis(axis, -reference)
     limited = bool(model.jnt_limited[k])
     force_limited = bool(model.jnt_actfrclimited[k])
-    springs, dampers = not _disabled(model, "SPRING"), not _disabled(model, "DAMPER")
-    dry = not (_disabled(model, "FRICTIONLOSS") or _disabled(model, "CONSTRAINT"))
-    if np.any(model.dof_dampingpoly[dof]) and dampers:
-        b, c = model.dof_dampingpoly[dof]
-        notes.append(
-            f"joint {name!r}: damping beyond linear, {b:g} v|v| + {c:g} v³, is left out; "
-            "attach quadratic_drag to have the first"
-        )
-    if np.any(model.jnt_stiffnesspoly[k]) and springs:
-        notes.append(f"joint {name!r}: stiffness beyond linear is left out; attach cubic_stiffness to have it")
-    if model.jnt_plasticadr[k] >= 0:
-        notes.append(f"joint {name!r}: plastic yield of its spring is left out")
+    springs, dampers = not disabled(model, "SPRING"), not disabled(model, "DAMPER")
+    dry = not (disabled(model, "FRICTIONLOSS") or disabled(model, "CONSTRAINT"))
+    driven = reflected(model, k)
     return Joint(
         name,
         JointType.PRISMATIC if prismatic else JointType.REVOLUTE,
@@ -272,8 +313,8 @@ def _joint(
         xyz=constant(place),
         rotation=constant(turn),
         axis=constant(axis),
-        armature=float(model.dof_armature[dof]),
-        damping=float(model.dof_damping[dof]) if dampers else 0.0,
+        armature=float(model.dof_armature[dof]) + driven.armature,
+        damping=float(model.dof_damping[dof]) + driven.damping[0] if dampers else 0.0,
         friction=float(model.dof_frictionloss[dof]) if dry else 0.0,
         stiffness=float(model.jnt_stiffness[k]) if springs else 0.0,
         rest_position=float(model.qpos_spring[coordinate]) if model.jnt_stiffness[k] != 0.0 and springs else 0.0,
@@ -283,41 +324,33 @@ def _joint(
     )
 
 
-def _matrix(quaternion: Array) -> Array:
-    """Rotation matrix of a quaternion (w, x, y, z), which need not be of unit length, shape (3, 3)."""
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def _joint_laws(model: Any, k: int, name: str, notes: list[str]) -> list[Attachment]:
+    """Damping and stiffness beyond linear: −(a v + b v|v| + c v³) and −(k1 x + k2 x² + k3 x³), x from where the spring is slack.
 
-
-def _left_out(model: Any) -> list[str]:
-    """What would act in MuJoCo and is not part of a system, one line each."""
-    notes = [
-        f"{count} {what} left out"
-        for count, what in (
-            (model.neq, "equality constraint(s)"),
-            (model.ntendon, "tendon(s)"),
-            (model.nflex, "flexible mesh(es)"),
-            (model.nplugin, "plugin(s)"),
-            (model.nmocap, "mocap bodies taken as fixed; their motion is"),
-        )
-        if count
-    ]
-    if model.nu:
-        bias = np.any(model.actuator_biasprm != 0.0)
-        passive = np.any(model.actuator_armature != 0.0) or np.any(model.actuator_damping != 0.0)
-        acts = ", though some act without a command (feedback, armature or damping)" if bias or passive else ""
-        notes.append(f"{model.nu} actuator(s) left out{acts}; joint effort is an input here")
-    moving = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
-    if len(moving) > 1 and not (_disabled(model, "CONTACT") or _disabled(model, "CONSTRAINT")):
-        notes.append(f"contacts between {len(moving)} geom(s) left out")
-    if np.any(model.body_gravcomp != 0.0):
-        notes.append("gravity compensation (gravcomp) left out")
-    if model.opt.density != 0.0 or model.opt.viscosity != 0.0:
-        notes.append("forces of the surrounding fluid (density, viscosity) left out")
-    return notes
+    What the catalogue has a law for is attached, the rest told.
+    """
+    dof, coordinate = int(model.jnt_dofadr[k]), int(model.jnt_qposadr[k])
+    effects = []
+    drag, cubic_damping = np.asarray(model.dof_dampingpoly[dof]) + np.array(reflected(model, k).damping[1:])
+    if not disabled(model, "DAMPER"):
+        if drag > 0.0:
+            effects.append(Attachment("quadratic_drag", name, {"coefficient": float(drag)}))
+        elif drag < 0.0:
+            notes.append(f"joint {name!r}: its damping {drag:g} v|v| feeds energy in and is left out")
+        if cubic_damping:
+            notes.append(f"joint {name!r}: its damping {cubic_damping:g} v³ is left out")
+    if not disabled(model, "SPRING"):
+        square, cubic = (float(value) for value in model.jnt_stiffnesspoly[k])
+        slack = float(model.qpos_spring[coordinate])
+        if square:
+            notes.append(
+                f"joint {name!r}: its stiffness {square:g} x² is left out, x = position - {slack:g}: it pulls to one side alone, "
+                "whichever side x is on, so that no cubic_stiffness stands for it"
+            )
+        if cubic > 0.0 and slack == 0.0:
+            effects.append(Attachment("cubic_stiffness", name, {"stiffness": cubic}))
+        elif cubic:
+            notes.append(f"joint {name!r}: its stiffness {cubic:g} x³ is left out, x = position - {slack:g}")
+    if model.jnt_plasticadr[k] >= 0:
+        notes.append(f"joint {name!r}: plastic yield of its spring is left out")
+    return effects

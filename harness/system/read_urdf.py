@@ -11,13 +11,31 @@ import numpy as np
 from harness.errors import InputError, UnsupportedError
 from harness.system.check import check_bodies, check_dynamics
 from harness.system.description import Array, Joint, JointType, Link, System, constant
-from harness.system.rotation import from_rpy
+from harness.system.rotation import from_quaternion, from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.topology import arrange
+from harness.system.urdf_left_out import left_out
+from harness.system.xml_source import prefix_and_name
 
 # Limits this large [rad, m, N·m, …] stand for none, in files whose readers insist on a number.
 NO_LIMIT = 1e9
-_NOT_MODELLED = ("floating", "planar")
+# Of URDF and its dialects (Drake's, SDFormat's): well formed, and more than one coordinate or none of ours.
+_NOT_MODELLED = (
+    "floating",
+    "planar",
+    "ball",
+    "spherical",
+    "universal",
+    "cylindrical",
+    "screw",
+    "gearbox",
+    "revolute2",
+    "quaternion_floating",
+    "rpy_floating",
+)
+# Rotations as quaternions came with this version of the format; urdfdom passes them over in files of an earlier one.
+_QUATERNIONS_SINCE = (1, 1)
+_VERSIONS = ((1, 0), (1, 1), (1, 2))
 
 
 def read_urdf(
@@ -26,10 +44,12 @@ def read_urdf(
     """A system from the root element of a URDF document.
 
     The root link is the fixed base; its inertia moves nothing. Mimic joints count as independent. Geometry, materials,
-    transmissions and simulator extensions are not read.
+    transmissions and simulator extensions are not read; what of them would act elsewhere is told in ``System.notes``.
     Raises InputError and UnsupportedError naming file, line, joint or link.
     """
     reader = _Reader(source, physical)
+    reader.version(root)
+    reader.refuse_foreign_joints(root)
     joints = [reader.joint(element) for element in root.findall("joint")]
     links = [reader.link(element) for element in root.findall("link")]
     if not links:
@@ -43,7 +63,7 @@ def read_urdf(
     rest.remove(next(link for link in links if link.name == base))
     ordered_joints, ordered_links = arrange(joints, rest, base, source=source, lines=reader.lines)
     ordered_links, told = check_bodies(ordered_links, physical=physical, source=source, lines=reader.lines)
-    notes = [*reader.notes, *told]
+    notes = [*reader.notes, *told, *left_out(root, base)]
     system = System(
         name=root.get("name") or (source.stem if source is not None else "robot"),
         joints=ordered_joints,
@@ -65,6 +85,33 @@ class _Reader:
         self.physical = physical
         self.notes: list[str] = []
         self.lines: dict[tuple[str, str], int] = {}
+        self.quaternions = False
+
+    def version(self, root: Any) -> None:
+        """Which version of the format the file says it is, and so whether rotations may be quaternions."""
+        text = root.get("version")
+        if text is None:
+            return
+        try:
+            major, minor = (int(word) for word in text.strip().split("."))
+        except ValueError:
+            self.notes.append(f"version {text!r} is no URDF version, which urdfdom refuses; read as 1.0")
+            return
+        if (major, minor) not in _VERSIONS:
+            self.notes.append(f"version {text} is beyond 1.2, which urdfdom refuses; read as 1.2")
+        self.quaternions = (major, minor) >= _QUATERNIONS_SINCE
+
+    def refuse_foreign_joints(self, root: Any) -> None:
+        """Refuse joints of another vocabulary (``drake:joint``) by name, before the links they carry are missed."""
+        for element in root:
+            prefix, name = prefix_and_name(element)
+            if prefix and name == "joint":
+                raise UnsupportedError(
+                    f"joint {element.get('name')!r}: <{prefix}:joint> of type {element.get('type')!r} is not modelled",
+                    mend="build it from revolute, prismatic and fixed joints",
+                    source=self.source,
+                    line=element.sourceline,
+                )
 
     def refuse(self, element: Any, what: str, mend: str = "") -> NoReturn:
         raise InputError(what, mend=mend, source=self.source, line=element.sourceline)
@@ -103,7 +150,19 @@ class _Reader:
             return constant(np.zeros(3)), constant(np.eye(3))
         zero = constant(np.zeros(3))
         xyz = self.numbers(origin, "xyz", 3, zero, owner)
-        return xyz, constant(from_rpy(self.numbers(origin, "rpy", 3, zero, owner)))
+        if origin.get("quat_xyzw") is None:
+            return xyz, constant(from_rpy(self.numbers(origin, "rpy", 3, zero, owner)))
+        if not self.quaternions:
+            self.notes.append(
+                f"{owner}: quat_xyzw is left out, as urdfdom leaves it out where <robot> has no version 1.1 or later"
+            )
+            return xyz, constant(from_rpy(self.numbers(origin, "rpy", 3, zero, owner)))
+        if origin.get("rpy") is not None:
+            self.refuse(origin, f"{owner}: <origin> has both rpy and quat_xyzw", "give the one or the other")
+        x, y, z, w = self.numbers(origin, "quat_xyzw", 4, None, owner)
+        if math.hypot(x, y, z, w) < 1e-12:
+            self.refuse(origin, f"{owner}: quat_xyzw is zero", 'the identity is quat_xyzw="0 0 0 1"')
+        return xyz, constant(from_quaternion((w, x, y, z)))
 
     def link(self, element: Any) -> Link:
         name = self.name(element)
@@ -142,7 +201,7 @@ class _Reader:
         if kind in _NOT_MODELLED:
             raise UnsupportedError(
                 f"{owner}: type {kind!r} is not modelled",
-                mend="fix it to the base, or build it from prismatic and revolute joints",
+                mend="fix it to its parent, or build it from prismatic and revolute joints",
                 source=self.source,
                 line=element.sourceline,
             )
@@ -212,6 +271,10 @@ class _Reader:
     def _limits(self, element: Any, kind: JointType, owner: str) -> tuple[float, float, float, float]:
         limit = element.find("limit")
         if limit is None:
+            if kind in (JointType.REVOLUTE, JointType.PRISMATIC):
+                self.notes.append(
+                    f"{owner} is {kind} without <limit>, taken as unlimited; urdfdom (ROS, Pinocchio) refuses the file"
+                )
             return -np.inf, np.inf, np.inf, np.inf
         lower, upper = -np.inf, np.inf
         if kind in (JointType.REVOLUTE, JointType.PRISMATIC):

@@ -35,6 +35,19 @@ def to_rpy(rotation: ArrayLike) -> Array:
     return np.array([roll, pitch, yaw])
 
 
+def from_quaternion(quaternion: ArrayLike) -> Array:
+    """Matrix of a quaternion (w, x, y, z), which need not be of unit length, shape (3, 3)."""
+    q = np.asarray(quaternion, dtype=np.float64)
+    w, x, y, z = q / np.linalg.norm(q)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
 def about_axis(axis: ArrayLike, angle: float) -> Array:
     """Matrix of a turn by ``angle`` [rad] about a unit axis (Rodrigues), shape (3, 3)."""
     k = skew(axis)

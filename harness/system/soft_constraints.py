@@ -50,6 +50,20 @@ def limit_solver(stop: Mapping[str, float], invweight: float) -> Solver:
     return (-stop["stiffness"] * rate, -stop["damping"] * rate), impedance
 
 
+def limit_law(solref: tuple[float, float], solimp: tuple[float, float], invweight: float) -> tuple[float, float, float]:
+    """Stiffness, damping and inertia of a limit from MuJoCo's numbers, its impedance the one that it has beyond its width.
+
+    The inverse of ``limit_solver``: ``solref`` is a time constant and a damping ratio, or, negative, stiffness and damping.
+    """
+    impedance = min(max(solimp[1], 1e-4), 0.9999)  # MuJoCo's own bounds
+    inertia = impedance / (1.0 - impedance) / invweight
+    first, second = solref
+    if first <= 0.0:
+        return -first * inertia / impedance, -second * inertia / impedance, inertia
+    time, ratio = first, second
+    return inertia / (impedance * time**2 * ratio**2), 2.0 * inertia / (impedance * time), inertia
+
+
 def limits(stop: Mapping[str, float]) -> tuple[float, float]:
     """The joint's range with a stop on one side."""
     low, high = sorted((stop["angle"], -copysign(FAR, stop["angle"])))

@@ -84,11 +84,11 @@ def test_joint_properties_come_through_defaults_and_units(tmp_path: Path) -> Non
 
 def test_what_acts_there_and_not_here_is_noted(tmp_path: Path) -> None:
     text = """<mujoco><option density="1.2"/><worldbody><geom type="plane" size="1 1 1"/><body name="b" gravcomp="1">
-      <joint name="j" axis="0 1 0" damping="0.1 0.2 0.3"/><geom size="0.1" pos="0 0 -1"/></body></worldbody>
+      <joint name="j" axis="0 1 0" damping="0.1 0.2 0.3" stiffness="4 5 0"/><geom size="0.1" pos="0 0 -1"/></body></worldbody>
       <actuator><motor joint="j"/></actuator>
       <equality><joint joint1="j"/></equality></mujoco>"""
     notes = " | ".join(load_text(tmp_path, text).notes)
-    for word in ("damping beyond linear", "actuator", "equality", "contacts", "gravcomp", "fluid"):
+    for word in ("damping 0.3 v³", "stiffness 5 x²", "actuator", "equality", "contacts", "gravcomp", "fluid"):
         assert word in notes
 
 
@@ -104,14 +104,29 @@ def test_free_and_ball_joints_are_refused_by_name_and_line(tmp_path: Path, kind:
     [
         ('<include file="../secret.xml"/>', "outside the model's folder"),
         ('<include file="/etc/passwd"/>', "outside the model's folder"),
-        ('<asset><mesh name="m" file="../m.stl"/></asset>', "outside the model's folder"),
-        ('<compiler meshdir="../meshes"/><asset><mesh name="m" file="m.stl"/></asset>', "outside the model's folder"),
-        ('<asset><texture name="t" type="cube" fileup="../up.png"/></asset>', "outside the model's folder"),
     ],
 )
 def test_files_outside_the_folder_are_refused(tmp_path: Path, snippet: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         load_text(tmp_path, f"<mujoco>{snippet}<worldbody/></mujoco>")
+
+
+@pytest.mark.parametrize(
+    "snippet",
+    [
+        '<asset><mesh name="m" file="../m.stl"/></asset>',
+        '<compiler meshdir="../meshes"/><asset><mesh name="m" file="m.stl"/></asset>',
+        '<asset><texture name="t" type="cube" fileup="../up.png"/></asset>',
+        '<asset><hfield name="f" file="../f.png" size="1 1 1 1"/></asset>',
+    ],
+)
+def test_shapes_outside_the_folder_are_not_opened(tmp_path: Path, snippet: str) -> None:
+    (tmp_path / "in").mkdir()
+    for name in ("m.stl", "meshes/m.stl", "up.png", "f.png"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("no shape, which MuJoCo would say if it opened this")
+    body = '<worldbody><body name="b"><joint name="j"/><geom size="0.1" pos="0 0 -1"/></body></worldbody>'
+    assert load_text(tmp_path / "in", f"<mujoco>{snippet}{body}</mujoco>").joint_names == ("j",)
 
 
 def test_an_include_that_includes_from_outside_is_refused(tmp_path: Path) -> None:

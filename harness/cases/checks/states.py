@@ -13,6 +13,7 @@ from harness.compare import quantities
 from harness.compare.attribution import attribute
 from harness.compare.odd_one_out import vote
 from harness.compare.parameters import Explanation, explain
+from harness.compare.scales import Terms, terms
 from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.system import System
@@ -68,12 +69,13 @@ class StateAgreement:
         mass = None
         if self.quantity in ("acceleration", "mass_matrix"):
             mass = np.array([bench.models[NATIVE].mass_matrix(q) for q in states.q])
-        measure = partial(difference_of, self.quantity, mass)
+        summed = summed_terms(bench.system, states, bench.models[NATIVE])
+        measure = partial(difference_of, self.quantity, mass, terms=summed.get(self.quantity))
         differences = {name: measure(values[NATIVE], value) for name, value in values.items() if name != NATIVE}
         allowed, note = self.allowed, ""
         if mass is not None and self.conditioned and _beyond(differences, allowed):
             if self.quantity == "acceleration":
-                explained = rounding(bench.models[NATIVE], states, mass, values[NATIVE])
+                explained = rounding(bench.models[NATIVE], states, mass, values[NATIVE], summed.get("each"))
                 what = "ill-conditioned: rounding of the mass matrix and the forces"
             else:
                 explained = normwise(mass)
@@ -177,17 +179,40 @@ def _beyond(differences: dict[str, Array], allowed: float) -> bool:
     return any(not (difference.max() <= allowed) for difference in differences.values())
 
 
-def difference_of(quantity: str, mass: Array | None, a: Array, b: Array) -> Array:
+def summed_terms(system: System, states: States, model: EngineModel) -> dict[str, Array]:
+    """Sizes of the terms that forces and energies are sums of, by quantity, shape (B,); ``each`` those of the bias, (B, n).
+
+    Nothing for a flexible system, whose quantities no engine shares. See ``harness.compare.scales``.
+    """
+    if system.flexible:
+        return {}
+    joints = system.movable_joints
+    damping, stiffness = (np.array([getattr(joint, key) for joint in joints]) for key in ("damping", "stiffness"))
+    rest = np.array([joint.rest_position for joint in joints])
+    at: list[Terms] = [terms(system, q, qd) for q, qd in zip(states.q, states.qd, strict=True)]
+    each = np.array([one.gravity + one.motion for one in at])
+    passive = damping * np.abs(states.qd) + stiffness * np.abs(states.q - rest)
+    driven = np.array([np.abs(model.mass_matrix(q)) @ np.abs(qdd) for q, qdd in zip(states.q, states.qdd, strict=True)])
+    return {
+        "gravity": np.array([one.gravity.max() for one in at]),
+        "bias": each.max(axis=1),
+        "inverse_dynamics": (each + passive + driven).max(axis=1),
+        "energy": np.array([one.potential for one in at]),
+        "each": each,
+    }
+
+
+def difference_of(quantity: str, mass: Array | None, a: Array, b: Array, terms: Array | None = None) -> Array:
     """How far two engines' values of a quantity are apart at each state, relative, shape (B,).
 
     Accelerations in the norm of the mass matrix (B, n, n), its own entries over √(M_ii M_jj), all else over the largest
-    entry of the state: see ``harness.compare.quantities``.
+    entry of the state or the terms (B,) that cancel in it: see ``harness.compare.quantities`` and ``scales``.
     """
     if quantity == "acceleration" and mass is not None:
         return quantities.accelerations(mass, a, b)
     if quantity == "mass_matrix" and mass is not None:
         return quantities.mass_matrices(a.reshape(mass.shape), b.reshape(mass.shape))
-    return quantities.relative(a, b)
+    return quantities.relative(a, b, terms=terms)
 
 
 @dataclass(frozen=True)
@@ -246,19 +271,21 @@ def evaluate(quantity: str, model: EngineModel, states: States) -> Array:
     )
 
 
-def rounding(model: EngineModel, states: States, mass: Array, acceleration: Array) -> float:
+def rounding(model: EngineModel, states: States, mass: Array, acceleration: Array, terms: Array | None = None) -> float:
     """Relative error of accelerations that rounding of mass matrix and forces to double precision brings.
 
     First-order componentwise bound √n ε |M⁻¹| (|M| |qdd| + |bias| + |tau| + |passive forces|) (Bauer-Skeel; Higham,
     Accuracy and Stability of Numerical Algorithms, §7.2; √n for sums of n roundings, Higham & Mary 2019), twice because
     each of two engines rounds, in the norm that accelerations are compared in, at the worst of the states.
+    terms: of the bias, where they may cancel, shape (B, n).
     """
     errors = []
     for k, qdd in enumerate(acceleration):
         bias, tau = model.bias(states.q[k], states.qd[k]), states.tau[k]
         # Springs a radian off balance what was drawn to move them: two large terms whose difference is what counts.
         passive = mass[k] @ qdd + bias - tau
-        forces = np.abs(mass[k]) @ np.abs(qdd) + np.abs(bias) + np.abs(tau) + np.abs(passive)
+        summed = np.abs(bias) if terms is None else np.maximum(np.abs(bias), terms[k])
+        forces = np.abs(mass[k]) @ np.abs(qdd) + summed + np.abs(tau) + np.abs(passive)
         errors.append(np.abs(np.linalg.inv(mass[k])) @ forces)
     unit = 2.0 * np.sqrt(states.q.shape[1]) * np.finfo(np.float64).eps
     return float(quantities.accelerations(mass, acceleration, acceleration + unit * np.array(errors)).max())

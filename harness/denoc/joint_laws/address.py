@@ -31,6 +31,11 @@ def teeth(position: float, velocity: float, time: float, p: Any) -> float:
     return -side * max(push, 0.0)
 
 
+def servo(position: float, velocity: float, time: float, p: Any) -> float:
+    """Force of a drive with feedback: offset p[0] less stiffness p[1] · position and damping p[2] · velocity, within ± p[3]."""
+    return min(max(p[0] - p[1] * position - p[2] * velocity, -p[3]), p[3])
+
+
 @functools.lru_cache(maxsize=64)
 def compiled_law(law: Law) -> Any:
     """A law ``(q, qd, t, p) -> force`` of four parameters p as plain code, for as long as what is returned: its ``address``."""

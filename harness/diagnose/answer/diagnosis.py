@@ -28,7 +28,7 @@ class Diagnosis:
     with its laws fitted beside such levels, where recordings ask for them. explained_share: share of the nominal model's
     mean-square mismatch on data held out that the findings remove. discrepancy: the force that they leave out, a row a joint.
     predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them. provenance:
-    what the answer was made from. correlations: of the parameters told.
+    what the answer was made from. correlations: of the parameters told. notes: what reading the model left out, one line each.
     """
 
     verdict: str
@@ -53,6 +53,7 @@ class Diagnosis:
     predictive: System | None = None
     provenance: Mapping[str, Any] | None = None
     correlations: Mapping[str, Any] | None = None
+    notes: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "findings", Findings(self.findings))
@@ -79,6 +80,7 @@ class Diagnosis:
             "quality": list(self.quality),
             "explained_share": self.explained_share,
             "discrepancy": list(self.discrepancy),
+            "notes": list(self.notes),
         }
         if self.predictive is not None:
             document["predictive"] = {"effects": list(self.predicting)}

@@ -8,6 +8,7 @@ from typing import Any
 from harness.diagnose.answer.curves import Curves
 from harness.report.diagnosis import sections
 from harness.report.html import page
+from harness.report.sections.notes import ModelNotes
 from harness.report.sections.section import Section
 from harness.system import System
 
@@ -29,6 +30,7 @@ def diagnosis_html(document: Mapping[str, Any], curves: Curves | None = None, sy
         sections.Remainder(),
         sections.Rivals(),
         sections.Replay(),
+        ModelNotes(),
         sections.Data(),
         sections.Provenance(),
     ]

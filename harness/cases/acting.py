@@ -1,0 +1,114 @@
+"""What of a model acts in a single run: its drives under the commands of a keyframe, and the limits that the motion reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from harness.cases.case import Array
+from harness.denoc import Denoc
+from harness.errors import InputError, UnsupportedError
+from harness.system import Actuator, Joint, Keyframe, Stops, System
+from harness.system.soft_constraints import limit_law
+from harness.system.suggest import did_you_mean
+
+# MuJoCo's defaults, solreflimit and solimplimit, for files that do not say how soft a limit is.
+_SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95)
+
+
+def keyframe(system: System, name: str) -> Keyframe:
+    """The keyframe of that name; InputError if there is none. ``qpos0`` is zero where the file is no MJCF."""
+    for frame in system.keyframes:
+        if frame.name == name:
+            return frame
+    if name == "qpos0":
+        return Keyframe(name, {}, {}, {})
+    known = [frame.name for frame in system.keyframes] or ["qpos0"]
+    raise InputError(f"no keyframe is named {name!r}", source=system.source, mend=did_you_mean(name, known))
+
+
+def driven(
+    system: System, command: Mapping[str, float], without: Collection[str] = ()
+) -> tuple[System, tuple[str, ...]]:
+    """The system with its actuators acting under held commands, and one line for each that acts.
+
+    command: by actuator, 0 where absent. without: joints whose effort is an input already.
+    A drive without a range of force is a spring and a damper of its joint. Raises UnsupportedError for two drives of one joint that
+    are more than that.
+    """
+    told, drives = [], []
+    for stated in system.actuators:
+        held = command.get(stated.name, 0.0)
+        acting = replace(stated, offset=stated.offset + stated.gain * held, gain=0.0)
+        if stated.joint in without:
+            told.append(f"actuator {stated.name!r} is left out: the effort of joint {stated.joint!r} is given")
+        elif acting.offset or acting.stiffness or acting.damping:
+            told.append(f"actuator {stated.name!r} acts on joint {stated.joint!r}, its command held at {held:g}")
+            if _is_spring(acting):
+                system = system.replace_joint(_sprung(system.joint(stated.joint), acting))
+            else:
+                drives.append(acting)
+    joints = [drive.joint for drive in drives]
+    twice = next((joint for joint in joints if joints.count(joint) > 1), None)
+    if twice is not None:
+        raise UnsupportedError(
+            f"joint {twice!r} has two drives with a range of force or a constant one",
+            mend="--no-actuators leaves them out",
+        )
+    return replace(system, drives=tuple(drives)), tuple(told)
+
+
+def _is_spring(drive: Actuator) -> bool:
+    bounded = np.isfinite(drive.lower) or np.isfinite(drive.upper)
+    return not bounded and drive.damping >= 0.0 and (drive.stiffness > 0.0 or (drive.stiffness == drive.offset == 0.0))
+
+
+def _sprung(joint: Joint, drive: Actuator) -> Joint:
+    """The joint with the drive's spring and damper beside its own."""
+    stiffness = joint.stiffness + drive.stiffness
+    rest = joint.rest_position
+    if stiffness:
+        rest = (joint.stiffness * joint.rest_position + drive.offset) / stiffness
+    return replace(joint, stiffness=stiffness, rest_position=rest, damping=joint.damping + drive.damping)
+
+
+def bounded(system: System) -> System:
+    """The system with the limits of its joints acting, as softly as its file says or as MuJoCo's defaults are."""
+    stated = {stop.joint: stop for stop in system.limits}
+    stops = []
+    inverse = None
+    for joint in system.movable_joints:
+        if not _has_range(joint):
+            continue
+        if joint.name in stated:
+            stops.append(stated[joint.name])
+            continue
+        if inverse is None:
+            zero = np.zeros(len(system.coordinate_names))
+            inverse = np.linalg.inv(Denoc(system).mass_matrix(zero))
+        k = system.coordinate_names.index(joint.name)
+        law = limit_law(_SOLREF, _SOLIMP, float(inverse[k, k]))
+        stops.append(Stops(joint.name, joint.lower, joint.upper, *law))
+    return replace(system, stops=tuple(stops))
+
+
+def _has_range(joint: Joint) -> bool:
+    return bool(np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper)
+
+
+def reached(system: System, names: tuple[str, ...], time: Array, position: Array) -> tuple[str, ...]:
+    """One line for each joint that a motion takes to its limits, and when; position (T, n), columns by ``names``."""
+    lines = []
+    for joint in system.movable_joints:
+        if not _has_range(joint):
+            continue
+        course = position[:, names.index(joint.name)]
+        beyond = (course > joint.upper) | (course < joint.lower)
+        if beyond.any():
+            first = int(np.argmax(beyond))
+            limit = joint.upper if course[first] > joint.upper else joint.lower
+            unit = joint.position_unit
+            lines.append(f"joint {joint.name!r} reaches its limit of {limit:.4g} {unit} at {time[first]:.4g} s")
+    return tuple(lines)

@@ -1,0 +1,32 @@
+"""Which field of a model file each engine's reader passes over, and what that costs in motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.cases.import_audit.ignored import Ignored, as_dict
+from harness.cases.import_audit.mjcf import mjcf_fields
+from harness.cases.import_audit.urdf import urdf_fields
+from harness.engines.readers.register import root_of
+from harness.errors import InputError
+from harness.system import load
+
+SCHEMA = "denoc.import/1"
+
+__all__ = ["SCHEMA", "Ignored", "as_dict", "audit_import"]
+
+
+def audit_import(path: str | Path, *, physical: bool = True, allow: Sequence[str | Path] = ()) -> tuple[Ignored, ...]:
+    """Every field of a URDF or MJCF that some reader passes over, with what it costs; the costliest first.
+
+    Raises InputError for a file that cannot be read, and for TOML, which no engine reads.
+    """
+    source = Path(path)
+    system = load(source, physical=physical, allow=allow)
+    kind = root_of(source)
+    if not kind:
+        raise InputError("is no URDF or MJCF, and no other engine reads it", mend="give a .urdf or .xml", source=source)
+    folders = [Path(folder) for folder in allow]
+    found = (urdf_fields if kind == "robot" else mjcf_fields)(source, system, folders)
+    return tuple(sorted(found, key=lambda row: -max(row.force or 0.0, row.motion or 0.0)))

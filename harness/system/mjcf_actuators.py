@@ -1,0 +1,159 @@
+"""What MuJoCo's actuators do at a joint: by their own, and when they are commanded.
+
+Whatever an actuator's kind, its force is asked of the compiled model: at rest, moved, moving and commanded. What is affine in those
+becomes an ``Actuator``; all else (activations, muscles, delays, tendons, sites) is told. Armature and damping of an actuator act
+whether it is commanded or not, and belong to its joint. Source: MuJoCo's documentation, Computation: actuation model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.system.description import Actuator, Array
+
+# Small enough for no force range to be reached from rest, large enough for rounding to be far below it.
+_PROBE = 1e-3
+_STRAIGHT = 1e-6  # relative change of a slope from one probe to a larger one that still counts as none
+
+
+@dataclass(frozen=True)
+class Reflected:
+    """What the actuators of a joint add to it without a command: armature, and damping −(a v + b v|v| + c v³)."""
+
+    armature: float = 0.0
+    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+def reflected(model: Any, k: int) -> Reflected:
+    """Armature and damping at joint k of the actuators that drive it directly.
+
+    Every coefficient of the damping counts with the gear squared, in the joint's own velocity, the quadratic and the cubic too.
+    """
+    armature, damping = 0.0, np.zeros(3)
+    for i in _at_joint(model, k):
+        gear = float(model.actuator_gear[i, 0])
+        armature += gear**2 * float(model.actuator_armature[i])
+        damping += gear**2 * np.array([model.actuator_damping[i], *model.actuator_dampingpoly[i]])
+    return Reflected(armature, (float(damping[0]), float(damping[1]), float(damping[2])))
+
+
+def _at_joint(model: Any, k: int) -> list[int]:
+    import mujoco
+
+    kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+    return [
+        i for i in range(model.nu) if int(model.actuator_trntype[i]) in kinds and int(model.actuator_trnid[i, 0]) == k
+    ]
+
+
+def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple[str, ...]]:
+    """The actuators that are affine in position, velocity and command of one joint, and one line for each that is there.
+
+    names: of the joints, in MuJoCo's order.
+    """
+    import mujoco
+
+    if not model.nu or model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION):
+        return (), (f"{model.nu} actuator(s) left out; actuation is disabled",) if model.nu else ()
+    data = mujoco.MjData(model)
+    found, notes, silent = [], [], []
+    for i in range(model.nu):
+        name = model.actuator(i).name or f"actuator{i + 1}"
+        k = next((k for k in range(model.njnt) if i in _at_joint(model, k)), None)
+        if k is None or model.actuator_actnum[i] or _delayed(model, i):
+            notes.append(f"actuator {name!r} left out: {_why(model, i, k)}")
+            continue
+        actuator = _affine(mujoco, model, data, i, name, k, names[k])
+        if actuator is None:
+            notes.append(f"actuator {name!r} left out: its force at joint {names[k]!r} is not affine")
+            continue
+        found.append(actuator)
+        said = _said(actuator)
+        if said:
+            notes.append(
+                f"actuator {name!r} at joint {actuator.joint!r} has feedback, acting without a command too: {said}; it is left out "
+                "but in `denoc simulate`"
+            )
+        else:
+            silent.append(repr(name))
+    if silent:
+        notes.append(f"actuator(s) {', '.join(silent)} do nothing without a command; joint effort is an input here")
+    return tuple(found), tuple(notes)
+
+
+def _delayed(model: Any, i: int) -> bool:
+    return bool(np.any(np.asarray(getattr(model, "actuator_delay", np.zeros(model.nu))[i]) != 0.0))
+
+
+def _why(model: Any, i: int, k: int | None) -> str:
+    if k is None:
+        return "it acts on no joint alone (a tendon, site or body)"
+    return (
+        "it has a delay"
+        if _delayed(model, i)
+        else "it has a state of its own (activation, filter, current, integrator)"
+    )
+
+
+def _affine(mujoco: Any, model: Any, data: Any, i: int, name: str, k: int, joint: str) -> Actuator | None:
+    dof, coordinate = int(model.jnt_dofadr[k]), int(model.jnt_qposadr[k])
+    gear = float(model.actuator_gear[i, 0])
+    at = _unbounded(model, i)
+
+    def force(position: float = 0.0, velocity: float = 0.0, command: float = 0.0) -> float:
+        mujoco.mj_resetData(at, data)
+        data.qpos[coordinate], data.qvel[dof] = position, velocity
+        data.ctrl[int(at.actuator_ctrladr[i])] = command
+        mujoco.mj_forward(at, data)
+        return gear * float(data.actuator_force[i])
+
+    offset = force()
+    slopes = []
+    for axis in ("position", "velocity", "command"):
+        near, far = ((force(**{axis: x}) - offset) / x for x in (_PROBE, 1.0))
+        if abs(near - far) > _STRAIGHT * max(abs(near), abs(far)) + 1e-9:
+            return None
+        slopes.append(far)
+    if abs(force(0.7, -0.4, 0.3) - (offset + 0.7 * slopes[0] - 0.4 * slopes[1] + 0.3 * slopes[2])) > _STRAIGHT * (
+        abs(offset) + sum(map(abs, slopes))
+    ):
+        return None
+    lower, upper = _range(model, i, k, gear)
+    return Actuator(name, joint, slopes[2], offset, -slopes[0], -slopes[1], lower, upper)
+
+
+def _unbounded(model: Any, i: int) -> Any:
+    """A copy of the model whose actuator has no range of force or command, nor its joints one of force."""
+    import copy
+
+    free = copy.copy(model)
+    free.actuator_forcelimited[i] = 0
+    free.actuator_ctrllimited[i] = 0
+    free.jnt_actfrclimited[:] = 0
+    return free
+
+
+def _range(model: Any, i: int, k: int, gear: float) -> tuple[float, float]:
+    """Least and greatest force [N·m or N] at the joint."""
+    ends: Array = np.array([-np.inf, np.inf])
+    if model.actuator_forcelimited[i] and gear != 0.0:
+        ends = np.sort(gear * np.asarray(model.actuator_forcerange[i], dtype=np.float64))
+    if model.jnt_actfrclimited[k] and len(_at_joint(model, k)) == 1:
+        ends = np.array([max(ends[0], model.jnt_actfrcrange[k, 0]), min(ends[1], model.jnt_actfrcrange[k, 1])])
+    return float(ends[0]), float(ends[1])
+
+
+def _said(actuator: Actuator) -> str:
+    parts = []
+    if actuator.offset:
+        parts.append(f"{actuator.offset:+.4g}")
+    if actuator.stiffness:
+        parts.append(f"{-actuator.stiffness:+.4g} · position")
+    if actuator.damping:
+        parts.append(f"{-actuator.damping:+.4g} · velocity")
+    if parts and (np.isfinite(actuator.lower) or np.isfinite(actuator.upper)):
+        parts.append(f"within {actuator.lower:.4g} … {actuator.upper:.4g}")
+    return ", ".join(parts)

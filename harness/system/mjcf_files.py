@@ -1,0 +1,147 @@
+"""Files that an MJCF document names: which may be opened, and which are needed for the motion at all.
+
+Includes say what the model is; they may lie in the model's folder and in folders that the user allows. Meshes, height fields,
+textures and skins are shapes: they are read only where a body takes its mass from them, so that a model whose folder of meshes
+is elsewhere is read all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.errors import InputError
+from harness.system.xml_source import parse_xml
+
+_FOLDERS = ("meshdir", "texturedir", "assetdir")
+# Elements whose file MuJoCo opens only when it compiles, so that they can be taken out before.
+_SHAPES = ("mesh", "texture", "hfield", "skin")
+_MOST_NAMED = 4
+
+
+@dataclass(frozen=True)
+class Places:
+    """Folders that files may lie in, and those that relative names may be meant from."""
+
+    allowed: tuple[Path, ...]
+    meant_from: frozenset[Path]
+
+    def may_open(self, target: Path) -> bool:
+        return any(target.is_relative_to(folder) for folder in self.allowed)
+
+    def readable(self, name: str) -> bool:
+        """Whether the name is of an existing file, and cannot be of one outside the allowed folders."""
+        targets = [(place / name).resolve() for place in self.meant_from]
+        return all(self.may_open(target) for target in targets) and any(target.is_file() for target in targets)
+
+
+def places(root: Any, source: Path | None, allow: Sequence[Path] = ()) -> Places:
+    """Folders that matter to a document; InputError for an include or model that lies outside those allowed."""
+    folder = (source.parent if source is not None else Path.cwd()).resolve()
+    allowed = (folder, *(path.resolve() for path in allow))
+    meant_from: set[Path] = set()
+    _walk(root, source, folder, allowed, meant_from, set())
+    return Places(allowed, frozenset(meant_from))
+
+
+def _walk(
+    root: Any, source: Path | None, here: Path, allowed: tuple[Path, ...], meant_from: set[Path], seen: set[Path]
+) -> None:
+    around = {here, allowed[0]}
+    for compiler in root.iter("compiler"):
+        for key in _FOLDERS:
+            if compiler.get(key):
+                around |= {(place / compiler.get(key)).resolve() for place in tuple(around)}
+    meant_from |= around
+    for element in root.iter():
+        if not isinstance(element.tag, str) or element.tag in _SHAPES:
+            continue
+        named = [value for key, value in element.attrib.items() if key.startswith("file") and value]
+        for target in ((place / name).resolve() for name in named for place in around):
+            if not any(target.is_relative_to(folder) for folder in allowed):
+                raise InputError(
+                    f"<{element.tag}> names {named[0]!r}, which lies outside the model's folder",
+                    mend="move it under the folder of the model, or allow its folder with --allow-path",
+                    source=source,
+                    line=element.sourceline,
+                )
+            # Includes, and whole models attached as assets, may name files in their turn.
+            if element.tag in ("include", "model") and target.is_file() and target not in seen:
+                seen.add(target)
+                _walk(parse_xml(target.read_bytes(), target), target, target.parent, allowed, meant_from, seen)
+
+
+def take_out_shapes(mujoco: Any, spec: Any, known: Places, source: Path | None) -> list[str]:
+    """Take shapes that cannot be read out of a specification before it is compiled; tells which.
+
+    A geom whose mesh is taken out becomes a small sphere, so that what refers to it still finds it.
+    Raises InputError where a moving body would take its mass from one of them.
+    """
+    meshes = {mesh.name: mesh for mesh in spec.meshes if mesh.file and not known.readable(mesh.file)}
+    fields = {field.name: field for field in spec.hfields if field.file and not known.readable(field.file)}
+    for geom in spec.geoms:
+        gone = meshes.get(geom.meshname) if geom.meshname else fields.get(geom.hfieldname) if geom.hfieldname else None
+        if gone is None:
+            continue
+        if _gives_mass(mujoco, spec, geom):
+            name = geom.parent.name or "without name"
+            raise InputError(
+                f"body {name!r} takes its mass from the mesh {gone.file!r}, which "
+                + _why_not(gone.file, known)
+                + f" (folder {spec.meshdir!r})" * bool(spec.meshdir),
+                mend="allow its folder with --allow-path DIR, or give the body an <inertial>",
+                source=source,
+            )
+        geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
+        geom.meshname, geom.hfieldname, geom.size = "", "", [0.01, 0.0, 0.0]
+    textures = [texture for texture in spec.textures if _names_a_file(texture)]
+    skins = [skin for skin in spec.skins if skin.file and not known.readable(skin.file)]
+    for material in spec.materials:
+        if textures:
+            material.textures = [""] * len(list(material.textures))
+    told = [Path(shape.file).name for shape in (*meshes.values(), *fields.values(), *skins)]
+    for element in (*meshes.values(), *fields.values(), *textures, *skins):
+        spec.delete(element)
+    if not told:
+        return []
+    listed = ", ".join(told[:_MOST_NAMED]) + (f" and {len(told) - _MOST_NAMED} more" * (len(told) > _MOST_NAMED))
+    return [
+        f"{len(told)} shape(s) not read ({listed}): missing or outside the model's folder, and no body's mass is theirs"
+    ]
+
+
+def _names_a_file(texture: Any) -> bool:
+    return bool(texture.file) or any(texture.cubefiles)
+
+
+def _why_not(name: str, known: Places) -> str:
+    targets = [(place / name).resolve() for place in known.meant_from]
+    return "is not there" if all(known.may_open(target) for target in targets) else "lies outside the model's folder"
+
+
+def _gives_mass(mujoco: Any, spec: Any, geom: Any) -> bool:
+    """Whether a geom's shape decides about the inertia of a body that can move."""
+    rule = mujoco.mjtInertiaFromGeom(spec.compiler.inertiafromgeom)
+    low, high = spec.compiler.inertiagrouprange
+    if rule == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE or not low <= geom.group <= high:
+        return False
+    if rule == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO and geom.parent.explicitinertial:
+        return False
+    if geom.mass == 0.0 or (geom.mass != geom.mass and geom.density == 0.0):
+        return False
+    return any(body.joints for body in _up(geom.parent))
+
+
+def _up(body: Any) -> Iterator[Any]:
+    while body is not None and body.name != "world":
+        yield body
+        body = body.parent
+
+
+def unique(name: str, taken: Collection[str]) -> str:
+    """The name, with as many underscores behind it as set it apart from those taken."""
+    while name in taken:
+        name += "_"
+    return name

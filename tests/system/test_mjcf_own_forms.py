@@ -1,0 +1,110 @@
+"""MuJoCo's own forms of damping, stiffness, drives and compensation: what comes over acts as there, the rest is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import harness
+from harness.engines.registry import engine
+
+BODY = """<mujoco><worldbody><body name="p" {body}><joint name="h" axis="0 1 0" {joint}/>
+<inertial pos="0 0 -.2" mass="1" diaginertia=".01 .01 .001"/></body></worldbody>{rest}</mujoco>"""
+STATES = [(0.4, 1.0), (-0.7, -2.0), (1.3, 0.5)]
+
+
+def load(folder: Path, *, body: str = "", joint: str = "", rest: str = "") -> tuple[harness.System, mujoco.MjModel]:
+    text = BODY.format(body=body, joint=joint, rest=rest)
+    path = folder / "model.xml"
+    path.write_text(text)
+    return harness.load(path), mujoco.MjModel.from_xml_string(text)
+
+
+def acceleration(model: mujoco.MjModel, q: float, qd: float, command: float = 0.0) -> float:
+    """What MuJoCo makes of the file itself."""
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:], data.ctrl[:] = q, qd, command
+    mujoco.mj_forward(model, data)
+    return float(data.qacc[0])
+
+
+# A gear of 3 counts squared for every coefficient of the actuator's damping: 0.5 · 9 v|v|, not 0.5 · 27.
+COME_OVER = {
+    "quadratic damping": {"joint": 'damping="0.3 0.5 0"'},
+    "cubic stiffness": {"joint": 'stiffness="4 0 5"'},
+    "armature and damping of a motor": {
+        "rest": '<actuator><motor joint="h" gear="3" armature=".02" damping=".3 .5 0"/></actuator>'
+    },
+    "gravity compensation": {"body": 'gravcomp="0.7"'},
+}
+
+
+@pytest.mark.parametrize("name", COME_OVER)
+@pytest.mark.parametrize("runner", ["denoc", "mujoco", "pinocchio"])
+def test_what_comes_over_acts_as_in_mujoco(tmp_path: Path, name: str, runner: str) -> None:
+    system, theirs = load(tmp_path, **COME_OVER[name])
+    ours = engine(runner).build(system)
+    for q, qd in STATES:
+        found = ours.forward_dynamics(np.array([q]), np.array([qd]), np.zeros(1))
+        assert float(found[0]) == pytest.approx(acceleration(theirs, q, qd), rel=1e-11)
+
+
+TOLD = {
+    "cubic damping": ({"joint": 'damping="0 0 2"'}, "damping 2 v³"),
+    "one-sided stiffness": ({"joint": 'stiffness="4 5 0"'}, "stiffness 5 x² is left out"),
+    "cubic spring slack elsewhere": ({"joint": 'stiffness="4 0 5" springref="10"'}, "stiffness 5 x³ is left out"),
+    "position servo": ({"rest": '<actuator><position joint="h" kp="17.8" gear="2"/></actuator>'}, "-71.2 · position"),
+    "back-EMF": (
+        {"rest": '<actuator><dcmotor joint="h" nominal="12 1 100" gear="10"/></actuator>'},
+        "-1 · velocity",  # K²/R = 0.12² / 1.44 N·m·s/rad (stall 1 N·m at 12 V, 100 rad/s idle), times the gear squared
+    ),
+    "motor": ({"rest": '<actuator><motor joint="h"/></actuator>'}, "do nothing without a command"),
+    "activation": (
+        {"rest": '<actuator><intvelocity joint="h" kp="3" actrange="-1 1"/></actuator>'},
+        "a state of its own",
+    ),
+    "muscle": ({"rest": '<actuator><muscle joint="h" lengthrange="-1 1"/></actuator>'}, "left out"),
+}
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_what_does_not_is_told(tmp_path: Path, name: str) -> None:
+    parts, words = TOLD[name]
+    system, _ = load(tmp_path, **parts)
+    assert any(words in note for note in system.notes), system.notes
+
+
+def test_an_actuator_is_what_mujoco_makes_of_it(tmp_path: Path) -> None:
+    rest = '<actuator><position name="a" joint="h" kp="17.8" kv="0.5" gear="2" forcerange="-3 5"/></actuator>'
+    system, theirs = load(tmp_path, rest=rest)
+    (actuator,) = system.actuators
+    inertia = 0.01 + 1.0 * 0.2**2
+    for q, qd, command in ((0.01, 0.1, 0.0), (0.9, -0.4, 0.2), (-0.9, 0.0, 0.0)):
+        force = actuator.offset + actuator.gain * command - actuator.stiffness * q - actuator.damping * qd
+        force = min(max(force, actuator.lower), actuator.upper)
+        expected = (force - 1.0 * 9.81 * 0.2 * np.sin(q)) / inertia
+        assert acceleration(theirs, q, qd, command) == pytest.approx(expected, rel=1e-9)
+    assert (actuator.lower, actuator.upper) == (-6.0, 10.0)
+
+
+def test_compensation_that_differs_by_body_is_told(tmp_path: Path) -> None:
+    system, _ = load(tmp_path, body='gravcomp="1"')
+    assert not np.any(system.gravity)
+    text = (tmp_path / "model.xml").read_text().replace("</body>", '<body name="o"><geom size=".1"/></body></body>')
+    (tmp_path / "model.xml").write_text(text)
+    other = harness.load(tmp_path / "model.xml")
+    assert other.gravity[2] == -9.81
+    assert any("gravcomp of 'p' 1" in note for note in other.notes)
+
+
+def test_keyframes_are_kept_by_name(tmp_path: Path) -> None:
+    rest = """<actuator><position name="a" joint="h" kp="1"/></actuator>
+    <keyframe><key name="up" qpos="1.5" qvel="0.2" ctrl="0.7"/><key qpos="0.1"/></keyframe>"""
+    system, _ = load(tmp_path, rest=rest)
+    up, second, start = system.keyframes
+    assert (start.name, start.position) == ("qpos0", {"h": 0.0})
+    assert (up.name, up.position, up.velocity, up.command) == ("up", {"h": 1.5}, {"h": 0.2}, {"a": 0.7})
+    assert (second.name, second.position) == ("key2", {"h": 0.1})
