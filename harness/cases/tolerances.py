@@ -12,8 +12,12 @@ def acceleration_allowed(n: int) -> tuple[float, str]:
     if n <= 7:
         return (
             1e-12,
-            "rounding times the condition number of up to 7 joints; other engines differ by 1e-14 among themselves",
+            f"rounding times the condition number of {_of(n)}; other engines differ by 1e-14 among themselves, up to 7",
         )
     if n <= 50:
-        return 1e-10, "rounding times the condition number of up to 50 joints; other engines differ by 1e-12"
-    return 1e-9, "rounding times the condition number of up to 1000 joints; other engines differ by 3e-10"
+        return 1e-10, f"rounding times the condition number of {_of(n)}; other engines differ by 1e-12, up to 50"
+    return 1e-9, f"rounding times the condition number of {_of(n)}; other engines differ by 3e-10, up to 1000"
+
+
+def _of(n: int) -> str:
+    return f"{n} coordinate{'s' * (n > 1)}"

@@ -46,9 +46,9 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
             changes = "; ".join(f"{x.quantity} {x.stated:g} → {x.corrected:g} ({x.slip})" for x in c.changes)
             told = Text(changes or "as it stands", style="" if c.agrees else "dim")
             heard = ", ".join(f"{f:.4g}" for f in c.frequencies)
-            lines.append((c.site, told, f"{c.density:.0f}", c.material, heard, f"{c.probability:.2g}"))
+            lines.append((c.site, told, f"{c.density:.0f}", c.material, heard, f"{100.0 * c.probability:.2g} %"))
         heads = (
-            "link", "correction", figures("density [kg/m³]"), "material", "frequencies [Hz]", figures("probability"),
+            "link", "correction", figures("density [kg/m³]"), "material", "frequencies [Hz]", figures("share of candidates"),
         )  # fmt: skip
         print_table(screen, heads, lines, title="What would explain it")
     text = "The table is possible." if found.possible else "The table cannot be true as it stands."

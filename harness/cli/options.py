@@ -102,7 +102,7 @@ def progress(title: str) -> Iterator[Callable[[int, int, str], None]]:
         console=Console(stderr=True),
         transient=True,
     ) as bar:
-        task = bar.add_task(title, total=None, what="starting; the first run compiles, once")
+        task = bar.add_task(title, total=None, what="starting")
 
         def step(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, what=what)

@@ -120,7 +120,10 @@ def simulate(
         target = Path(out) / "run.csv" if Path(out).is_dir() else Path(out)
         screen.print(f"wrote {write_recording(run.columns, target)}", markup=False)
     if plot is not None:
-        screen.print(f"wrote {write_plot(run.columns, plot, f'{mechanism.name} ({engine})')}", markup=False)
+        sliding = {joint.name for joint in mechanism.movable_joints if joint.prismatic}
+        screen.print(
+            f"wrote {write_plot(run.columns, plot, f'{mechanism.name} ({engine})', sliding=sliding)}", markup=False
+        )
     if json_file is not None:
         summary = {
             "schema": "denoc.simulation/1",

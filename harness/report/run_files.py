@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,8 @@ from harness.errors import InputError, MissingPackageError
 from harness.report.files import staged, write_whole
 
 Columns = Mapping[str, Any]
+# Of joints that turn and of those that slide.
+JOINT_UNITS = {"position": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N·m", "N")}
 ENDINGS = (".csv", ".csv.gz", ".parquet")
 
 
@@ -49,17 +51,17 @@ def write_recording(columns: Columns, path: str | Path) -> Path:
     raise InputError(f"unknown ending {path.suffix!r}", source=path, mend="use " + ", ".join(ENDINGS))
 
 
-def write_plot(columns: Columns, path: str | Path, title: str) -> Path:
-    """A picture of every column over time, one panel a quantity; PNG, SVG or PDF by the ending."""
+def write_plot(columns: Columns, path: str | Path, title: str, *, sliding: Collection[str] = ()) -> Path:
+    """A picture of every column over time, one panel a quantity; PNG, SVG or PDF by the ending.
+
+    sliding: joints whose positions are in metres and efforts in newtons.
+    """
     path = Path(path)
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise InputError(f"unknown ending {path.suffix!r}", source=path, mend="use .png, .svg or .pdf")
     from matplotlib.figure import Figure
 
     labels = {
-        "position": "position [rad or m]",
-        "velocity": "velocity [rad/s or m/s]",
-        "effort": "effort [N·m or N]",
         "tip_deflection": "tip deflection [m]",
         "root_strain": "root strain [1]",
         "tip_acceleration": "tip acceleration [m/s²]",
@@ -71,7 +73,8 @@ def write_plot(columns: Columns, path: str | Path, title: str) -> Path:
         for name, values in columns.items():
             if name.rpartition(".")[2] == kind and name != "time":
                 ax.plot(columns["time"], values, lw=1.2, label=name.rpartition(".")[0])
-        ax.set_ylabel(labels.get(kind, kind))
+        joints = [name.rpartition(".")[0] for name in columns if name.rpartition(".")[2] == kind and name != "time"]
+        ax.set_ylabel(_joint_label(kind, joints, sliding) if kind in JOINT_UNITS else labels.get(kind, kind))
         ax.grid(alpha=0.3)
         if len(columns) <= 25:
             ax.legend(fontsize=8, loc="upper right")
@@ -80,3 +83,9 @@ def write_plot(columns: Columns, path: str | Path, title: str) -> Path:
     with staged(path) as temporary:
         figure.savefig(temporary, dpi=130, format=path.suffix[1:].lower())
     return path
+
+
+def _joint_label(kind: str, joints: Sequence[str], sliding: Collection[str]) -> str:
+    """``position [rad]``, or both units where joints of both kinds are drawn together."""
+    kinds = sorted({joint in sliding for joint in joints})
+    return f"{kind} [{' or '.join(JOINT_UNITS[kind][slides] for slides in kinds)}]"

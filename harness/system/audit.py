@@ -90,7 +90,7 @@ def _tell(
             )
         )
     words = {
-        "hub inertia": f"hub inertia {table.get('hub_inertia', 0.0):g} kg·m² is "
+        "hub inertia": f"armature {table.get('hub_inertia', 0.0):g} kg·m² (hub inertia) is "
         f"{table.get('hub_inertia', 0.0) / (facts.mass * table['length'] ** 2 / 3.0):.3g} times the link's own",
         "payload": f"payload {table.get('payload', 0.0):g} kg is {table.get('payload', 0.0) / facts.mass:.3g} times the link",
         "slenderness": "its section is too large for its length to be a slender beam",

@@ -12,7 +12,7 @@ _UNITS = {
     "mass": "kg",
     "density": "kg/m³",
     "youngs_modulus": "Pa",
-    "hub_inertia": "kg·m²",
+    "armature": "kg·m²",
     "payload": "kg",
 }
 
@@ -40,7 +40,8 @@ class Change:
 class Correction:
     """A set of changes that would explain the table of a link.
 
-    score: ½ χ² + Σ cost [nats], lower is better. probability: among all that was tried. agrees: no term of χ² above 9.
+    score: ½ χ² + Σ cost [nats], lower is better. probability: its share among all that was tried, which is
+    no probability that it is true. agrees: no term of χ² above 9.
     density [kg/m³], material: what the corrected table implies. frequencies: on its hub, with its payload [Hz].
     """
 

@@ -14,6 +14,8 @@ from harness.system.slips import Slip, slips
 # A hundred thousand times less likely than the best [nats] is not worth a look.
 LOST = 12.0
 SHOWN = 8
+# What a quantity of the audit is called in a model file.
+IN_FILES = {"hub_inertia": "armature"}
 
 _Changes = tuple[tuple[str, Slip], ...]
 
@@ -103,7 +105,7 @@ def _correction(
     terms, facts = evaluate(corrected, heard)
     return Correction(
         site=name,
-        changes=tuple(Change(key, table[key], slip.value, slip.what) for key, slip in trial.changes),
+        changes=tuple(Change(IN_FILES.get(key, key), table[key], slip.value, slip.what) for key, slip in trial.changes),
         score=trial.score,
         probability=probability,
         agrees=all(term <= CONTRADICTION for key, term in terms.items() if key != "rarity"),

@@ -86,11 +86,11 @@ def test_hub_inertia_with_the_wrong_sign_of_its_exponent() -> None:
     alone = audit(printed(armature=2e5, mass=0.060, thickness=0.001))
     assert [f.severity for f in alone.findings] == ["implausible", "note"]
     (change,) = alone.corrections[0].changes
-    assert (change.quantity, change.slip) == ("hub_inertia", "sign of the exponent")
+    assert (change.quantity, change.slip) == ("armature", "sign of the exponent")
     assert change.corrected == pytest.approx(2e-5)
     together = audit(printed(armature=2e5), measured={"rod": [37.0]}).corrections[0]
     assert {c.quantity: c.corrected for c in together.changes} == pytest.approx(
-        {"hub_inertia": 2e-5, "mass": 0.060, "thickness": 0.001}
+        {"armature": 2e-5, "mass": 0.060, "thickness": 0.001}
     )
 
 

@@ -35,17 +35,18 @@ _log = logging.getLogger(__name__)
 _claims: Path | None = None
 _helpers: list[subprocess.Popen[bytes]] = []
 _own: set[str] = set()
+_needed: set[str] = set()
 _announced = False
 
 
 def start(tasks: Sequence[str], *, most: int = 1, beside: bool = False) -> None:
-    """Let helpers compile those of the tasks that are not on disk yet; says so, and returns at once.
+    """Let helpers compile those of the tasks that are not on disk yet; returns at once.
 
     most: helpers started at most; with this process they never outnumber the cores.
     beside: this process works through the same tasks, so that helpers take them in other orders (``_orders``).
     """
     global _claims
-    left = announce(tasks)
+    left = missing(tasks)
     count = min(most, default_workers() - 1, len(left))
     if _claims is not None or count < 1:
         return
@@ -83,12 +84,21 @@ def announce(tasks: Sequence[str]) -> list[str]:
     left = missing(tasks)
     if left and not _announced:
         _announced = True
-        _log.warning("compiling kernels, once (about %s) …", "twenty seconds" if len(left) > 4 else "ten seconds")
+        _log.warning(
+            "compiling kernels, which are kept (about %s) …", "twenty seconds" if len(left) > 4 else "ten seconds"
+        )
     return left
 
 
 def ready(task: str) -> None:
-    """Return when a task is done or this process may do it: waits for a helper that is at it."""
+    """Return when a task is done or this process may do it: waits for a helper that is at it.
+
+    That something is compiled is said only here, where a kernel is needed: what a helper has begun and a run never came to need
+    would be announced again by the next.
+    """
+    if task in TASKS and task not in _needed:
+        _needed.add(task)
+        announce([task])
     if _claims is None or task in _own:
         return
     if _claim(_claims, task):
@@ -102,6 +112,7 @@ def ready(task: str) -> None:
 
 def everything() -> None:
     """Compile all kernels that are not on disk, on up to four cores; for what goes on in many processes afterwards."""
+    announce(EVERYTHING)
     start(EVERYTHING, most=_MOST_HELPERS, beside=True)
     if _claims is not None:
         work(EVERYTHING, str(_claims))

@@ -23,7 +23,8 @@ VERDICTS = {
 
 
 def number(value: float) -> str:
-    return f"{value:.4g}"
+    # As findings are told: plain digits up to a thousand million.
+    return f"{value:.4g}" if abs(value) < 1e4 or abs(value) >= 1e9 else f"{float(f'{value:.4g}'):.0f}"
 
 
 def finding_words(
