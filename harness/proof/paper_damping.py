@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -138,10 +137,11 @@ def departures(seed: int, *, duration: float = 25.0) -> Study:
     rng = np.random.default_rng(seed)
     truths = [conceal(kind, rng) for kind in KINDS]
     heads = ("concealed", "share of the loss", *(f"from {release:g}°" for release in reversed(RELEASES)))
-    rows, series = [], []
-    numbers: dict[str, Any] = {}
+    rows: list[tuple[str, ...]] = []
+    series: list[Series] = []
+    numbers: dict[str, float] = {}
     for truth in truths:
-        left = []
+        left: list[float | None] = []
         for release in RELEASES:
             recording = record(Trial(truth, release, duration, int(rng.integers(2**31))))
             try:
@@ -214,8 +214,8 @@ def told(
                     "not" if left is None else f"{left:.1f} s",
                 )
             )
-    series = []
-    numbers: dict[str, Any] = {}
+    series: list[Series] = []
+    numbers: dict[str, float] = {}
     for what, counts in (("named", lambda a: a.named), ("nonlinear", lambda a: a.nonlinear)):
         for release in releases:
             shares = [
