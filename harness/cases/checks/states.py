@@ -129,7 +129,8 @@ def blamed(
 
     The number of the description that would explain it, where one does, stands before the term of the equation of motion.
     """
-    said, place = [], {}
+    said: list[str] = []
+    place: dict[str, object] = {}
     try:
         ours, theirs = bench.models[NATIVE], bench.models[name]
         found = attribute(theirs, ours, q, qd, tau, allowed=max(allowed, 1e-10), called=(name, NATIVE))
