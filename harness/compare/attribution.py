@@ -115,7 +115,7 @@ def attribute(
     tau: Array,
     *,
     allowed: float = 1e-9,
-    called: tuple[str, str] = ("the reference", "the other"),
+    called: tuple[str, str] = ("the reference engine", "the other engine"),
 ) -> Attribution:
     """Which term makes ``other`` accelerate differently from ``reference`` at B states.
 

@@ -143,7 +143,7 @@ class Faulty:
         (
             "recursion",
             "solution",
-            "the forward dynamics of the other engine does not solve its own equation of motion",
+            "the forward dynamics of the other engine does not solve its own equation of motion, most at joint3",
         ),
     ],
 )

@@ -9,6 +9,8 @@ import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
 from harness.cases.checks.states import blamed
+from harness.compare.divergence_shape import by_steps, shape_of
+from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
 
@@ -78,11 +80,15 @@ class TrajectoryAgreement:
             first = int(np.argmax(left)) if left.any() else len(time) - 1
             worst = common[int(np.argmax(np.nan_to_num(apart[:, first], nan=np.inf)))]
             divergence = {"time": float(time[first]), "signal": worst}
+            if shape := shape_of(time, ours[worst], theirs[worst]):
+                divergence["shape"] = shape
         note = f"over {self.duration:g} s"
         if divergence is not None and bench.models[name].names == bench.models[NATIVE].names:
             said, place = self._blame(bench, name, first)
             divergence |= place
             note = "; ".join(filter(None, [note, said]))
+        if divergence is not None and self.signal == "position":
+            note = "; ".join(filter(None, [note, by_steps(difference, self._floors(bench, name, time))]))
         unit = "1" if self.relative else unit_of(bench.system, common)
         return bench.row(
             self.quantity,
@@ -94,6 +100,22 @@ class TrajectoryAgreement:
             first_divergence=divergence,
             note=note,
         )
+
+    def _floors(self, bench: Bench, name: str, time: Array) -> dict[str, float]:
+        """What half the step changes in each of the two engines; nothing for one that chooses its steps by tolerance."""
+        floors: dict[str, float] = {}
+        if self.step is None:
+            return floors
+        q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
+        for engine in (NATIVE, name):
+            try:
+                runs = [bench.models[engine].simulate(q0, qd0, time, step=self.step / k).position for k in (1, 2)]
+            except (UnsupportedError, EngineError):
+                continue
+            moved = float(np.abs(runs[1] - runs[0]).max())
+            if np.isfinite(moved):
+                floors[engine] = moved
+        return floors
 
     def _blame(self, bench: Bench, name: str, sample: int) -> tuple[str, dict[str, object]]:
         """Which term is to blame, asked along the native motion up to where the two part."""
