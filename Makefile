@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 JOBS   ?= 2
 
-.PHONY: help validate test check gate bench prove format clean
+.PHONY: help validate test check gate bench prove docs format clean
 
 help:            ## this list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -40,9 +40,12 @@ bench: $(VENV)/.dev      ## time and memory against the peers
 prove: $(VENV)/.dev      ## the blind proof, quick form
 	$(BIN)/denoc prove --quick
 
+docs: $(VENV)/.dev       ## the documentation as a site, to be read from disk: site/index.html
+	$(BIN)/mkdocs build --strict --quiet
+
 format: $(VENV)/.dev     ## format and mend what can be mended by tool
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
 clean:           ## remove what make made
-	rm -rf $(VENV) results
+	rm -rf $(VENV) results site

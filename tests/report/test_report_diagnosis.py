@@ -11,6 +11,7 @@ from rich.console import Console
 from harness.report.bench import bench_files, print_bench
 from harness.report.diagnosis import print_diagnosis
 from harness.report.diagnosis.page import diagnosis_html
+from harness.report.diagnosis.sections.findings import by_parameter
 from harness.report.proof import print_proof
 from harness.report.proof_page import proof_html
 
@@ -106,6 +107,16 @@ def test_levels_of_friction_are_shown_where_there_are_any():
             assert word in text
     assert NASTY not in page
     assert "recording by recording" not in diagnosis_html(DOCUMENT)
+
+
+def test_repeatability_is_read_however_it_is_told():
+    row = {"value": 0.1, "ci95": [0.0, 0.2]}
+    wanted = {"torque": [{"recording": "a", **row}]}
+    assert by_parameter([{"recording": "a", "parameters": {"torque": row, "other": {"value": None}}}]) == wanted
+    assert by_parameter({"torque": [{"recording": "a", **row}]}) == wanted
+    (told,) = by_parameter([{"recording": "a", "parameter": "torque", **row}])["torque"]
+    assert (told["recording"], told["value"]) == ("a", 0.1)
+    assert by_parameter(None) == {}
 
 
 def test_the_terminal_says_the_same():

@@ -66,12 +66,18 @@ class Repeatability:
 
 
 def by_parameter(repeatability: Any) -> dict[str, list[Mapping[str, Any]]]:
-    """Rows (recording, value, ci95) by parameter, of what a finding says of its repeatability."""
+    """Rows (recording, value, ci95) by parameter, of what a finding says of its repeatability.
+
+    Told by recording (``parameters`` of each), by row (``parameter`` of each), or by parameter (its rows).
+    """
     rows: dict[str, list[Mapping[str, Any]]] = {}
+    if isinstance(repeatability, Mapping):
+        return {name: [row for row in told if row.get("value") is not None] for name, told in repeatability.items()}
     for each in repeatability or ():
-        for name, told in each["parameters"].items():
-            if told.get("value") is not None:
-                rows.setdefault(name, []).append({"recording": each["recording"], **told})
+        told = each.get("parameters") or {each.get("parameter", ""): each}
+        for name, one in told.items():
+            if name and one.get("value") is not None:
+                rows.setdefault(name, []).append({"recording": each["recording"], **one})
     return rows
 
 
