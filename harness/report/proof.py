@@ -55,18 +55,9 @@ def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
     if not peers:
         return
     table = Table(box=None, header_style="bold", pad_edge=False)
-    table.add_column("the same cases, asked of")
-    heads = (
-        "named, of one effect",
-        "false beside it",
-        "false in clean",
-        "intervals right",
-        "error held out / noise",
-        "s",
-        "failed",
-    )
-    for head in heads:
-        table.add_column(head, justify="right")
+    table.add_column("peer", overflow="fold", min_width=12)
+    for head in ("named", "false", "clean", "inside", "error", "s", "failed"):
+        table.add_column(head, justify="right", no_wrap=True)
     for peer, said in peers.items():
         pairs = [
             f"{said[key][0]}/{said[key][1]}" if key in said else ""
@@ -75,3 +66,7 @@ def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
         numbers = ["" if said.get(key) is None else f"{said[key]:.3g}" for key in ("heldout_over_noise", "seconds")]
         table.add_row(peer, *pairs, *numbers, str(said["failed"]))
     console.print(table)
+    console.print(
+        "named: single effects; false: something else beside them; clean: something where nothing is missing; inside: 95 % "
+        "intervals that hold the truth; error: held out, over the noise (median)"
+    )
