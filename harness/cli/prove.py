@@ -88,6 +88,8 @@ def prove(
             return 0
         _tell(score_so_far(Path(score)), Path(score), json_file)
         return 0
+    if export is not None and (peers is not None or json_file is not None):
+        raise InputError("--export asks nobody and scores nothing", mend="leave --peers, --no-peers and --json away")
     folder = out or Path("denoc-proof")
     if resume is not None:
         folder = Path(resume)

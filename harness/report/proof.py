@@ -53,15 +53,7 @@ def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
     """What other methods say of clean cases and of those with one effect."""
     if not peers:
         return
-    heads = (
-        "named, of one effect",
-        "false beside it",
-        "false in clean",
-        "intervals right",
-        "error held out / noise",
-        "s",
-        "failed",
-    )
+    heads = ("named", "false", "clean", "inside", "error", "s", "failed")
     lines = []
     for peer, said in peers.items():
         pairs = [
@@ -70,4 +62,8 @@ def _print_peers(peers: Mapping[str, Any], console: Console) -> None:
         ]
         numbers = ["" if said.get(key) is None else f"{said[key]:.3g}" for key in ("heldout_over_noise", "seconds")]
         lines.append((peer, *pairs, *numbers, str(said["failed"])))
-    print_table(console, ("the same cases, asked of", *map(figures, heads)), lines)
+    print_table(console, ("peer", *map(figures, heads)), lines)
+    console.print(
+        "named: single effects; false: something else beside them; clean: something where nothing is missing; inside: 95 % "
+        "intervals that hold the truth; error: held out, over the noise (median)"
+    )

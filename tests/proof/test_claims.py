@@ -115,6 +115,7 @@ def test_the_commands_go_together(proof: Path, tmp_path, capsys) -> None:
         (("--score", str(to), "--claims", str(to / "claims.template.json")), "it is an export"),
         (("--claims", str(to / "claims.template.json")), "--score DIR"),
         (("--resume", kept, "--export", str(proof / "inside")), "where the answers are kept"),
+        (("--resume", kept, "--export", str(tmp_path / "more"), "--peers"), "asks nobody"),
         (("--score", kept, "--claims", str(to / "digests.json")), "denoc.claims/1"),
     ):
         assert status(*arguments) == 2

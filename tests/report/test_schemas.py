@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from diagnosed import document
-from harness.diagnose.diagnosis import Diagnosis
 
 from harness.cases.case import Row, Series
 from harness.cases.results import Results
 from harness.cli.main import status_of
 from harness.compare.bench import Row as BenchRow
 from harness.compare.bench import document as bench_document
+from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.proof.run import Proof
 from harness.proof.score import summarise
 from harness.report.json_text import json_text

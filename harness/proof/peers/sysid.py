@@ -190,7 +190,8 @@ def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dic
     """
     from mujoco import sysid
 
-    parameters, nominal = sysid.ParameterDict(), {}
+    parameters = sysid.ParameterDict()
+    nominal: dict[str, float] = {}
     for k, name in enumerate(rig.system.joint_names):
         joint = rig.system.joint(name)
         link = rig.system.link(joint.child)
@@ -370,7 +371,9 @@ def fit_sysid(
     left = residual(fitted.as_vector(), fitted)[0]
     with np.errstate(all="ignore"):
         _, half = sysid.calculate_intervals([np.ravel(x) for x in left], np.asarray(result.jac), alpha=ALPHA)
-    values, halves, at = {}, {}, 0
+    values: dict[str, float] = {}
+    halves: dict[str, float] = {}
+    at = 0
     for name, p in fitted.items():
         if name in nominal:
             values[name], halves[name] = float(p.value[0]), float(half[at])
