@@ -113,7 +113,7 @@ def drive_from(path: str | Path, time: Array, system: System, *, hold: str = "ze
             first = float(stamps[np.flatnonzero(effort.values)[0]])
             what = f"is 0 until {first:.4g} s, after the run of {time[-1]:.4g} s has ended"
             notes.append(QualityNote("idle_effort", effort.name, what, "the joint is not driven"))
-    if stamps[-1] < time[-1] * (1.0 - 1e-9):
+    if stamps[-1] + 1.01 * float(np.median(np.diff(stamps))) < time[-1]:
         what = f"the file ends at {stamps[-1]:.4g} s, the run at {time[-1]:.4g} s"
         notes.append(QualityNote("short_effort", "time", what, "no effort after that"))
     return Drive(tau, tuple(notes))

@@ -18,7 +18,7 @@ from harness.cli.options import allow_option, console, output_options, progress,
     "mapping",
     multiple=True,
     metavar="'SRC=DST[UNIT]'",
-    help="A foreign column: 'theta_meas=pivot.position[deg]'; repeatable. Or a TOML file beside the recording.",
+    help="A foreign column: 'theta_meas=pivot.position[deg]', or NAME=ignore; repeatable. Or a TOML file beside the recording.",
 )
 @click.option(
     "--holdout", metavar="FILE", help="Judge on this recording; default: the last one, or the last 30 % of one."

@@ -48,6 +48,11 @@ DRESSES = {
     "units below": "time,pivot.position\nms,deg\n" + rows([f"{1e3 * t:.0f}" for t in TIME], np.degrees(ANGLE)),
     "units in brackets": "time,pivot.position\n[ms],[deg]\n" + rows([f"{1e3 * t:.0f}" for t in TIME], np.degrees(ANGLE)),
     "some units": "time\tpivot.position\tstate\ns\tdeg\t-\n" + rows(NUMBERS[0], np.degrees(ANGLE), ["on"] * 120, mark="\t"),
+    "units and an empty row": "time;pivot.position\ns;rad\n;\n" + rows(*COMMA, mark=";"),
+    "LabVIEW": "LabVIEW Measurement\t\nWriter_Version\t2\nDate\t2024/05/01\n***End_of_Header***\t\n\t\nSamples\t120\t\t\n"
+    "Delta_X\t0.01\t\t\n***End_of_Header***\t\t\t\ntime\tpivot.position\tComment\n"
+    + rows(*NUMBERS, [""] * 120, mark="\t"),
+    "month after day": "time,pivot.position\n" + rows([f"13/05/2024 12:00:{t:06.3f}" for t in TIME], ANGLE),
     "ISO stamps": "time,pivot.position\n" + rows(iso(TIME), ANGLE),
     "ISO stamps of a zone": "time,pivot.position\n" + rows(iso(TIME, "2024-05-01 12:00:{:06.3f}+02:00"), ANGLE),
     "stamps over midnight": "time,pivot.position\n"
@@ -121,6 +126,24 @@ def test_headers_of_several_rows(tmp_path):
     file.write_text(head + rows(INDEX, NUMBERS[0], np.degrees(ANGLE), SPEED, SPEED, SPEED))
     recording = read_recording(file, mapping=["Rotation.X=pivot.position[deg]"])
     assert np.allclose(recording.channels[0].values, ANGLE, rtol=0.0, atol=1e-12)
+
+
+def test_names_over_the_first_of_their_columns_and_units_below(tmp_path):
+    # Another system's: frames for time, a marker's name over the first of its three columns, a row of units.
+    file = tmp_path / "trajectories.csv"
+    head = "Trajectories\n100\n,,Rig:arm,,,Rig:tip,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n"
+    file.write_text(head + rows(INDEX, [0] * 120, 1e3 * ANGLE, SPEED, SPEED, SPEED, SPEED, SPEED))
+    recording = read_recording(file, mapping=["Frame=time[0.01 s]", "Rig:arm.X=slide.position"])
+    assert recording.channels[0].unit == "m"
+    assert np.allclose(recording.channels[0].values, ANGLE, rtol=0.0, atol=1e-12)
+    assert np.allclose(recording.time, TIME, rtol=0.0, atol=1e-12)
+
+
+def test_a_bad_cell_in_the_first_row_is_no_header(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("time,pivot.position\n0.0,oops\n" + rows(TIME + 0.01, ANGLE))
+    with pytest.raises(InputError, match=r":2, column pivot\.position: 'oops' is not a number"):
+        read_recording(file)
 
 
 def test_ignored_by_the_map(tmp_path, system):

@@ -90,6 +90,8 @@ def read_cells(path: Path, name: str, cells: Sequence[str], lines: Sequence[int]
 
 def _stamps(cells: Sequence[str]) -> Cells | None:
     """Stamps of the calendar or the clock as seconds from the first; None if one of them is none."""
+    import warnings
+
     import pandas as pd
 
     texts = [None if is_absent(cell) else cell.strip().replace(",", ".") for cell in cells]
@@ -101,9 +103,10 @@ def _stamps(cells: Sequence[str]) -> Cells | None:
             year_first = re.match(r"^\d{4}-\d\d-\d\d([T ]|$)", first) is not None
             form = "ISO8601" if year_first else None
             # Which of two numbers is the day does not matter within one: only differences are used.
-            ticks = (
-                pd.to_datetime(pd.Series(texts), format=form, utc=True).dt.tz_localize(None).astype("datetime64[ns]")
-            )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)
+                dates = pd.to_datetime(pd.Series(texts), format=form, utc=True)
+            ticks = dates.dt.tz_localize(None).astype("datetime64[ns]")
     except (ValueError, TypeError, OverflowError):
         return None
     missing = ticks.isna().to_numpy()

@@ -71,6 +71,8 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         width = len(samples[0].cells)
     head = rows[:first]
     body = [row for row in rows[first:] if not row.comment]
+    # A spreadsheet's empty rows are delimiters alone.
+    head = [row for row in head if any(cell.strip() for cell in row.cells)]
     # A header has no numbers; a row with some is a sample whose other cells are at fault.
     last = max((k for k, row in enumerate(head) if not row.comment and not _numbers(row, delimiter)), default=None)
     if last is not None:
