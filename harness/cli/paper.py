@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from harness.cli.options import console, output_options, progress, write_json
+
+if TYPE_CHECKING:
+    from harness.cases.paper.study import Table
 
 
 @click.command()
@@ -41,6 +45,7 @@ def paper(what: str, quick: bool, seed: int | None, out: Path | None, json_file:
 
     screen = console(json_file)
     heads: tuple[str, ...]
+    tables: dict[str, Table]
     if what == "figures":
         from harness.cases.paper.figures import figures
 
