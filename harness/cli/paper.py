@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from harness.cli.options import console, output_options, progress, write_json
+
+if TYPE_CHECKING:
+    from harness.cases.paper.study import Table
 
 
 @click.command()
@@ -42,7 +45,7 @@ def paper(what: str, quick: bool, seed: int | None, out: Path | None, json_file:
 
     screen = console(json_file)
     heads: tuple[str, ...]
-    tables: dict[str, tuple[tuple[str, ...], Sequence[tuple[str, ...]]]]
+    tables: dict[str, Table]
     if what == "figures":
         from harness.cases.paper.figures import figures
 
