@@ -11,6 +11,7 @@ import numpy as np
 from harness.denoc.compiling.pipeline import fewer_collections
 from harness.diagnose.answer.answer import answer
 from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.answer.nothing_fitted import crude_noise, nothing_fitted
 from harness.diagnose.claims.conclude import conclude
 from harness.diagnose.conditioning.conventions import conventional
 from harness.diagnose.conditioning.free_motion import free_parts
@@ -18,6 +19,7 @@ from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.selection import effort_hold
 from harness.diagnose.selection.beam_search import Effort
@@ -31,6 +33,7 @@ from harness.recording import Recording, read_recordings
 from harness.system import System, load
 
 Progress = Callable[[int, int, str], None]
+LEVELS = ("whether dry friction differs from recording to recording", "its size may be a mean of several")
 
 
 @one_blas_thread()
@@ -47,6 +50,7 @@ def diagnose(
     only: Sequence[str] = (),
     effort: Effort | None = None,
     progress: Progress | None = None,
+    time_limit: float | Deadline | None = None,
 ) -> Diagnosis:
     """Locate where a model leaves recordings, name the physics it left out, and judge the improvement on data held out.
 
@@ -54,9 +58,11 @@ def diagnose(
     holdout: recording to judge on instead. mapping: rules for foreign columns. tolerance: relative 1σ of the nominal masses,
     lengths, inertias and stiffnesses, overriding the model's. fit_effort: efforts are measurements to fit, not known inputs (see
     ``diagnose_effort``). effects: effects of the user's own. only: restricts the catalogue
-    to these names. progress: called with (done, total, what).
-    Raises InputError for recordings or models that cannot be used.
+    to these names. progress: called with (done, total, what). time_limit: after so long [s] the best answer so far is given, with
+    what was not tried; a ``Deadline`` can be interrupted, too.
+    Raises InputError for recordings, models or time limits that cannot be used.
     """
+    deadline = deadline_of(time_limit)
     if isinstance(recordings, (str, Path, Recording)):
         recordings = [recordings]
     system = model if isinstance(model, System) else load(model, physical=False)
@@ -78,15 +84,19 @@ def diagnose(
     tell("reading")
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     if fit_effort:
-        return diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        return diagnose_effort(system, read, held, only=only, further=further, tell=tell, deadline=deadline)
     problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
     frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)
-    outcome = investigate(problem, known, frequency, effort=effort, progress=tell)
-    conclusion = conclude(outcome)
+    try:
+        outcome = investigate(problem, known, frequency, effort=effort, progress=tell, deadline=deadline)
+        tell("weighing what was found")
+        conclusion = conclude(outcome)
+    except TimeUp:
+        return nothing_fitted(crude_noise(problem), every, deadline)
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
-    levels = differing_levels(outcome, conclusion, train, judged)
+    levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
     tell("telling")
     return answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.diagnose.answer.curves import Curves
 from harness.diagnose.answer.replay import Opening, replay, replayable
+from harness.diagnose.problem.deadline import NotTried
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
@@ -47,7 +48,7 @@ class Diagnosis:
     verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
     curves: what the plots are drawn from. opening: from where the augmented model runs again; replay: how it does so in other
     engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
-    with its laws fitted beside such levels, where recordings ask for them.
+    with its laws fitted beside such levels, where recordings ask for them. not_tried: what was left when the time was up.
     """
 
     verdict: str
@@ -66,6 +67,12 @@ class Diagnosis:
     levelled: System | None = None
     opening: Opening | None = None
     replay: Sequence[Mapping[str, Any]] = ()
+    not_tried: Sequence[NotTried] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing was left because the time was up."""
+        return not self.not_tried
 
     def replayed(self) -> Diagnosis:
         """The same answer with the augmented model run in every installed engine that can express what was found."""
@@ -78,6 +85,7 @@ class Diagnosis:
         document = {
             "schema": SCHEMA,
             "verdict": self.verdict,
+            "complete": self.complete,
             "summary": self.summary,
             "noise": list(self.noise),
             "mismatch": list(self.mismatch),
@@ -88,6 +96,8 @@ class Diagnosis:
             "next_experiment": dict(self.next_experiment),
             "quality": list(self.quality),
         }
+        if not self.complete:
+            document["not_tried"] = [{"what": n.what, "may_change": n.may_change} for n in self.not_tried]
         if self.replay:
             document["replay"] = list(self.replay)
         if self.levels is not None:

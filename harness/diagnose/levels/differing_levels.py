@@ -52,7 +52,7 @@ def differing_levels(
 
     train, heldout: the recordings behind the problem's runs.
     """
-    problem = outcome.problem
+    problem, deadline = outcome.problem, outcome.predictor.deadline
     measured = {c.site for c in problem.channels if c.quantity == "position"}
     if problem.driven or problem.system.flexible or problem.same_recording or len(train) < 2:
         return None
@@ -66,8 +66,8 @@ def differing_levels(
         return None
     start = _start(outcome, fitted)
     anew = [_anew(outcome, fitted, k) for k in range(len(problem.runs))]
-    shared = fit_levels(start, train, spread=TIED, anew=anew[: len(train)])
-    levelled = fit_levels(shared.system, train, anew=anew[: len(train)])
+    shared = fit_levels(start, train, spread=TIED, anew=anew[: len(train)], deadline=deadline)
+    levelled = fit_levels(shared.system, train, anew=anew[: len(train)], deadline=deadline)
     if _equal(levelled):
         return None
     rows: list[dict[str, Any]] = [
