@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
+from harness.cli.interrupt import answers_to_interrupt
 from harness.cli.options import allow_option, console, output_options, progress, say_notes, write_json
+
+USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 
 
 @click.command()
@@ -31,6 +35,13 @@ from harness.cli.options import allow_option, console, output_options, progress,
 @click.option(
     "--effects", "effects_files", multiple=True, metavar="FILE", help="Effects of your own beside the catalogue."
 )
+@click.option(
+    "--time-limit",
+    type=float,
+    metavar="SECONDS",
+    help="Give the best answer so far after so long, and say what was not tried; default: 120 on a terminal, else none (inf). "
+    "Ctrl-C once does the same, twice stops.",
+)
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
 @output_options("Write diagnosis.json, report.html and the augmented model there.")
 def diagnose(
@@ -42,6 +53,7 @@ def diagnose(
     tolerance: float | None,
     fit_effort: bool,
     effects_files: tuple[str, ...],
+    time_limit: float | None,
     strict: bool,
     out: Path | None,
     json_file: str | None,
@@ -56,12 +68,16 @@ def diagnose(
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
     from harness.diagnose.diagnose import diagnose as find
+    from harness.diagnose.problem.deadline import Deadline
     from harness.report.diagnosis import print_diagnosis, write_diagnosis
     from harness.report.json_text import json_text
     from harness.system import load
 
     ahead.start(ahead.DIAGNOSE)
-    with progress("diagnose") as step:
+    if time_limit is None and sys.stderr.isatty():
+        time_limit = USUAL_LIMIT
+    deadline = Deadline(time_limit)
+    with progress("diagnose") as step, answers_to_interrupt(deadline.interrupt):
         found = find(
             list(recordings),
             model=load(model, physical=False, allow=allow),
@@ -71,7 +87,10 @@ def diagnose(
             fit_effort=fit_effort,
             effects=effects_files,
             progress=step,
-        ).replayed()
+            time_limit=deadline,
+        )
+        if not deadline.over:
+            found = found.replayed()
     found = replace(
         found, provenance={**(found.provenance or {}), "command": click.get_current_context().meta[COMMAND]}
     )

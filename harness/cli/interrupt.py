@@ -5,6 +5,8 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -48,3 +50,22 @@ def hear_at_once() -> None:
 
     signal.signal(signal.SIGALRM, again)
     sys.unraisablehook = hook
+
+
+@contextmanager
+def answers_to_interrupt(first: Callable[[], None]) -> Iterator[None]:
+    """Inside, the first Ctrl-C calls ``first`` and nothing else; the next one stops as usual."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or before is signal.SIG_IGN:
+        yield
+        return
+
+    def hear(number: int, frame: object) -> None:
+        signal.signal(signal.SIGINT, before)
+        first()
+
+    signal.signal(signal.SIGINT, hear)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -11,6 +11,7 @@ import numpy as np
 from harness.denoc.compiling.pipeline import fewer_collections
 from harness.diagnose.answer.answer import answer
 from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.answer.nothing_fitted import crude_noise, nothing_fitted
 from harness.diagnose.answer.provenance import provenance
 from harness.diagnose.claims.conclude import conclude
 from harness.diagnose.conditioning.conventions import conventional
@@ -20,6 +21,7 @@ from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.known_error import worth_of_known_error
 from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.selection import effort_hold
 from harness.diagnose.selection.beam_search import Effort
@@ -34,6 +36,7 @@ from harness.recording import Recording, read_recordings
 from harness.system import System, load
 
 Progress = Callable[[int, int, str], None]
+LEVELS = ("whether dry friction differs from recording to recording", "its size may be a mean of several")
 
 
 @one_blas_thread()
@@ -50,6 +53,7 @@ def diagnose(
     only: Sequence[str] = (),
     effort: Effort | None = None,
     progress: Progress | None = None,
+    time_limit: float | Deadline | None = None,
 ) -> Diagnosis:
     """Locate where a model leaves recordings, name the physics it left out, and judge the improvement on data held out.
 
@@ -57,9 +61,11 @@ def diagnose(
     holdout: recording to judge on instead. mapping: rules for foreign columns. tolerance: relative 1σ of the nominal masses,
     lengths, inertias and stiffnesses, overriding the model's. fit_effort: efforts are measurements to fit, not known inputs (see
     ``diagnose_effort``). effects: effects of the user's own. only: restricts the catalogue
-    to these names. progress: called with (done, total, what).
-    Raises InputError for recordings or models that cannot be used.
+    to these names. progress: called with (done, total, what). time_limit: after so long [s] the best answer so far is given, with
+    what was not tried; a ``Deadline`` can be interrupted, too.
+    Raises InputError for recordings, models or time limits that cannot be used.
     """
+    deadline = deadline_of(time_limit)
     if isinstance(recordings, (str, Path, Recording)):
         recordings = [recordings]
     system = model if isinstance(model, System) else load(model, physical=False)
@@ -83,16 +89,23 @@ def diagnose(
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     register(further)
     if fit_effort:
-        by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell)
+        by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell, deadline=deadline)
         return replace(by_effort, provenance=made_from, notes=system.notes)
     problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
     frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)
-    outcome = investigate(problem, known, frequency, effort=effort, progress=tell, structure=worth_of_known_error)
-    conclusion = conclude(outcome)
+    try:
+        outcome = investigate(
+            problem, known, frequency, effort=effort, progress=tell, structure=worth_of_known_error, deadline=deadline
+        )
+        tell("weighing what was found")
+        conclusion = conclude(outcome)
+    except TimeUp:
+        nothing = nothing_fitted(crude_noise(problem), every, deadline)
+        return replace(nothing, provenance=made_from, notes=system.notes)
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
-    levels = differing_levels(outcome, conclusion, train, judged)
+    levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
     tell("telling")
     found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
     return replace(found, provenance=made_from, notes=system.notes)

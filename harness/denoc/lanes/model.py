@@ -63,6 +63,7 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-11
 """Error allowed in one step [rad, rad/s (1 + |rad/s|)]."""
+LONG = 5_000  # sample times, of groups of eight copies together, between which a long computation may be ended
 
 
 @lru_cache(maxsize=2)
@@ -273,6 +274,7 @@ class LaneModel:
         tolerance: float = TOLERANCE,
         counts: NDArray[np.int64] | None = None,
         threads: int = 1,
+        between: Callable[[], None] | None = None,
     ) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of every copy at the sample times, each of shape (B, T, n).
 
@@ -288,6 +290,7 @@ class LaneModel:
         step: longest step [s]; within it the adaptive step follows the error estimate held under ``tolerance``.
         counts: how many of the sample times every copy is followed for, the adaptive method's, (B,); beyond them it is nan.
         threads: threads to spread the copies over. A copy's result depends neither on that nor on the other copies.
+        between: called between parts of a long computation; what it raises ends it.
         A copy whose motion cannot be followed (not a number, negative inertia) is nan from there on.
         Acceleration at a jump is the one after it.
         Raises InputError for arrays that do not fit.
@@ -368,12 +371,18 @@ class LaneModel:
 
             groups = -(-len(mine) // 8)
             workers = min(threads, groups)
-            if workers <= 1:
-                part(0, groups)
-            else:
-                # Many small parts, since groups differ in how long they take.
-                edges = np.linspace(0, groups, min(groups, 4 * workers) + 1).astype(int).tolist()
-                share(part, list(pairwise(edges)), workers)
+            # At once, if that is not long.
+            some = groups if between is None else max(LONG // len(time), workers, 1)
+            for begin in range(0, groups, some):
+                if begin and between is not None:
+                    between()
+                end = min(begin + some, groups)
+                if workers <= 1:
+                    part(begin, end)
+                else:
+                    # Many small parts, since groups differ in how long they take.
+                    edges = np.linspace(begin, end, min(end - begin, 4 * workers) + 1).astype(int).tolist()
+                    share(part, list(pairwise(edges)), workers)
             if not whole:
                 position[which], velocity[which], acceleration[which] = out
 

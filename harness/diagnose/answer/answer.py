@@ -11,7 +11,7 @@ from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis, rivals_of
-from harness.diagnose.answer.explain import finding_words, number, plainest, summary
+from harness.diagnose.answer.explain import NO_FINDING, finding_words, number, plainest, summary, untried
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.predictive import Predictive, predictive
 from harness.diagnose.answer.replay import LONGEST, Opening
@@ -29,6 +29,7 @@ from harness.diagnose.estimation.intervals import Estimate, across, estimates, n
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.experiment.design import propose
 from harness.diagnose.levels.differing_levels import Differing
+from harness.diagnose.problem.deadline import Stage
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.investigation import Outcome, as_read, judge, trained
 from harness.diagnose.selection.profile_likelihood import as_likely, profiled, spanning
@@ -39,48 +40,72 @@ from harness.recording.units import written
 from harness.system import System
 
 SHOWN = 8  # hypotheses in the ranking
+# What may be left if the time is up, and what that may change.
+LOCATED = ("where the mismatch lies", NO_FINDING)
+PROFILED = ("other valleys and other sets in which a parameter may lie", "intervals may be too narrow")
+RANKED = ("the errors of other sets on data held out", NO_FINDING)
+ERRORS = ("errors before and after", NO_FINDING)
+LEFT = ("where the force that is left out lies", NO_FINDING)
+PREDICTING = ("the model that predicts best", NO_FINDING)
+PROPOSED = ("the next experiment", NO_FINDING)
 
 
 def answer(
     outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None
 ) -> Diagnosis:
     """The answer; recordings: all of them, the one held out too, for what was found of their quality."""
-    problem = outcome.problem
+    problem, deadline = outcome.problem, outcome.predictor.deadline
+    deadline.begin(Stage.TELLING)
     # Nearly all of it in compiled code: on another thread, if there is one, beside all that follows.
     next_experiment = meanwhile(outcome.predictor.threads, _next, outcome, conclusion)
     noise = [
         {"channel": c.name, "std": std * np.sqrt(problem.train[0].averaged), "unit": c.unit}
         for c, std in zip(problem.channels, outcome.noise, strict=True)
     ]
-    side, site = _side_and_site(outcome, conclusion)
-    places = locate(outcome, side, site) if conclusion.verdict != "consistent" else ()
+    places: Sequence[Mismatch] = ()
+    if conclusion.verdict != "consistent":
+        places = deadline.attempt(*LOCATED, lambda: locate(outcome, *_side_and_site(outcome, conclusion)), lambda: ())
     how = repeated(outcome, conclusion.best)
-    values = {key: loosened(outcome, how, key, own) for key, own in _intervals(outcome, conclusion).items()}
+    told = deadline.attempt(
+        *PROFILED, lambda: _intervals(outcome, conclusion), lambda: _curvatures(outcome, conclusion)
+    )
+    values = {key: loosened(outcome, how, key, own) for key, own in told.items()}
     again = {claim.candidate.key: repeatability(outcome, how, claim.candidate.key) for claim in conclusion.claims}
     grades = {
         claim.candidate.key: grade(outcome, conclusion, claim, values[claim.candidate.key], again[claim.candidate.key])
         for claim in conclusion.claims
     }
-    left = left_out(outcome, conclusion)
-    zeros = {claim.candidate.key: zeros_of(outcome, conclusion.best, claim.index) for claim in conclusion.claims}
-    best = predictive(outcome, conclusion)
-    rows = _fit_rows(outcome, conclusion, best)
+    left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion), lambda: None, spared=True)
+    best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None)
+    zeros: dict[str, list[Zero]] = {key: [] for key in values}
+    rows, drawn = deadline.attempt(
+        *ERRORS,
+        lambda: (
+            _fit_rows(outcome, conclusion, best),
+            curves(outcome, as_read(outcome, conclusion.own), as_read(outcome, conclusion.held)),
+        ),
+        lambda: ([], None),
+        spared=True,
+    )
+    if rows:
+        zeros = {claim.candidate.key: zeros_of(outcome, conclusion.best, claim.index) for claim in conclusion.claims}
+    ranked = deadline.attempt(*RANKED, lambda: _ranking(outcome, conclusion), lambda: _likeliest(outcome, conclusion))
+    proposed = next_experiment()
+    text = [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
     return Diagnosis(
         verdict=conclusion.verdict,
-        summary=" ".join(
-            [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
-        ),
+        summary=" ".join(filter(None, [*text, untried(deadline.not_tried)])),
         noise=noise,
         mismatch=[_mismatch(place) for place in places],
         findings=_findings(outcome, conclusion, values, zeros, grades, again),
-        ranking=_ranking(outcome, conclusion),
+        ranking=ranked,
         fit=rows,
-        remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted, left is not None),
+        remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted, outcome.force is not None),
         explained_share=explained_share(rows),
         discrepancy=left.document() if left is not None else [],
         predicting=best.fitted.hypothesis.keys if best is not None else (),
         predictive=best.system if best is not None else None,
-        next_experiment=next_experiment(),
+        next_experiment=proposed,
         quality=[
             {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
             for r in recordings
@@ -92,11 +117,12 @@ def answer(
             conclusion.own.x,
             ((claim.candidate, values[claim.candidate.key]) for claim in conclusion.claims),
         ),
-        curves=curves(outcome, as_read(outcome, conclusion.own), as_read(outcome, conclusion.held)),
+        curves=drawn,
         opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
         levelled=levels.system if levels else None,
         correlations=correlations(outcome.predictor, conclusion.own, [c.candidate.key for c in conclusion.claims]),
+        not_tried=deadline.not_tried,
     )
 
 
@@ -206,12 +232,22 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
     return values
 
 
+def _curvatures(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
+    """The same by the curvature of the one fit alone."""
+    return {
+        claim.candidate.key: estimates(
+            outcome.predictor, conclusion.own, conclusion.own.hypothesis.keys.index(claim.candidate.key)
+        )
+        for claim in conclusion.claims
+    }
+
+
 def _summary(
     outcome: Outcome, conclusion: Conclusion, values: dict[str, dict[str, Estimate]], zeros: dict[str, list[Zero]],
     rows: Sequence[dict[str, Any]], grades: dict[str, str], left: LeftOut | None,
 ) -> str:  # fmt: skip
     """The answer in plain words; rows: of every channel, how well it is fitted and foretold."""
-    severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=0.0)
+    severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=np.nan)
     foretold = max((row["augmented"]["heldout_rmse"] / row["noise_floor"] for row in rows), default=0.0)
     titles = [
         finding_words(
@@ -258,11 +294,20 @@ def _fit_rows(outcome: Outcome, conclusion: Conclusion, best: Predictive | None 
     return rows
 
 
+def _likeliest(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
+    """The same without their errors and why they lost."""
+    study = outcome.study
+    return [
+        {"effects": list(f.hypothesis.keys), "bic": f.score + study.paid(f), "heldout_rmse": None, "lost": ""}
+        for f in likeliest(outcome, conclusion.best, SHOWN)
+    ]
+
+
 def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     """The likeliest hypotheses, the one claimed first, and why the others lost."""
     study, best = outcome.study, conclusion.best
     own = rmse(outcome, as_read(outcome, judge(outcome, best)), 0)
-    rows = []
+    rows: list[dict[str, Any]] = []
     for fitted in likeliest(outcome, best, SHOWN):
         error = rmse(outcome, as_read(outcome, judge(outcome, fitted)), 0)
         rows.append(
@@ -326,7 +371,13 @@ def _differing_in(study: Study, best: Fit, claim: Claim, rival: Candidate) -> tu
 
 
 def _next(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
-    """The experiment that would part what these recordings cannot."""
+    """The experiment that would part what these recordings cannot; none if there was no time to look for it."""
+    return outcome.predictor.deadline.attempt(
+        *PROPOSED, lambda: _proposed(outcome, conclusion), lambda: {"what": "", "separates": []}
+    )
+
+
+def _proposed(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
     study = outcome.study
     pairs: list[tuple[Fit, Fit, tuple[str, ...]]] = []
     for claim in conclusion.claims:

@@ -159,7 +159,7 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
             continue
         values = np.stack([np.interp(grid, run.time, np.nan_to_num(run.values[c])) for c in channels], axis=1)
         q, qd, qdd = (savgol_filter(values, width, 3, deriv=d, delta=step, axis=0) for d in (0, 1, 2))
-        torque = np.array([model.inverse_dynamics(*row) for row in zip(q, qd, qdd, strict=True)])
+        torque = model.inverse_dynamics_batch(q, qd, qdd)
         if run.effort is not None:
             drive = Drive(run, run.effort.T, held=problem.held)
             torque -= np.stack([drive.at(grid - run.time[0], j) for j in range(run.effort.shape[1])], axis=1)

@@ -12,6 +12,7 @@ from markupsafe import Markup
 from harness.diagnose.answer.curves import Curves
 from harness.diagnose.answer.findings import MODIFIED_BY, Findings, numbers_of, one_by_one, rivals_of
 from harness.diagnose.answer.replay import Opening, replay, replayable
+from harness.diagnose.problem.deadline import NotTried
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
@@ -29,6 +30,7 @@ class Diagnosis:
     mean-square mismatch on data held out that the findings remove. discrepancy: the force that they leave out, a row a joint.
     predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them. provenance:
     what the answer was made from. correlations: of the parameters told. notes: what reading the model left out, one line each.
+    not_tried: what was left when the time was up.
     """
 
     verdict: str
@@ -54,9 +56,15 @@ class Diagnosis:
     provenance: Mapping[str, Any] | None = None
     correlations: Mapping[str, Any] | None = None
     notes: Sequence[str] = ()
+    not_tried: Sequence[NotTried] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "findings", Findings(self.findings))
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing was left because the time was up."""
+        return not self.not_tried
 
     def replayed(self) -> Diagnosis:
         """The same answer with the augmented model run in every installed engine that can express what was found."""
@@ -69,6 +77,7 @@ class Diagnosis:
         document = {
             "schema": SCHEMA,
             "verdict": self.verdict,
+            "complete": self.complete,
             "summary": self.summary,
             "noise": list(self.noise),
             "mismatch": list(self.mismatch),
@@ -84,6 +93,8 @@ class Diagnosis:
         }
         if self.predictive is not None:
             document["predictive"] = {"effects": list(self.predicting)}
+        if not self.complete:
+            document["not_tried"] = [{"what": n.what, "may_change": n.may_change} for n in self.not_tried]
         if self.replay:
             document["replay"] = list(self.replay)
         if self.levels is not None:

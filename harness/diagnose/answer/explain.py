@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import resolved, spread
 from harness.diagnose.claims.conclude import Conclusion
+from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED, UNSEARCHED
 from harness.diagnose.criticism.creep import WHERE_HELD
 from harness.diagnose.criticism.doubt import AT_FLOOR, LEVEL
 from harness.diagnose.criticism.probe import Test
 from harness.diagnose.estimation.intervals import Estimate
+from harness.diagnose.problem.deadline import NotTried
 from harness.recording.units import written
 
 VERDICTS = {
@@ -20,6 +22,17 @@ VERDICTS = {
     "partly_explained": "The nominal model leaves the recordings {severity}; {names} {hold} up on data held out, but {rest}.",
     "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
 }
+
+
+# The same where the time was up before that could be said.
+CUT_SHORT = {
+    UNSEARCHED: "Nothing significant has been found missing so far, but not all was tried: that does not prove the model right.",
+    UNJUDGED: "The nominal model leaves the recordings {severity}. {best}; it has not been judged on data held out, so nothing is "
+    "claimed.",
+}
+
+
+NO_FINDING = "nothing of what was found"  # that what was not tried may change
 
 
 def number(value: float) -> str:
@@ -62,7 +75,9 @@ def summary(
     """
     if left is not None:
         return " ".join([*_beside_a_force(conclusion, severity, findings, foretold, explained, left), *rivals])
-    size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
+    size = "to an extent that has not been worked out"
+    if severity >= 0.0:
+        size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
     rest = "a significant remainder stays"
     if not conclusion.remains.significant and not conclusion.doubted:
         rest = f"these are not yet predicted down to the noise ({conclusion.level:.2g} times it)"
@@ -72,8 +87,15 @@ def summary(
         held = "with the data held out fitted too"
     elif foretold > AT_FLOOR:
         held = f"on data held out if fitted to them too; without that, they are predicted to {foretold:.2g} times the noise"
+    if conclusion.cut_short == UNCRITICISED:
+        rest = "what is left has not been examined to the end"
     names = " and ".join(findings)
-    text = VERDICTS[conclusion.verdict].format(severity=size, names=names, hold=hold, rest=rest, held=held)
+    keys = " + ".join(conclusion.best.hypothesis.keys) or "nothing"
+    best = f"The best set so far is {keys}, and leaves {conclusion.level:.3g} times the noise"
+    text = CUT_SHORT.get(conclusion.cut_short, VERDICTS[conclusion.verdict])
+    if conclusion.cut_short == UNCRITICISED and not findings:
+        text = "The nominal model leaves the recordings {severity}, and nothing has earned its place so far."
+    text = text.format(best=best, severity=size, names=names, hold=hold, rest=rest, held=held)
     if rivals:
         text += " " + " ".join(rivals)
     if conclusion.only_held:
@@ -131,6 +153,14 @@ def _beside_a_force(
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.4g} %"
+
+
+def untried(not_tried: Sequence[NotTried]) -> str:
+    """What was not tried for lack of time and may change what was found, in a sentence; none if that is nothing."""
+    if not not_tried:
+        return ""
+    telling = [f"{note.what} ({note.may_change})" for note in not_tried if note.may_change != NO_FINDING]
+    return "The time was up before all was tried." + (f" Left were {'; '.join(telling)}." if telling else "")
 
 
 def plainest(conclusion: Conclusion) -> Test:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
+from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
-from harness.diagnose.claims.rivals import APART, beside_another, near, preferred
+from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
 from harness.diagnose.criticism.creep import motion_where_held
 from harness.diagnose.criticism.doubt import (
     AT_FLOOR,
@@ -30,6 +31,7 @@ from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
 from harness.diagnose.criticism.vertical_shaking import shaken_up_and_down
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.deadline import Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.exchange import specialized
 from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, trained, training_gain
@@ -81,7 +83,8 @@ class Conclusion:
 
     best: the fit claimed, on all recordings; own: on the training ones; held: judged on the data held out. level: what is left of
     those over the noise [1]. unproven: keys of what is doubted because nothing that it was not fitted to bears it out. only_held:
-    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings.
+    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings. cut_short: what the
+    time was up for, of ``UNSEARCHED``, ``UNJUDGED`` and ``UNCRITICISED``, and therefore is not claimed; or empty.
     """
 
     verdict: str
@@ -94,6 +97,7 @@ class Conclusion:
     level: float
     unproven: tuple[str, ...] = ()
     only_held: tuple[str, ...] = ()
+    cut_short: str = ""
 
     @property
     def imitated(self) -> tuple[str, ...]:
@@ -249,15 +253,67 @@ def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
 
 
 def conclude(outcome: Outcome) -> Conclusion:
-    """Weigh what the search found and judge it on the data held out; what is doubted is left out, and the rest weighed again."""
-    study = outcome.study
-    wanted = preferred(outcome, outcome.best)
-    best = settle(outcome, wanted)
+    """Weigh what the search found and judge it on the data held out; what is doubted is left out, and the rest weighed again.
+
+    Where the time is up, what has been reached: never a firmer verdict than the work that was done.
+    """
+    deadline, reached = outcome.predictor.deadline, Reached(outcome.best)
+    unsearched = bool(deadline.not_tried)
+    try:
+        found = _concluded(outcome, reached)
+    except TimeUp:
+        with deadline.spared():
+            found = _as_far_as(outcome, reached)
+    if unsearched and found.verdict == "consistent":
+        return replace(found, verdict="unexplained", cut_short=UNSEARCHED)
+    return found
+
+
+def _as_far_as(outcome: Outcome, reached: Reached) -> Conclusion:
+    """The conclusion that the work done so far allows."""
+    deadline, best = outcome.predictor.deadline, reached.settled
+    if best is None:
+        deadline.leave(*LEFT[UNJUDGED])
+        own, held = _so_far(outcome, reached.wanted)
+        nothing = Remains(False, (), 0.0)
+        return Conclusion(
+            "unexplained", reached.wanted, own, held, (), nothing, (), _level(outcome, held), cut_short=UNJUDGED
+        )
+    deadline.leave(*LEFT["told" if reached.criticised else UNCRITICISED])
+    claims = _claims(outcome, best, None)
+    firm = reached.criticised and not reached.incomplete
+    without, with_ = ("consistent", "explained") if firm else ("unexplained", "partly_explained")
+    own, held = _so_far(outcome, best)
+    remains = reached.remains or Remains(False, (), 0.0)
+    return Conclusion(
+        with_ if claims else without, best, own, held, claims, remains, reached.doubted, _level(outcome, held),
+        cut_short="" if reached.criticised else UNCRITICISED,
+    )  # fmt: skip
+
+
+def _so_far(outcome: Outcome, best: Fit) -> tuple[Fit, Fit]:
+    """The set on the training data and on those held out, or in a pinch as it stands on all of them."""
+    deadline = outcome.predictor.deadline
+    return deadline.attempt(
+        *LEFT["errors"], lambda: (trained(outcome, best), judge(outcome, best)), lambda: (best, best), spared=True
+    )
+
+
+def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
+    """The conclusion, with all that it takes."""
+    study, deadline = outcome.study, outcome.predictor.deadline
+    deadline.begin(Stage.RIVALS)
+    wanted = deadline.attempt(
+        *LEFT["rivals"], lambda: preferred(outcome, outcome.best), lambda: min(study.fits.values(), key=study.criterion)
+    )
+    deadline.begin(Stage.CRITICISM)
+    reached.wanted = wanted
+    best = reached.settled = settle(outcome, wanted)
     doubted: list[str] = []
     if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
         # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
-    unproven = tuple(doubted)
+    unproven = reached.doubted = tuple(doubted)
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if doubtful(outcome, best, k, remains)]
     together = imitated_together(outcome, best, remains)
@@ -265,6 +321,7 @@ def conclude(outcome: Outcome) -> Conclusion:
         if shaky or together:
             best, fresh = _without_doubtful(outcome, best, shaky, together)
             doubted += fresh
+            reached.doubted, reached.settled = tuple(doubted), best
             # What made a law more general may have been left out with the doubtful.
             best = min([best, *specialized(study, best)], key=study.criterion)
         else:
@@ -278,6 +335,7 @@ def conclude(outcome: Outcome) -> Conclusion:
         together = []
     # A force that is left out is a remainder, whatever the tests beside it say.
     incomplete = incomplete or bool(doubted) or outcome.force is not None
+    reached.settled, reached.remains, reached.incomplete, reached.criticised = best, remains, incomplete, True
     claims = _claims(outcome, best, remains)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     verdict = with_ if claims else without
@@ -346,18 +404,20 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
 
 def _level(outcome: Outcome, held: Fit) -> float:
     """What is left of the data held out, over the noise [1]."""
-    return float(np.sqrt(held.cost / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0)))
+    return float(np.sqrt(held.cost / max(outcome.study.likelihood.samples(held.windows), 1.0)))
 
 
-def _claims(outcome: Outcome, best: Fit, remains: Remains) -> tuple[Claim, ...]:
+def _claims(outcome: Outcome, best: Fit, remains: Remains | None) -> tuple[Claim, ...]:
+    """What is claimed of a set. remains: what it leaves; None to look for nothing further that could stand in a member's place."""
     study = outcome.study
     probabilities = _probabilities(outcome)
     claims = []
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)
         gain = smaller.score - best.score
-        others = [m for other in near(outcome, best, k) for m in other.hypothesis.members]
-        others += unparted(outcome, best, k, remains)
+        alike = near(outcome, best, k) if remains is not None else known_near(outcome, best, k)
+        others = [m for other in alike for m in other.hypothesis.members]
+        others += unparted(outcome, best, k, remains) if remains is not None else []
         others = [m for m in others if m.key not in best.hypothesis.keys] + _out_of_step(study, best, k)
         known = {m.key for m in others}
         further = {c: partners for c, partners in beside_another(outcome, best, k).items() if c.key not in known}

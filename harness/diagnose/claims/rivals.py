@@ -107,6 +107,13 @@ def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     return found
 
 
+def known_near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
+    """The same of what has been fitted anyhow."""
+    study, limit = outcome.study, _limit(outcome, best, APART)
+    found = [f for _, f in known_in_place_of(study, best, k) if f.score < LOST and study.evidence(f) < limit]
+    return sorted(found, key=study.evidence) + _instead_of_several(study, best, k) + _several_instead(study, best, k)
+
+
 def beside_another(outcome: Outcome, best: Fit, k: int) -> dict[Candidate, tuple[Candidate, ...]]:
     """Candidates that the recordings do not part from member ``k`` beside what another member could as well be, and beside what.
 

@@ -97,6 +97,8 @@ def fit(
     patience = Patience(most_steps, enough, target)
     found = _descend(objective, x, states, held, patience, louder)
     for _ in range(ROUNDS if others else 0):
+        if objective.predictor.deadline.over:
+            break
         again = _unstuck(objective, found.x, found.states, others, found.linear.residuals)
         if again is found.states or found.score > target > -np.inf:
             break
@@ -174,7 +176,12 @@ def _descend(
             hope = min(hope, left * (scores[-PACED] - scores[-1]) / (PACED - 1))
         return missing > HOPE * hope
 
+    deadline = objective.predictor.deadline
     for left in range(patience.most_steps, 0, -1):
+        if deadline.over:
+            # Where it is not spared, the next prediction ends it: half a fit would speak for whatever has more parameters.
+            deadline.check()
+            break
         if damping not in tried:
             trials = [stepping.trial(here, x, current, damping)]
             if trials[0].predicted < enough and damping > SOFTEST and not loosened:

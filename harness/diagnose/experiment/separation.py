@@ -96,7 +96,8 @@ def _imagined(study: Study, trial: Trial) -> _Imagined:
         effort = np.column_stack([np.interp(time, old, column) for column in trial.effort.T])
     run = Run("proposed", time, np.full((len(channels), len(time)), np.nan), effort, interval)
     noise = np.array([c.std / np.sqrt(c.effective_fraction) for c in colours])[:, None]
-    predictor = Predictor(Problem(study.problem.system, channels, (run,), (run,)))
+    posed = Problem(study.problem.system, channels, (run,), (run,))
+    predictor = Predictor(posed, deadline=study.predictor.deadline)
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in colours]))
     return _Imagined(predictor, noise, len(time))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,14 +21,16 @@ from scipy.stats import norm
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.curves import Curves, ForceMap, Residuals
 from harness.diagnose.answer.diagnosis import Diagnosis
-from harness.diagnose.answer.explain import finding_words
+from harness.diagnose.answer.explain import finding_words, untried
+from harness.diagnose.answer.nothing_fitted import nothing_fitted
 from harness.diagnose.estimation.intervals import WIDE, Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, effort_noise, fit_effort, grid_of, spread
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run
-from harness.diagnose.inverse.effort_search import EffortStudy, search
+from harness.diagnose.inverse.effort_search import EffortStudy, search, settle
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes, ordinary_terms
 from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.effects.effect import Effect, SiteKind
 from harness.effects.scale import references
@@ -46,6 +49,15 @@ FEWEST = 40  # independent samples
 SLOW = 0.1  # of the greatest speed, below which a joint is about to reverse
 PIECES = 24  # of a recording, in which the nominal model is judged
 POINTS = 4000  # of a curve
+UNSEARCHED = ("all sets of effects", "another set of effects may explain the recordings better, or as well")
+UNRIVALLED = (
+    "what else could stand in the place of each effect claimed",
+    "more effects may be as likely as those told",
+)
+UNJUDGED = (
+    "the judgement on data held out, and of what else it could be",
+    "what was found may not hold up, so that nothing is claimed",
+)
 
 
 def diagnose_effort(
@@ -56,17 +68,19 @@ def diagnose_effort(
     only: Sequence[str] = (),
     further: Sequence[Effect] = (),
     tell: Callable[[str], None] = lambda _: None,
+    deadline: Deadline | None = None,
 ) -> Diagnosis:
     """What a model leaves of recorded efforts, and which physics it left out, judged on data held out.
 
     recordings: with the position of every joint and at least one effort; the last is held out if ``held`` is None, or the last
-    30 % of a single one. only: restricts the catalogue to these names.
+    30 % of a single one. only: restricts the catalogue to these names. deadline: by which the best answer so far is given.
     Raises InputError for recordings that cannot be used so, UnsupportedError for systems with flexible links.
     """
     if system.flexible:
         raise UnsupportedError("efforts are fitted for rigid links only", mend="leave --fit-effort out")
     if further:
         raise InputError("effects of your own cannot act on fitted efforts", mend="leave --effects or --fit-effort out")
+    deadline = deadline or Deadline()
     _known(only)
     every = [*recordings, *([held] if held is not None else [])]
     swing = min(references(system, name, every[0]).frequency for name in system.joint_names) / (2.0 * np.pi)
@@ -76,7 +90,7 @@ def diagnose_effort(
     pushes = find_pushes(system, runs)
     runs = [mask_pushes(run, k, pushes) for k, run in enumerate(runs)]
     train, test = _divided(runs, held is not None)
-    data, judged = _data(system, train, test)
+    data, judged = _data(system, train, test, deadline)
     if data.samples < FEWEST or judged.samples < FEWEST // 4:
         raise InputError(
             f"{data.samples} independent samples of effort are left to learn from and {judged.samples} to judge on",
@@ -89,10 +103,33 @@ def diagnose_effort(
         if c.effect.sensor is None or c.site.endswith(".position")
     )
     study = EffortStudy(data, judged, known)
-    best = search(study, tell)
     notes = [_note(system, runs[p.run], p) for p in pushes]
-    tell("telling")
-    return _Answer(system, every, runs, study, best, pushes, notes, cutoff, len(train)).document()
+    try:
+        with deadline.spared():
+            study.fit(Hypothesis(), [np.zeros(study.nominal)])
+        best = deadline.attempt(*UNSEARCHED, lambda: search(study, tell), study.best)
+        deadline.begin(Stage.CRITICISM)
+        settled = deadline.attempt(*UNJUDGED, lambda: settle(study, best), lambda: None)
+        tell("telling")
+        deadline.begin(Stage.TELLING)
+        claimed = settled or study.fits[frozenset()]
+        with deadline.spared():
+            told = _Answer(system, every, runs, study, claimed, pushes, notes, cutoff, len(train)).document()
+    except TimeUp:
+        noise = [
+            {"channel": f"{name}.effort", "std": data.noises[j].std, "unit": system.joint(name).force_unit}
+            for j, name in enumerate(system.joint_names)
+            if j in data.joints
+        ]
+        return nothing_fitted(noise, every, deadline)
+    if deadline.not_tried and (settled is None or told.verdict == "consistent"):
+        # Nothing is claimed that was not judged, and nothing is called well where not all was tried.
+        told = replace(told, verdict="unexplained")
+    so_far = (
+        "" if settled else f"The best set so far is {' + '.join(best.hypothesis.keys) or 'nothing'}; it is not claimed."
+    )
+    summary = " ".join(filter(None, [told.summary, so_far, untried(deadline.not_tried)]))
+    return replace(told, summary=summary, not_tried=deadline.not_tried)
 
 
 def _resolvable(candidate: Candidate, system: System, runs: Sequence[EffortRun]) -> Candidate:
@@ -130,7 +167,9 @@ def _divided(runs: list[EffortRun], given: bool) -> tuple[list[EffortRun], list[
     return [run.without(later)], [run.without(~later)]
 
 
-def _data(system: System, train: list[EffortRun], test: list[EffortRun]) -> tuple[EffortData, EffortData]:
+def _data(
+    system: System, train: list[EffortRun], test: list[EffortRun], deadline: Deadline
+) -> tuple[EffortData, EffortData]:
     grids = tuple(grid_of(run) for run in train)
     noises = []
     for j in range(train[0].q.shape[1]):
@@ -145,8 +184,8 @@ def _data(system: System, train: list[EffortRun], test: list[EffortRun]) -> tupl
             for (run, grid), d in zip(mine, designs, strict=True):
                 pieces += [(run.effort[s, j] - d[s] @ found) for s in grid.stretches]
         noises.append(effort_noise(pieces or [np.zeros(1)]))
-    data = EffortData(EffortModel(system, train), grids, tuple(noises))
-    return data, EffortData(EffortModel(system, test), tuple(grid_of(run) for run in test), tuple(noises))
+    data = EffortData(EffortModel(system, train, deadline), grids, tuple(noises))
+    return data, EffortData(EffortModel(system, test, deadline), tuple(grid_of(run) for run in test), tuple(noises))
 
 
 def _note(system: System, run: EffortRun, push: Push) -> QualityNote:
@@ -329,7 +368,7 @@ class _Answer:
         return dict(zip(member.effect.parameter_names, units, strict=True))
 
     def _findings(self) -> tuple[list[dict[str, Any]], list[str], list[str], list[tuple[str, str]]]:
-        study, best = self.study, self.best
+        study, best, deadline = self.study, self.best, self.study.data.model.deadline
         weights = {key: study.criterion(f) for key, f in study.fits.items()}
         lowest = min(weights.values())
         share = {key: float(np.exp(-0.5 * (w - lowest))) for key, w in weights.items()}
@@ -338,7 +377,10 @@ class _Answer:
         for k, member in enumerate(best.hypothesis.members):
             values, units = self._estimates(k), self._units(member)
             smaller = study.reduce(best, k)
-            others = [c for c, _ in study.rivals(best, k)]
+            alike: list[tuple[Candidate, EffortFit]] = deadline.attempt(
+                *UNRIVALLED, partial(study.rivals, best, k), lambda: []
+            )
+            others = [c for c, _ in alike]
             names = [c.effect.name if c.site == member.site else c.key for c in others]
             probability = sum(s for key, s in share.items() if member.key in key) / total
             findings.append(

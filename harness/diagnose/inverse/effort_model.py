@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from harness.denoc.model import Denoc
 from harness.diagnose.answer.augmented import attached
 from harness.diagnose.inverse.effort_motion import EffortRun
+from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.hypothesis import Hypothesis, Nominal, nominal_quantities, scaled
 from harness.effects.attach import input_chain, sensor_chain
 from harness.engines.expressed import express
@@ -47,13 +48,15 @@ PROBE = 0.05  # of the efforts' size, by which the slope of the input chain is r
 class EffortModel:
     """Residual efforts of hypotheses about one system, along several runs."""
 
-    def __init__(self, system: System, runs: Sequence[EffortRun]) -> None:
+    def __init__(self, system: System, runs: Sequence[EffortRun], deadline: Deadline | None = None) -> None:
+        self.deadline = deadline or Deadline()
         self.system = system
         self.runs = tuple(runs)
         self.nominal: tuple[Nominal, ...] = nominal_quantities(system)
 
     def residuals(self, hypothesis: Hypothesis, x: Array) -> list[Array]:
         """Recorded minus predicted effort of every run, (T, n); x: nominal deviations [σ], then effect parameters [SI]."""
+        self.deadline.check()
         factors = np.exp(self.system.tolerance * x[: len(self.nominal)])
         system = scaled(self.system, self.nominal, list(factors))
         at = len(self.nominal)

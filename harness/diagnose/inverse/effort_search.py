@@ -59,6 +59,10 @@ class EffortStudy:
         self.fits[hypothesis.identity] = best
         return best
 
+    def best(self) -> EffortFit:
+        """The best fit so far by the criterion."""
+        return min(self.fits.values(), key=self.criterion)
+
     def held_rows(self, fitted: EffortFit) -> Array:
         """Whitened residuals of the data held out, nothing fitted to them, in units of the noise that the fit left."""
         rows, _ = self.held.rows(self.held.model.residuals(fitted.hypothesis, fitted.x))
@@ -158,7 +162,7 @@ def starts_of(candidate: Candidate) -> list[Array]:
 
 
 def search(study: EffortStudy, progress: Callable[[str], None]) -> EffortFit:
-    """The best set of effects by the criterion, grown from nothing and pruned by the data held out."""
+    """The best set of effects by the criterion, grown from nothing."""
     empty = study.fit(Hypothesis(), [np.zeros(study.nominal)])
     beam = [empty]
     best = empty
@@ -174,7 +178,7 @@ def search(study: EffortStudy, progress: Callable[[str], None]) -> EffortFit:
         if study.criterion(beam[0]) >= study.criterion(best):
             break
         best = beam[0]
-    return settle(study, best)
+    return best
 
 
 def _needed(smaller: EffortFit, larger: EffortFit) -> float:

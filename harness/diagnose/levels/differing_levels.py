@@ -53,7 +53,7 @@ def differing_levels(
 
     train, heldout: the recordings behind the problem's runs.
     """
-    problem = outcome.problem
+    problem, deadline = outcome.problem, outcome.predictor.deadline
     if not comparable(problem):
         return None
     fitted = next((f for f in _shortlist(outcome, conclusion) if rubbing(outcome.study, f)), None)
@@ -64,8 +64,8 @@ def differing_levels(
         return None
     start = _start(outcome, fitted)
     anew = [_anew(outcome, fitted, k) for k in range(len(problem.runs))]
-    shared = fit_levels(start, train, spread=TIED, anew=anew[: len(train)])
-    levelled = fit_levels(shared.system, train, anew=anew[: len(train)])
+    shared = fit_levels(start, train, spread=TIED, anew=anew[: len(train)], deadline=deadline)
+    levelled = fit_levels(shared.system, train, anew=anew[: len(train)], deadline=deadline)
     if _equal(levelled):
         return None
     rows: list[dict[str, Any]] = [

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from harness.denoc.lanes.model import LaneModel
+from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.hypothesis import Candidate, nominal_quantities, scaled
 from harness.effects.attach import apply, sensor_chain
 from harness.effects.catalogue import effect
@@ -72,13 +73,14 @@ def fit_levels(
     *,
     spread: float = SPREAD,
     anew: Sequence[Sequence[float]] = (),
+    deadline: Deadline | None = None,
 ) -> LevelFit:
     """Fit attached laws, nominal quantities, initial states and one level of dry friction a recording.
 
     starts: the system with the effects to fit attached, their parameters being where the search starts; of several, the one whose
     fit ends best. recordings: of free motion, every joint's position measured, in the order in which they were made.
     spread: expected relative spread of the levels. anew: for every recording, the times [s] from its first sample at which the free
-    run begins anew, where motion cannot be predicted for longer.
+    run begins anew, where motion cannot be predicted for longer. deadline: after which ``TimeUp`` is raised.
     Raises InputError for recordings that are driven or lack a position, UnsupportedError for flexible systems.
     """
     systems = [starts] if isinstance(starts, System) else list(starts)
@@ -86,10 +88,12 @@ def fit_levels(
         raise UnsupportedError("levels of friction are fitted for rigid links only", mend="leave the flexible link out")
     if not recordings or not systems:
         raise InputError("no recording or no system given", mend="name at least one of each")
-    best = min((_Levels(system, recordings, spread, anew).fit() for system in systems), key=lambda found: found.cost)
+    best = min(
+        (_Levels(system, recordings, spread, anew, deadline).fit() for system in systems), key=lambda found: found.cost
+    )
     # Valleys of friction laws are long and flat: from where the best one ended, with steps measured there, until it stands still.
     for _ in range(AGAIN):
-        further = _Levels(best.system, recordings, spread, anew).fit()
+        further = _Levels(best.system, recordings, spread, anew, deadline).fit()
         gained = best.cost - further.cost
         best = further if gained > 0.0 else best
         if gained < ENOUGH:
@@ -125,8 +129,14 @@ class _Run:
 
 class _Levels:
     def __init__(
-        self, system: System, recordings: Sequence[Recording], spread: float, anew: Sequence[Sequence[float]]
+        self,
+        system: System,
+        recordings: Sequence[Recording],
+        spread: float,
+        anew: Sequence[Sequence[float]],
+        deadline: Deadline | None = None,
     ) -> None:
+        self.deadline = deadline or Deadline()
         self.bare = replace(system, attachments=())
         self.attachments = system.attachments
         self.spread = spread
@@ -271,6 +281,7 @@ class _Levels:
 
     def _residuals(self, xs: Array, k: int) -> Array:
         """Residuals of recording k for many parameter vectors (B, X), shape (B, T·n)."""
+        self.deadline.check()
         run = self.runs[k]
         n = len(self.names)
         rows, states, values = [], [], []

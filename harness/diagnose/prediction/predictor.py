@@ -15,6 +15,7 @@ from harness.diagnose.prediction.coordinates import CLOCK_MARGIN
 from harness.diagnose.prediction.mechanisms import Mechanism, Mechanisms
 from harness.diagnose.prediction.recorded_efforts import RecordedEfforts
 from harness.diagnose.prediction.stiff_runs import StiffRuns
+from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.grid import Grid, hermite, make_grid
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
@@ -66,11 +67,15 @@ def taken(array: Array, places: Sequence[int]) -> Array:
 
 
 class Predictor(Mechanisms):
-    """Predictions of hypotheses for windows of a problem's runs; compiled systems and grids are kept."""
+    """Predictions of hypotheses for windows of a problem's runs; compiled systems and grids are kept.
 
-    def __init__(self, problem: Problem, *, finest_step: float = FINEST_STEP) -> None:
+    deadline: after which nothing further is predicted; its ``TimeUp`` is raised instead.
+    """
+
+    def __init__(self, problem: Problem, *, finest_step: float = FINEST_STEP, deadline: Deadline | None = None) -> None:
         super().__init__(problem.system)
         self.problem = problem
+        self.deadline = deadline or Deadline()
         self.runs = problem.runs
         self.finest_step = finest_step
         self.tolerance = TOLERANCE
@@ -248,15 +253,28 @@ class Predictor(Mechanisms):
         the predictor's own. counts: of the times that each is asked for, (B,), by default all. source: which of the efforts acts
         on each, (B,), by default each its own.
         """
+        self.deadline.check()
         model, n = mechanism.model, len(mechanism.names)
         tolerance = max(self.tolerance, tolerance)
         if self._stiff is not None and n > len(self.system.movable_joints):
             own = tau if tau is None or source is None else tau[source]
-            return self._stiff.run(model, rows, states, time, own, requests, tolerance, self.hold, self.threads, counts)
+            return self._stiff.run(
+                model,
+                rows,
+                states,
+                time,
+                own,
+                requests,
+                tolerance,
+                self.hold,
+                self.threads,
+                counts,
+                self.deadline.check,
+            )
         q, qd = np.ascontiguousarray(states[:, :n]), np.ascontiguousarray(states[:, n:])
         return model.simulate(
             rows, q, qd, time, tau=tau, source=source, hold=self.hold, tolerance=tolerance, counts=counts,
-            threads=self.threads,
+            threads=self.threads, between=self.deadline.check,
         )  # fmt: skip
 
     def _sampling(self, hypothesis: Hypothesis, window: Window, margin: float) -> object:

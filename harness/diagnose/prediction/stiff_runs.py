@@ -7,6 +7,7 @@ Of runs that hardly differ, as those for derivatives, one is made twice for all.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -46,10 +47,11 @@ class StiffRuns:
     def run(
         self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
         tolerance: float, hold: str, threads: int, counts: NDArray[np.int64] | None = None,
+        between: Callable[[], None] = lambda: None,
     ) -> Motion:  # fmt: skip
         """Position, velocity, acceleration (B, T, n) of rows (B, P) from states (B, 2n) under efforts (B, T, n).
 
-        See ``LaneModel.simulate``. requests: which request a run belongs to, (B,).
+        See ``LaneModel.simulate``. requests: which request a run belongs to, (B,). between: called between parts of it.
         """
         counts = np.full(len(rows), len(time)) if counts is None else counts
         shape = (len(rows), len(time), model.n)
@@ -59,6 +61,7 @@ class StiffRuns:
         for count in np.unique(counts).tolist():
             which = np.flatnonzero(counts == count)
             forces = None if straight is None else straight[which, :count]
+            between()
             motion, fits = self._smooth(
                 model, rows[which], states[which], time[:count], forces, requests[which], threads
             )
@@ -69,7 +72,7 @@ class StiffRuns:
             q, qd = np.split(states[slow], 2, axis=1)
             resolved = model.simulate(
                 rows[slow], q, qd, time, tau=None if tau is None else tau[slow], hold=hold, tolerance=tolerance,
-                counts=counts[slow], threads=threads,
+                counts=counts[slow], threads=threads, between=between,
             )  # fmt: skip
             for array, part in zip(out, resolved, strict=True):
                 array[slow] = part

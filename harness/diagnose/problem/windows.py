@@ -61,7 +61,11 @@ def merge(windows: Sequence[Window], groups: Sequence[Sequence[int]]) -> tuple[W
 def local_state(run: Run, channel: int, first: int, span: float) -> tuple[float, float]:
     """Value and slope of a channel at sample ``first`` from a local cubic over ``span`` seconds around it."""
     t0 = run.time[first]
-    near = np.flatnonzero((np.abs(run.time - t0) <= span) & np.isfinite(run.values[channel]))
+    # Only samples nearby are looked at; at the edges rounding decides as it would among all.
+    begin, end = np.searchsorted(run.time, (t0 - span, t0 + span))
+    around = slice(max(int(begin) - 1, 0), int(end) + 2)
+    close = (np.abs(run.time[around] - t0) <= span) & np.isfinite(run.values[channel, around])
+    near = around.start + np.flatnonzero(close)
     if len(near) < 8:
         near = np.argsort(np.abs(run.time - t0))[:12]
         near = near[np.isfinite(run.values[channel, near])]

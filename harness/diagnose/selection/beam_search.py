@@ -151,7 +151,7 @@ class Growth:
         self.known[found.hypothesis.identity] = found
         self.changed.append(found)
         if aloud:
-            self.progress(" + ".join(found.hypothesis.keys))
+            tell(self.study, " + ".join(found.hypothesis.keys), self.progress)
 
     def extend(self, base: Fit) -> None:
         """Fit the most promising further effects beside a set, unless there is no hope for any."""
@@ -289,6 +289,13 @@ class Growth:
                 self.note(found, aloud=True)
 
 
+def tell(study: Study, what: str, progress: Progress) -> None:
+    """Show what is done, behind the best set so far and what it leaves."""
+    best = min(study.fits.values(), key=study.criterion)
+    left = float(np.sqrt(best.cost / max(study.samples, 1.0)))
+    progress(f"best so far {' + '.join(best.hypothesis.keys) or 'nothing'}, leaving {left:.3g} × noise; {what}")
+
+
 def exhausted(study: Study, fitted: Fit) -> bool:
     """Whether a set leaves more than noise and growing does not make it leave less: then the catalogue has no explanation in few
     effects, and what else could stand in a member's place is idle to ask."""
@@ -360,7 +367,7 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
             break
         for k in range(len(best.hypothesis.members)):
             alternatives(study, best, k, effort.swaps, 2 * effort.most_fits)
-            progress("alternatives to " + best.hypothesis.keys[k])
+            tell(study, "alternatives to " + best.hypothesis.keys[k], progress)
         together(study, best, 2 * effort.most_fits)
         second(study, best, 2 * effort.most_fits)
         reduced(study, best)
@@ -384,5 +391,5 @@ def transfer(study: Study, fits: Sequence[Fit], count: int, progress: Progress) 
         # What was near the best under one estimate of the noise or on other windows need not be under this one.
         within = min((f.score for f in out), default=-np.inf) + NEAR
         out.append(study.fit(hypothesis, [old.x], near, target=within))
-        progress("free runs of " + (" + ".join(hypothesis.keys) or "the nominal model"))
+        tell(study, "free runs of " + (" + ".join(hypothesis.keys) or "the nominal model"), progress)
     return out

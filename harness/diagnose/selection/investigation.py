@@ -18,6 +18,7 @@ from harness.diagnose.estimation.scatter import crude_colours, quietest
 from harness.diagnose.estimation.vibration_windows import stages
 from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.deadline import Deadline, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window, cut
@@ -116,26 +117,73 @@ def investigate(
     effort: Effort | None = None,
     progress: Callable[[str], None] = lambda _: None,
     structure: Structure = lambda study, fitted: 0.0,
+    deadline: Deadline | None = None,
 ) -> Outcome:
     """Search for the set of effects that the recordings speak for.
 
-    frequency: of the slowest swing [Hz]. structure: see ``under_model_error``.
+    frequency: of the slowest swing [Hz]. structure: see ``under_model_error``. deadline: by which the search is left with what has
+    been found till then; ``TimeUp`` is raised where not even the nominal model was fitted in time.
     """
-    effort = effort or Effort()
-    predictor = Predictor(problem)
-    every = range(len(problem.runs))
-    motion_hz = MOTION_HARMONICS * frequency
+    deadline = deadline or Deadline()
+    predictor = Predictor(problem, deadline=deadline)
     period = 1.0 / frequency
+    reached: list[Study] = []
+    try:
+        final, ordered = _search(predictor, tuple(candidates), period, effort or Effort(), progress, reached, structure)
+    except TimeUp:
+        if not reached:
+            raise
+        final = next((s for s in reversed(reached) if any(f.hypothesis.members for f in s.fits.values())), reached[-1])
+        ordered = []
+        deadline.leave(*_left_by_the_search(final))
+    with deadline.spared():
+        empty = final.known(Hypothesis()) or final.empty()
+        ordered = ordered or sorted(final.fits.values(), key=final.criterion)
+        own = tuple(w for w in final.windows if w.run < len(problem.train))
+        held = tuple(w for w in final.windows if w.run >= len(problem.train))
+        training = Study(
+            final.problem, final.predictor, final.likelihood, final.candidates, own, first_states=final.first_states,
+            swing=period,
+        )  # fmt: skip
+        frozen = np.ones(len(final.predictor.nominal), dtype=bool)
+        states = {w: empty.states[w] for w in own}
+        nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)
+    return Outcome(
+        final.problem, final.predictor, final, training, nominal, empty, ordered[0], ordered, held,
+        MOTION_HARMONICS * frequency, period,
+    )  # fmt: skip
+
+
+def _search(
+    predictor: Predictor,
+    candidates: tuple[Candidate, ...],
+    period: float,
+    effort: Effort,
+    progress: Callable[[str], None],
+    reached: list[Study],
+    structure: Structure,
+) -> tuple[Study, list[Fit]]:
+    """The last study of the search and its fits, best first.
+
+    period: of the slowest swing [s]. reached: every study that was begun, one after another, for what there is if the time is up.
+    """
+    problem, deadline = predictor.problem, predictor.deadline
+    motion_hz = MOTION_HARMONICS / period
     likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
-    horizon = Horizon(problem, predictor, 2.0 * np.pi * frequency)
-    short = horizon.calm(cut(problem.runs, every, SWINGS * period))
-    first = _led_in(problem, predictor, likelihood, short, period)
-    for _ in range(2):
-        likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
-        study = Study(problem, predictor, likelihood, tuple(candidates), short, first_states=first.states, swing=period)
-        study.fit(Hypothesis(), [first.x], first)
-        study, first = either_way(study, study.empty())
-        problem, predictor, likelihood = study.problem, study.predictor, study.likelihood
+    horizon = Horizon(problem, predictor, 2.0 * np.pi / period)
+    with deadline.spared():
+        # The nominal model and its noise: without these there is no answer at all.
+        short = horizon.calm(cut(problem.runs, range(len(problem.runs)), SWINGS * period))
+        first = _led_in(problem, predictor, likelihood, short, period)
+        for _ in range(2):
+            likelihood = replace(likelihood, colours=colours_from(problem, likelihood, first, predictor, motion_hz))
+            study = Study(problem, predictor, likelihood, candidates, short, first_states=first.states, swing=period)
+            study.fit(Hypothesis(), [first.x], first)
+            study, first = (study, study.empty()) if deadline.over else either_way(study, study.empty())
+            problem, predictor, likelihood = study.problem, study.predictor, study.likelihood
+            if deadline.over:
+                break
+        reached.append(study)
     predictor.shorten(np.array([min(colour.std, colour.innovation[1]) for colour in likelihood.colours]))
     progress("short windows")
     groups = horizon.joined(first)
@@ -143,10 +191,12 @@ def investigate(
     def lengthened(short: Study) -> tuple[Study, Fit]:
         """The study of joined windows with the efforts of the short ones, and its nominal model."""
         longer = Study(
-            short.problem, short.predictor, short.likelihood, tuple(candidates), groups,
+            short.problem, short.predictor, short.likelihood, candidates, groups,
             first_states=first.states, swing=period, hints=short.tests,
         )  # fmt: skip
-        return longer, longer.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
+        found = longer.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
+        reached.append(longer)
+        return longer, found
 
     long_study, empty = lengthened(study)
     progress("free runs of the nominal model")
@@ -161,6 +211,7 @@ def investigate(
             beginnings += ordinary(study, first)
         short_study, ordered = _begun_with(study, [first, *beginnings], effort, progress)
         if short_study is not study:
+            reached.append(short_study)
             long_study, empty = lengthened(short_study)
             seeds = [empty]
         seeds += transfer(long_study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
@@ -171,41 +222,54 @@ def investigate(
     held_study, _ = either_way(long_study, likeliest)
     if held_study is not long_study:
         long_study, seeds = held_study, _again(held_study, seeds, likeliest)
+        reached.append(long_study)
         progress("efforts held between samples")
     long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
+    reached.append(long_study)
     # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
-    under = under_model_error(long_study, ordered, period, effort, progress, structure)
+    under = under_model_error(long_study, ordered, period, effort, progress, structure, reached)
     if under is not None and under[0].likelihood.discrepancy is None:
         long_study, ordered, under = replace(under[0], hints=long_study.hints), under[1], None
+        reached.append(long_study)
     empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [empty.x], empty)
+    final = long_study
     if under is None:
         # The noise once more, now behind the best model; a last round under it if it has changed.
         predictor = long_study.predictor
         refined = colours_from(long_study.problem, long_study.likelihood, ordered[0], predictor, motion_hz)
-        final, near = long_study, ordered[0].score < HOPELESS * long_study.samples
-        if near and _differ(likelihood.colours, refined):
+        if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined):
             final = Study(
-                long_study.problem, predictor, replace(long_study.likelihood, colours=refined), tuple(candidates), groups,
+                long_study.problem, predictor, replace(long_study.likelihood, colours=refined), candidates, groups,
                 first_states=first.states, swing=period, hints=long_study.hints, before=long_study,
             )  # fmt: skip
             seeds = _again(final, ordered[: 2 * effort.beam], ordered[0])
             empty = final.fit(Hypothesis(), [empty.x], empty)
+            reached.append(final)
             ordered = grow(final, seeds, effort, progress)
         final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
     final, ordered = under or (final, ordered)
-    problem, predictor = final.problem, final.predictor
-    empty = final.known(Hypothesis()) or final.fit(Hypothesis(), [empty.x], empty)
-    own = tuple(w for w in groups if w.run < len(problem.train))
-    held = tuple(w for w in groups if w.run >= len(problem.train))
-    training = Study(
-        problem, predictor, final.likelihood, tuple(candidates), own, first_states=first.states, swing=period
-    )
-    frozen = np.ones(len(predictor.nominal), dtype=bool)
-    states = {w: empty.states[w] for w in own}
-    nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)
-    return Outcome(
-        problem, predictor, final, training, nominal, empty, ordered[0], ordered, held, motion_hz, period
-    )  # fmt: skip
+    if final.known(Hypothesis()) is None:
+        final.fit(Hypothesis(), [empty.x], empty)
+    return final, ordered
+
+
+PROMISED = 3  # effects named that were to be fitted next
+
+
+def _left_by_the_search(study: Study) -> tuple[str, str]:
+    """What a search that was left in the middle has not tried, and what that may change."""
+    best = min(study.fits.values(), key=study.criterion)
+    members = len(best.hypothesis.members)
+    tests = (t for t in study.tests.get(best.hypothesis.identity, {}).values() if t is not None)
+    following = [
+        t.candidate.key
+        for t in sorted(tests, key=lambda t: -t.gain)
+        if t.gain > study.price(t.candidate, members) and best.hypothesis.with_(t.candidate).identity not in study.fits
+    ][:PROMISED]
+    what = f"sets of effects beyond the {len(study.fits)} that were fitted, of {len(study.candidates)} effects at their sites"
+    if following:
+        what += f"; next would have come {', '.join(following)}"
+    return what, "another set of effects may explain the recordings better, or as well"
 
 
 def _begun_with(
@@ -250,7 +314,10 @@ def _led_in(
     """The nominal model fitted on short windows, by way of shorter ones where its vibrations could slip by a cycle."""
     near: Fit | None = None
     x = np.zeros(len(predictor.nominal))
-    for cuts in [*stages(problem, windows), tuple(windows)]:
+    ways = [*stages(problem, windows), tuple(windows)]
+    for k, cuts in enumerate(ways):
+        if near is not None and predictor.deadline.over and k < len(ways) - 1:
+            continue
         study = Study(problem, predictor, likelihood, (), cuts, swing=period)
         near = study.fit(Hypothesis(), [x], None if near is None else _restated(near, cuts, Hypothesis()))
         x = near.x

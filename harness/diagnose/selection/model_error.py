@@ -84,11 +84,13 @@ def under_model_error(
     effort: Effort,
     progress: Callable[[str], None],
     structure: Structure = lambda study, fitted: 0.0,
+    reached: list[Study] | None = None,
 ) -> tuple[Study, list[Fit]] | None:
     """The study with the force that is left out in its likelihood, and its sets, best first; None where there is no such force.
 
     Where the search under such a force finds sets that leave nothing but noise, theirs is a study without. period: of the slowest
     swing [s]. structure: a force of no shape has to be likelier than one error of a shape that is known.
+    reached: told of every study that is begun.
     """
     if study.only_noise(ordered[0]) and not any(colour.coloured > 0.0 for colour in study.likelihood.colours):
         return None
@@ -110,6 +112,8 @@ def under_model_error(
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
         if not turn:
             empty = wider.fit(Hypothesis(), [study.empty().x], study.empty())
+            if reached is not None:
+                reached.append(wider)
             fits = polish(wider, grow(wider, [empty, *fits], effort, progress), effort, progress)
         found = least(wider, ways, sorted(fits, key=wider.criterion), progress)
         ranked = [found.fitted, *(f for f in fits if f is not found.fitted)]
