@@ -115,14 +115,14 @@ def _side_by_side(
     """last: head of a column that stands beneath each row."""
     label = "" if last in ("", "note") else f"{last}: "
     table = _grid(heads, widths)
-    table.add_row(*(Text(head.head, style="bold") for head in heads))
+    table.add_row(*_parted([Text(head.head, style="bold") for head in heads]))
     for row in body:
         if isinstance(row, Heading):
             _print(console, table)
             console.print(Text(row.text, style=row.style))
             table = _grid(heads, widths)
         else:
-            table.add_row(*row[: len(heads)])
+            table.add_row(*_parted(row[: len(heads)]))
             beneath = row[len(heads) :]
             if beneath and beneath[0].plain.strip():
                 _print(console, table)
@@ -133,10 +133,18 @@ def _side_by_side(
 
 
 def _grid(heads: Sequence[Column], widths: Sequence[int]) -> Table:
-    table = Table.grid(padding=(0, GAP, 0, 0), pad_edge=False)
-    for head, width in zip(heads, widths, strict=True):
+    # A column of its own parts two others: what padding does to the last one differs between versions of rich.
+    table = Table.grid(padding=0)
+    for k, (head, width) in enumerate(zip(heads, widths, strict=True)):
+        if k:
+            table.add_column(width=GAP)
         table.add_column(justify="right" if head.figures else "left", width=width, overflow="fold")
     return table
+
+
+def _parted(cells: Sequence[Text]) -> list[Text]:
+    """The cells with an empty one between any two."""
+    return [cell for k, one in enumerate(cells) for cell in ([Text(), one] if k else [one])]
 
 
 def _stacked(console: Console, heads: Sequence[Column], body: Sequence[Sequence[Text] | Heading]) -> None:
@@ -145,12 +153,13 @@ def _stacked(console: Console, heads: Sequence[Column], body: Sequence[Sequence[
         if isinstance(row, Heading):
             console.print(Text(row.text, style=row.style))
             continue
-        table = Table.grid(padding=(0, GAP, 0, 0), pad_edge=False)
+        table = Table.grid(padding=0)
         table.add_column(width=label, no_wrap=True)
+        table.add_column(width=GAP)
         table.add_column(width=max(console.width - label - GAP, 1), overflow="fold")
         for head, cell in zip(heads, row, strict=True):
             if cell.plain.strip():
-                table.add_row(Text(head.head, style="bold"), cell)
+                table.add_row(Text(head.head, style="bold"), "", cell)
         _print(console, table)
         console.print()
 
