@@ -170,7 +170,7 @@ def from_dict(document: object, source: str | Path | None = None) -> Results:
     schema = document.get("schema") if isinstance(document, dict) else None
     if not isinstance(document, dict) or schema != SCHEMA:
         raise InputError(
-            f"schema is {str(schema)[:80]!r}, not {SCHEMA!r}", source=source, mend="give the output of denoc validate"
+            f"schema is {repr(schema)[:80]}, not {SCHEMA!r}", source=source, mend="give the output of denoc validate"
         )
     found = shaped(document, _Document, source=source, mend=_MEND)
     for row in found.rows:

@@ -27,7 +27,8 @@ def test_every_number_is_found_and_by_how_much(group):
     found = explain(BUILD, CHAIN, wrong, *states(3))
     assert group in [one.group for one in found]
     (right,) = [one for one in found if one.group == group]
-    if group.member != "axis":  # of which only what is across it counts
+    # Of an axis only what is across it counts, and of what hangs on the first joint only what is across that one's axis.
+    if group.member != "axis" and (group.member, group.name) != ("xyz", "joint2"):
         assert right.off == pytest.approx(by, rel=1e-4)
     assert right.place == {group.owner: group.name, "value": group.member}
 

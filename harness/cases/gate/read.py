@@ -47,7 +47,7 @@ def read_accepted(path: str | Path) -> Accepted:
     )
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
         found = document.get("schema") if isinstance(document, dict) else None
-        raise InputError(f"schema is {str(found)[:80]!r}, not {SCHEMA!r}", source=path, mend="name an accepted.json")
+        raise InputError(f"schema is {repr(found)[:80]}, not {SCHEMA!r}", source=path, mend="name an accepted.json")
     held = shaped(document, _Document, source=path, mend=_RESTORE)
     if not held.rows:
         raise InputError("holds no figures", source=path, mend=_RESTORE)
