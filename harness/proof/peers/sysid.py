@@ -252,7 +252,7 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
     parts = []
     for r, run in enumerate(runs):
         time = run.time - run.time[0]
-        grid = np.asarray(step * np.arange(int(np.ceil(time[-1] / step - 1e-9)) + 2), dtype=np.float64)
+        grid: Array = np.arange(int(np.ceil(time[-1] / step - 1e-9)) + 2, dtype=np.float64) * step
         control = np.zeros((len(grid), n)) if run.efforts is None else _controls(grid, time, run.efforts, held)
         first = run.first_state()
         state = sysid.create_initial_state(model, first[:n], first[n:])
