@@ -21,6 +21,9 @@ Run = Callable[[Array, Array, Array, Array, Array | None], tuple[Array, Array, A
 
 # Samples a stretch, at most; and into how many parts the time between two samples may be cut.
 _STRETCH, _FINEST = 4096, 4096
+# How far beyond the middle a joint has to be for its other stop, and how far it may go between two instants, as a share of half its
+# range: both together are less than one, so that no stop is met unseen.
+_BEYOND = 0.25
 # Laws of a joint that know where it is: moving its zero would move them.
 _PLACED = ("cubic_stiffness", "cogging_torque", "end_stop", "backlash", "stop_inertia")
 # A stretch begins anew from position and velocity; these laws remember more.
@@ -94,14 +97,14 @@ def run_between(
         position, velocity, acceleration = run(sides, q, qd, fine, forces)
         if not np.all(np.isfinite(position)):
             raise EngineError("denoc: the motion is not finite any more")
-        # A joint that has crossed the middle has its other end to meet; up to there the stretch holds.
-        crossed = ((sides * (position[:, places] - middle)) < -1e-12).any(axis=1)
+        # A joint well beyond the middle has its other end to meet; up to there the stretch holds.
+        crossed = ((sides * (position[:, places] - middle)) < -_BEYOND * half).any(axis=1)
         end = int(np.argmax(crossed)) if crossed.any() else len(fine) - 1
         steps = np.abs(np.diff(position[: end + 1][:, places], axis=0))
-        if np.any(steps > 0.25 * half) and parts < _FINEST:
+        if np.any(steps > _BEYOND * half) and parts < _FINEST:
             parts *= 4
             continue
-        if np.any(steps > half):
+        if np.any(steps > (1.0 - _BEYOND) * half):
             raise EngineError("denoc: a joint crosses half its range between two instants: start more gently")
         whole = -(-end // parts) if end else 0  # the sample at or after the crossing
         reach = min(whole * parts, len(fine) - 1)
