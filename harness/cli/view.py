@@ -53,9 +53,10 @@ def view(
     mechanism = load(system, physical=False)
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)
+    told: tuple[str, ...] = ()
     if recording is None:
         time, motions = simulated(mechanism, sample_times(duration or 10.0, 200.0), start, speed, engine)
-        title, told = mechanism.name, ()
+        title = mechanism.name
     else:
         from harness.recording import read_recording
 
