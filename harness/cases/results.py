@@ -78,14 +78,15 @@ class Results:
 
         return text(self)
 
-    def __repr__(self) -> str:
-        from harness.cases.table import counts
+    def _counts(self) -> str:
+        return ", ".join(f"{self.count(v)} {v}" for v in ("pass", "fail", "skipped"))
 
-        return f"<Results: {counts(self)}>"
+    def __repr__(self) -> str:
+        return f"<Results: {self._counts()}>"
 
     def _repr_html_(self) -> str:
         """Every case on a line, worst comparison first, for notebooks."""
-        from harness.cases.table import counts, number
+        from harness.cases.table import number
 
         worst: dict[str, Row] = {}
         for row in self.rows:
@@ -104,7 +105,7 @@ class Results:
             for case, row in worst.items()
         ]
         heads = ("case", "worst in", "engines", "difference", "allowed", "unit", "verdict")
-        return html_table(heads, lines, title=counts(self))
+        return html_table(heads, lines, title=self._counts())
 
 
 def _share(row: Row) -> float:

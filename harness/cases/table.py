@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from harness.cases.results import Results
-from harness.notebook import text_table
 
 
 def number(value: float | None) -> str:
@@ -16,7 +15,7 @@ def number(value: float | None) -> str:
 def text(results: Results) -> str:
     """Aligned columns: case, quantity, engines, difference, allowed, unit, verdict, note."""
     head = ("case", "quantity", "engines", "difference", "allowed", "unit", "verdict", "note")
-    lines = [
+    lines = [head] + [
         (
             row.case,
             row.quantity,
@@ -29,9 +28,7 @@ def text(results: Results) -> str:
         )
         for row in results.rows
     ]
-    return f"{text_table(head, lines)}\n\n{counts(results)}"
-
-
-def counts(results: Results) -> str:
-    """How many passed, failed and were skipped."""
-    return ", ".join(f"{results.count(v)} {v}" for v in ("pass", "fail", "skipped"))
+    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
+    body = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines]
+    counts = ", ".join(f"{results.count(v)} {v}" for v in ("pass", "fail", "skipped"))
+    return "\n".join([body[0], "-" * min(len(max(body, key=len)), 160), *body[1:], "", counts])
