@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console
+from harness.cli.options import console, write_json
 
 
 @click.command()
@@ -20,6 +20,12 @@ from harness.cli.options import console
 @click.option("--duration", type=float, metavar="S", help="How much is shown [s]; default: the recording, or 10.")
 @click.option("--engine", default="denoc", show_default=True, help="Which engine simulates (denoc doctor lists them).")
 @click.option("--out", metavar="FILE", help="Write a page (.html) that opens anywhere, and open no window.")
+@click.option(
+    "--json",
+    "json_file",
+    metavar="FILE",
+    help="Write the motions for programs to FILE, and open no window; '-' is standard output.",
+)
 def view(
     system: str,
     recording: str | None,
@@ -29,6 +35,7 @@ def view(
     duration: float | None,
     engine: str,
     out: str | None,
+    json_file: str | None,
 ) -> int:
     """Show SYSTEM in motion in MuJoCo's viewer, or as a page: simulated, and beside a RECORDING if one is given.
 
@@ -46,6 +53,7 @@ def view(
     from harness.report.animation.page import animation_html
     from harness.report.animation.scene import scene
     from harness.report.files import write_whole
+    from harness.report.json_text import json_text
     from harness.system import load
 
     if out is not None and Path(out).suffix.lower() not in (".html", ".htm"):
@@ -63,9 +71,23 @@ def view(
         read = read_recording(recording, mapping=mapping, system=mechanism)
         time, motions, told = beside(mechanism, read, start, speed, duration, engine)
         title = f"{mechanism.name}: {read.name}"
-    screen = console()
+    screen = console(json_file)
     for line in told:
         screen.print(line, markup=False)
+    if json_file is not None:
+        document = {
+            "schema": "denoc.view/1",
+            "system": mechanism.name,
+            "time": time.tolist(),
+            "motions": [
+                {"label": m.label, "positions": {joint: values.tolist() for joint, values in m.positions.items()}}
+                for m in motions
+            ],
+            "notes": list(told),
+        }
+        write_json(json_text(document), json_file)
+    if out is None and json_file is not None:
+        return 0
     if out is None:
         from harness.report.animation.viewer import view as play
 

@@ -101,7 +101,14 @@ def test_the_schema_refuses_what_is_not_a_diagnosis(wrong):
 
 
 @pytest.mark.parametrize(
-    "arguments", [("simulate", PENDULUM, "--duration", "0.1"), ("audit", STRIP), ("doctor",)], ids=lambda a: a[0]
+    "arguments",
+    [
+        ("simulate", PENDULUM, "--duration", "0.1"),
+        ("view", PENDULUM, "--duration", "0.1"),
+        ("audit", STRIP),
+        ("doctor",),
+    ],
+    ids=lambda a: a[0],
 )
 def test_what_verbs_write(arguments, tmp_path, capfd):
     out = tmp_path / "answer.json"
