@@ -46,4 +46,6 @@ def test_a_zero_that_all_recordings_share_is_an_offset(count: int) -> None:
     assert found.verdict == "explained"
     (finding,) = found.findings
     assert finding["effect"] in ("sensor_offset", "base_tilt")
-    assert "sensor_zero" not in finding["indistinguishable_from"]
+    told = {name.split("@")[0] for name in finding["indistinguishable_from"]}
+    # One number more in two recordings is odds of a hundred, of which a rival is still told; two more in three are not.
+    assert count == 2 or "sensor_zero" not in told
