@@ -72,7 +72,7 @@ def test_what_acts_beside_it_is_found_and_nothing_else(found: Diagnosis) -> None
     low, high = told[0]["parameters"]["coefficient"]["ci95"]
     assert low <= VISCOUS <= high
     assert high - low < 0.3 * VISCOUS
-    assert [row["without"] for row in told[0]["repeatability"]] == ["run0", "run1", "run2", "run3"]
+    assert [row["recording"] for row in told[0]["repeatability"]] == ["run0", "run1", "run2", "run3"]
     assert found.explained_share is not None and found.explained_share > 0.8
 
 

@@ -66,7 +66,7 @@ def repeatability(outcome: Outcome, how: Repeated | None, key: str) -> list[dict
             for j, p in enumerate(member.effect.parameters)
             if np.isfinite(std[places][j])
         }
-        rows.append({"without": str(name), "parameters": parameters})
+        rows.append({"recording": str(name), "left_out": True, "parameters": parameters})
     return rows
 
 

@@ -53,16 +53,26 @@ class Repeatability:
 
     def content(self, document: Document) -> Mapping[str, Any] | None:
         pictures = []
+        every = [each for finding in one_by_one(document["findings"]) for each in _listed(finding.get("repeatability"))]
+        how = (
+            "with one recording left out"
+            if any(each.get("left_out") for each in every)
+            else "from each recording alone"
+        )
         for finding in one_by_one(document["findings"]):
             for name, rows in by_parameter(finding.get("repeatability")).items():
                 told = (finding["parameters"].get(name) or {}).get("unit", "1")
                 where = f"{finding['effect'].replace('_', ' ')} at {finding['site']}"
-                caption = f"{where}: {name.replace('_', ' ')} from each recording alone, 95 %"
+                caption = f"{where}: {name.replace('_', ' ')} {how}, 95 %"
                 overall = finding["parameters"].get(name)
                 svg = repeated(rows, overall, name.replace("_", " "), unit(told), f"repeat-{where}-{name}")
                 pictures.append((caption, Markup(svg)))
-        words = "Estimate and interval from each recording alone; shaded, what all of them give together."
+        words = f"Estimate and interval {how}; shaded, what all of them give together."
         return {"words": words, "pictures": pictures} if pictures else None
+
+
+def _listed(repeatability: Any) -> list[Mapping[str, Any]]:
+    return [] if isinstance(repeatability, Mapping) else list(repeatability or ())
 
 
 def by_parameter(repeatability: Any) -> dict[str, list[Mapping[str, Any]]]:
@@ -77,7 +87,9 @@ def by_parameter(repeatability: Any) -> dict[str, list[Mapping[str, Any]]]:
         told = each.get("parameters") or {each.get("parameter", ""): each}
         for name, one in told.items():
             if name and one.get("value") is not None:
-                rows.setdefault(name, []).append({"recording": each["recording"], **one})
+                rows.setdefault(name, []).append(
+                    {"recording": ("without " if each.get("left_out") else "") + each["recording"], **one}
+                )
     return rows
 
 
