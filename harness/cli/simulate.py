@@ -109,12 +109,12 @@ def simulate(
         mechanism, time, start, speed, engine=engine, tau=tau, hold=hold, step=step, command=command, limits=limits
     )
     driving = () if drive is None else tuple(f"{effort}: {note.words()}" for note in drive.notes)
-    notes = (*mechanism.notes, *driving, _where(keyframe, start, speed), *run.notes)
-    say_notes(notes)
+    begins = _where(keyframe, start, speed)
+    notes = (*mechanism.notes, *driving, begins, *run.notes)
     screen = console(json_file)
     shapes = told_shapes(mechanism) if engine == NATIVE else ()
     if out is not None or plot is not None:
-        for line in shapes:
+        for line in (begins, *shapes):
             screen.print(line, markup=False)
     if out is not None:
         target = Path(out) / "run.csv" if Path(out).is_dir() else Path(out)
@@ -139,6 +139,8 @@ def simulate(
             "notes": list(notes),
         }
         write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
+    # Once the run is written: what refuses it is one line by itself.
+    say_notes([note for note in notes if note != begins])
     if out is None and plot is None and json_file is None:
         sys.stdout.write(csv_text(run.columns))
     elif run.energy is not None:

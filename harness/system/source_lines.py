@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -52,12 +53,18 @@ def _in_xml(root: Any, name: str, value: str) -> int | None:
     # A joint of URDF that carries the name of a link is asked for by what it states.
     for owner in owners:
         for word in _WRITTEN.get(value.split(".")[0], ()):
-            for element in owner.iter():
-                # What a nested body states is its own.
-                inside = element is owner or element.tag not in ("body", "joint")
-                if inside and (element.tag == word or element.get(word) is not None):
+            for element in _own(owner):
+                if element.tag == word or element.get(word) is not None:
                     return int(element.sourceline)
     return int(owners[0].sourceline)
+
+
+def _own(owner: Any) -> Iterator[Any]:
+    """An element and what is in it; what a nested body or joint states is its own."""
+    yield owner
+    for child in owner:
+        if child.tag not in ("body", "joint"):
+            yield from _own(child)
 
 
 def _in_toml(text: str, name: str, value: str) -> int | None:

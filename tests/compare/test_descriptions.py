@@ -117,7 +117,7 @@ def test_the_field_that_was_changed_is_the_one_that_is_told(field, k):
 
 def test_a_joint_that_was_moved_does_not_blame_what_hangs_on_it():
     elbow = ARM.joint("elbow")
-    other = ARM.replace_joint(replace(elbow, xyz=constant([*np.asarray(elbow.xyz), 0.0, 0.0, 0.006])))
+    other = ARM.replace_joint(replace(elbow, xyz=constant(np.asarray(elbow.xyz) + np.array([0.0, 0.0, 0.006]))))
     # 6 mm of the longest link, which is 0.30 m.
     assert differing(ARM, other) == {("frame", "elbow"): pytest.approx(0.02)}
 
