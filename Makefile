@@ -4,10 +4,10 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 JOBS   ?= 2
 
-.PHONY: help validate test check gate bench prove docs format clean
+.PHONY: help validate test test-all check gate bench prove docs format clean
 
 help:            ## this list
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
 $(VENV)/.run: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -22,7 +22,10 @@ validate: $(VENV)/.run   ## the main job: the built-in suite over all engines, r
 	$(BIN)/denoc validate --out results
 
 # One thread of linear algebra for each of the jobs: several of them with several threads each wait for one another.
-test: $(VENV)/.dev check ## formatter, linter, types, direction of dependency, then the tests
+test: $(VENV)/.dev check ## formatter, linter, types, direction of dependency, then the tests that are not slow
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m "not slow"
+
+test-all: $(VENV)/.dev check ## the same with every test, slow ones too
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 
 check: $(VENV)/.dev      ## formatter, linter, types, direction of dependency

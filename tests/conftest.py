@@ -1,0 +1,32 @@
+"""Which tests are slow: whole diagnoses with the whole catalogue, and what is marked so where it stands.
+
+``make test`` leaves them out, ``make test-all`` runs every one.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+# Of the folders whose tests diagnose recordings, the files that do so in seconds.
+QUICK = {
+    "diagnose": (
+        "test_absence", "test_beside_a_remainder", "test_coarse_effort", "test_conventions", "test_crosstalk",
+        "test_curved_valley", "test_diagnose_noise_colour", "test_discrepancy", "test_dispersion",
+        "test_effect_without_parameters", "test_end_of_link", "test_free_motion", "test_held_start",
+        "test_noise_free_recording", "test_provenance", "test_replay", "test_resolved_numbers", "test_search_ends",
+        "test_separation", "test_sharp_sensitivities", "test_thinned_recordings", "test_trials", "test_unequal_windows",
+        "test_unnamed_force", "test_weak_contact", "test_zero_of_every_recording",
+    ),
+    "proof": ("test_score", "test_truth", "test_same_recordings", "test_practitioner"),
+}  # fmt: skip
+HERE = Path(__file__).parent
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as slow what is not quick in the folders above."""
+    for item in items:
+        place = item.path.relative_to(HERE) if item.path.is_relative_to(HERE) else None
+        if place is not None and place.parts[0] in QUICK and place.stem not in QUICK[place.parts[0]]:
+            item.add_marker(pytest.mark.slow)
