@@ -38,7 +38,8 @@ class Reading(Protocol):
     names: the movable joints it read.
     """
 
-    names: tuple[str, ...]
+    @property
+    def names(self) -> tuple[str, ...]: ...
 
     def mass_matrix(self, q: Array) -> Array: ...
 
