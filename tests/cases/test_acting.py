@@ -135,8 +135,8 @@ def test_limits_of_several_joints(tmp_path: Path) -> None:
         run_once(system, TIME, {}, {}, engine=name, command={}, limits=True, step=2e-5 if name == "mujoco" else None)
         for name in ("denoc", "mujoco")
     ]
-    for joint in system.joint_names:
-        course = [run.columns[f"{joint}.position"] for run in runs]
+    for name in system.joint_names:
+        course = [run.columns[f"{name}.position"] for run in runs]
         assert np.abs(course[0] - course[1]).max() < 2e-3
         assert course[0].max() < 0.7
         assert course[0].min() > -0.6

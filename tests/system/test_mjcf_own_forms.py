@@ -104,7 +104,7 @@ def test_keyframes_are_kept_by_name(tmp_path: Path) -> None:
     rest = """<actuator><position name="a" joint="h" kp="1"/></actuator>
     <keyframe><key name="up" qpos="1.5" qvel="0.2" ctrl="0.7"/><key qpos="0.1"/></keyframe>"""
     system, _ = load(tmp_path, rest=rest)
-    up, second, rest = system.keyframes
-    assert (rest.name, rest.position) == ("qpos0", {"h": 0.0})
+    up, second, initial = system.keyframes
+    assert (initial.name, initial.position) == ("qpos0", {"h": 0.0})
     assert (up.name, up.position, up.velocity, up.command) == ("up", {"h": 1.5}, {"h": 0.2}, {"a": 0.7})
     assert (second.name, second.position) == ("key2", {"h": 0.1})

@@ -49,12 +49,17 @@ def urdf_fields(path: Path, system: System, allow: Sequence[Path] = ()) -> Itera
 
 def _dissipation(system: System, joint: Joint) -> Iterator[Ignored]:
     unit = "N·s/m" if joint.prismatic else "N·m·s/rad"
-    for field, value, text in (
-        ("damping", joint.damping, f"{joint.damping:g} {unit}"),
-        ("friction", joint.friction, f"{joint.friction:g} {joint.force_unit.replace('*', '·')}"),
+    for field, value, text, bare in (
+        ("damping", joint.damping, f"{joint.damping:g} {unit}", replace(joint, damping=0.0)),
+        (
+            "friction",
+            joint.friction,
+            f"{joint.friction:g} {joint.force_unit.replace('*', '·')}",
+            replace(joint, friction=0.0),
+        ),
     ):
         if value:
-            without = system.replace_joint(replace(joint, **{field: 0.0}))
+            without = system.replace_joint(bare)
             yield Ignored(
                 f"dynamics {field}", joint.name, text, readers(ACTS, KEPT, ACTS), *cost_natively(without, system), _WITH
             )
