@@ -140,7 +140,7 @@ def simulate(
         }
         write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
     # Once the run is written: what refuses it is one line by itself.
-    say_notes([note for note in notes if note != begins])
+    say_notes([note for note in notes if keyframe or note != begins])
     if out is None and plot is None and json_file is None:
         sys.stdout.write(csv_text(run.columns))
     elif run.energy is not None:

@@ -105,7 +105,9 @@ def _kinds(model: Any, system: System) -> Iterator[Kind]:
         value = f"up to {largest(model.jnt_stiffnesspoly[:, 1]):g}"
         yield Kind("stiffness, x³", value, _column("jnt_stiffnesspoly", 1), cubic)
     if np.any(model.jnt_limited) and constrained and not disabled(model, "LIMIT"):
-        yield Kind("joint limits", f"of {int(np.sum(model.jnt_limited))} joint(s)", flag("LIMIT"), KEPT, KEPT)
+        yield Kind(
+            "joint limits", f"of {int(np.sum(model.jnt_limited))} joint(s)", flag("LIMIT"), "in single runs alone", KEPT
+        )
     if np.any(model.body_gravcomp) and not disabled(model, "GRAVITY"):
         acts = "acts, as scaled gravity" if uniform_compensation(model) else IGNORED
         yield Kind("gravcomp", f"up to {largest(model.body_gravcomp):g}", _without_compensation, acts)
