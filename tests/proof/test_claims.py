@@ -11,13 +11,48 @@ from harness.cli.main import main
 from harness.errors import InputError
 from harness.proof.claims import as_found, read_claims, score_claims, tally
 from harness.proof.export import export
-from harness.proof.run import conceal_all, score_of_claims
+from harness.proof.run import score_of_claims
+from harness.proof.seal import digest
+
+MODEL = """name = "rig"
+[[joint]]
+name = "pivot"
+type = "continuous"
+parent = "base"
+child = "rod"
+axis = [0, 1, 0]
+[[link]]
+name = "rod"
+mass = 0.5
+com = [0, 0, -0.2]
+inertia = [0.004, 0.004, 0.004]
+"""
 
 
 @pytest.fixture(scope="module")
 def proof(tmp_path_factory) -> Path:
+    """The folder of a proof of two cases, sealed as ``conceal`` seals them; what is in the recordings is no matter here."""
     out = tmp_path_factory.mktemp("kept") / "proof"
-    conceal_all(out, seed=20260, counts={"single": 1, "clean": 1}, workers=1)
+    friction = {"effect": "coulomb_friction", "site": "pivot", "parameters": {"torque": 0.00812}}
+    digests = {}
+    for name, planted in (("single-0", [friction]), ("clean-0", [])):
+        folder = out / "cases" / name
+        folder.mkdir(parents=True)
+        (folder / "model.toml").write_text(MODEL)
+        for run in (1, 2):
+            time = np.arange(0.0, 6.0, 0.01)
+            angle = 0.4 / run * np.exp(-0.02 * time) * np.cos(6.4 * time)
+            lines = [f"{t:.9g},{q:.9g}" for t, q in zip(time, angle, strict=True)]
+            (folder / f"run{run}.csv").write_text("\n".join(["time,pivot.position", *lines]) + "\n")
+        answer = {
+            "salt": f"salt of {name}", "kind": name.partition("-")[0], "planted": planted, "visibility": [50.0] * len(planted),
+            "noise_std": 1e-3,
+        }  # fmt: skip
+        (out / "sealed").mkdir(exist_ok=True)
+        (out / "sealed" / f"{name}.json").write_text(json.dumps(answer))
+        digests[name] = digest(json.dumps(answer))
+    (out / "digests.json").write_text(json.dumps(digests))
+    (out / "plan.json").write_text(json.dumps({"seed": 20260, "counts": {"single": 1, "clean": 1}, "short": True}))
     return out
 
 
