@@ -288,7 +288,7 @@ def test_ctrl_c_ends_with_one_line_and_writes_nothing(tmp_path):
         # A shell that started these tests in the background has had SIGINT ignored, and children inherit that.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as process:
-        time.sleep(5.0)
+        time.sleep(10.0)
         os.killpg(process.pid, signal.SIGINT)
         _, err = process.communicate(timeout=60)
     assert process.returncode == 130
