@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm, t
 
-from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.least_squares import Fit, inverse
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,8 @@ def dispersion(fitted: Fit, nominal: int, clusters: Sequence[Hashable]) -> Dispe
         information[cluster] += a.T @ a
         slopes[cluster] += a.T @ b
     prior = np.diag((free < nominal).astype(np.float64))
-    whole = _inverse(sum(information.values()) + prior)
+    every = sum(information.values()) + prior
+    whole = inverse(every)
     sigma = np.sqrt(np.diag(whole))
     pull = prior @ fitted.x[free]
     # What the prior pulls is shared out, so that the clusters' slopes add up to nothing at the fit.
@@ -71,15 +72,9 @@ def dispersion(fitted: Fit, nominal: int, clusters: Sequence[Hashable]) -> Dispe
     factors[free] = np.sqrt(moderated) * student
     without = {}
     for name in names:
-        rest = _inverse(sum(information.values()) - information[name] + prior)
+        rest = inverse(every - information[name])
         x, std = fitted.x.copy(), np.full(len(fitted.x), np.nan)
         x[free] += rest @ slopes[name]
         std[free] = np.sqrt(np.diag(rest) * moderated)
         without[name] = x, std
     return Dispersion(factors, without)
-
-
-def _inverse(matrix: Array) -> Array:
-    values, vectors = np.linalg.eigh(matrix)
-    values = np.maximum(values, 1e-14 * max(float(values.max(initial=0.0)), 1e-300))
-    return np.asarray((vectors / values) @ vectors.T)

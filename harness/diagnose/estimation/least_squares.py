@@ -291,7 +291,12 @@ def covariance(fitted: Fit, nominal: int, inflation: float = 1.0) -> Array:
     information = fitted.linear.matrix[:, index].T @ fitted.linear.matrix[:, index] / inflation
     information += np.diag((index < nominal).astype(np.float64))
     out = np.full((size, size), np.nan)
+    out[np.ix_(index, index)] = inverse(information)
+    return out
+
+
+def inverse(information: Array) -> Array:
+    """Covariance of an information matrix (P, P); directions that are not seen are as wide as rounding lets them be."""
     values, vectors = np.linalg.eigh(information)
     values = np.maximum(values, 1e-14 * max(float(values.max(initial=0.0)), 1e-300))
-    out[np.ix_(index, index)] = (vectors / values) @ vectors.T
-    return out
+    return np.asarray((vectors / values) @ vectors.T)
