@@ -317,9 +317,6 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if doubtful(outcome, best, k, remains)]
     together = imitated_together(outcome, best, remains)
-    if outcome.force is not None:
-        # A force of no shape stood beside every set and did not do as well; what predictions need amply is no stand-in for another.
-        together = [key for key in together if not firm(outcome, best, best.hypothesis.keys.index(key))]
     while True:
         if shaky or together:
             best, fresh = _without_doubtful(outcome, best, shaky, together)
