@@ -28,7 +28,7 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere
 from harness.diagnose.selection.study import HOPELESS, Study
-from harness.effects.scale import references
+from harness.effects.scale import pull
 
 COMPARED = 12  # sets whose own force is estimated, to choose the one that the first likelihood is made from
 SETTLED = 0.2  # relative change of a force's size that changes no weighing
@@ -81,7 +81,7 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     None where they do not answer linearly.
     """
     system = study.problem.system
-    torque = max(references(system, joint).torque for joint in system.joint_names)
+    torque = pull(system)
     takes = [study.likelihood.of_sensors]
     if any(colour.coloured > 0.0 for colour in study.likelihood.colours):
         rough = replace(takes[0], colours=crude_colours(study.problem))
