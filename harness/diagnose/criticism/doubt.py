@@ -100,13 +100,8 @@ def imitated_together(outcome: Outcome, best: Fit, remains: Remains) -> list[str
     force that nobody has named explains something; only what brings what it promises is then asked for, of single members too.
     """
     found: list[str] = []
-    members = list(range(len(best.hypothesis.members)))
-    largest = len(members)
-    if outcome.force is not None:
-        # A force of no shape stood beside every set and did not do as well as what these are pieced together from, nor is a
-        # stand-in for another what predictions need amply. An error of a reading may still be one of the others.
-        members, largest = [k for k in members if not firm(outcome, best, k)], 1
-    for size in range(1 if remains.significant else 2, largest + 1):
+    members = range(len(best.hypothesis.members))
+    for size in range(1 if remains.significant else 2, len(members) + 1):
         for some in combinations(members, size):
             keys = [best.hypothesis.keys[k] for k in some]
             smaller = best

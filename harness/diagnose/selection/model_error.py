@@ -23,6 +23,7 @@ from harness.diagnose.estimation.discrepancy import (
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise
+from harness.diagnose.estimation.noise_colour import Colour
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -102,12 +103,13 @@ def begun_ordinary(
     progress: Callable[[str], None],
     structure: Structure,
     reached: list[Study],
+    noise: Callable[[Fit], tuple[Colour, ...]],
 ) -> tuple[Study, list[Fit]] | None:
     """The same at once where ordinary dissipation is most of the answer, and still leaves far more than noise; None elsewhere.
 
     The noise would there have a search among ever stranger sets, each of them far more than significant. As laws are found the
     force shrinks, and more of them show beside it (a graduated search; Blake and Zisserman, Visual Reconstruction (1987)).
-    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys.
+    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys. noise: of every channel, behind a fit.
     """
     empty, usual = study.empty(), everywhere(study, short)
     if usual is None:
@@ -118,7 +120,13 @@ def begun_ordinary(
     before, after = (_cost_under(rough, study, fitted) for fitted in (empty, usual))
     if after > MOSTLY**2 * before or after < LOUD**2 * rough.samples(study.windows):
         return None
-    return under_model_error(study, [usual, study.empty()], period, effort, progress, structure, reached, early=True)
+    behind = Study(
+        study.problem, study.predictor, replace(study.likelihood, colours=noise(usual)), study.candidates, study.windows,
+        first_states=study.first_states, swing=study.swing,
+    )  # fmt: skip
+    behind.fit(Hypothesis(), [empty.x], empty)
+    usual = behind.fit(usual.hypothesis, [usual.x], usual)
+    return under_model_error(behind, [usual, behind.empty()], period, effort, progress, structure, reached, early=True)
 
 
 def _cost_under(likelihood: Likelihood, study: Study, fitted: Fit) -> float:
@@ -179,9 +187,10 @@ def under_model_error(
     if not early:
         return wider, ranked
     # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone.
-    for fitted in ranked[: 2 * effort.beam]:
-        study.fit(fitted.hypothesis, [fitted.x], fitted)
-    if not _shapeless(study, taken.value, structure):
+    best = part = study.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
+    while part.hypothesis.members:
+        part = min((study.below(part, k) for k in range(len(part.hypothesis.members))), key=study.criterion)
+    if not _shapeless(study, taken.value, structure, best):
         return None
     wider = _with_force(study, taken)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
@@ -191,14 +200,21 @@ def under_model_error(
     return wider, polish(wider, sorted(fits, key=wider.criterion), effort, progress)
 
 
-def _shapeless(study: Study, value: float, structure: Structure) -> bool:
+def _shapeless(study: Study, value: float, structure: Structure, best: Fit | None = None) -> bool:
     """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
 
     A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
-    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape.
+    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves less
+    beside some laws of a set than all of them do: those then only stand in for it. best: such a set.
     """
     for fitted in _best_of_each_size(study):
         worth = structure(study, fitted)
+        if (
+            best is not None
+            and fitted.hypothesis.identity < best.hypothesis.identity
+            and fitted.score - worth < best.score
+        ):
+            return False
         explained = fitted.score - worth < HOPELESS * study.samples
         if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
             return False
