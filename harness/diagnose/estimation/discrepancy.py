@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 
 MOST_KNOTS = 180  # of a window's forces, all joints together: bounds the work
 FINEST = 16.0  # knots in the period of the slowest swing at most: what is faster is louder noise
-# Of a period, that a force keeps for at least: what a law gets wrong goes with the motion. A faster one stands for errors of readings
-# (rounding, stamps), and would be random at every knot, which makes joints drift off and leaves nothing for laws to explain.
+# Of a period, that a force keeps for at least: what a law gets wrong goes with the motion. A faster one stands for errors of
+# readings (rounding, stamps), and would be random at every knot, which makes joints drift off and leaves nothing for laws.
 SHORTEST = 0.125
 LONGEST = 8.0  # periods of the slowest swing: a force that lasts longer is a constant one
 IMMATERIAL = 1e-4  # variance in units of the sensor's, below which a direction is left as it is

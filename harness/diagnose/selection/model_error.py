@@ -39,6 +39,7 @@ SHRUNK = 0.6  # of a force's size that is left, below which further laws may sho
 MOSTLY = (
     0.2  # of what the nominal model leaves (RMS) that the ordinary dissipation leaves, where it is most of the answer
 )
+FAR_LESS = 10.0  # times less that one error of a known shape has to leave than a set of laws, to be what those only stand in for
 LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
 
@@ -204,8 +205,8 @@ def _shapeless(study: Study, value: float, structure: Structure, best: Fit | Non
     """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
 
     A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
-    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves less
-    beside some laws of a set than all of them do: those then only stand in for it. best: such a set.
+    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves far
+    less beside some laws of a set than all of them do: those then only stand in for it. best: such a set.
     """
     for fitted in _best_of_each_size(study):
         worth = structure(study, fitted)
