@@ -170,8 +170,11 @@ def command(rig: str) -> str:
     return f"denoc diagnose {files} --model {rig}/model.urdf" + (" --fit-effort" if split.fit_effort else "")
 
 
-def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], System]:
-    """The answer for programs and the augmented model, made anew unless the work folder has them."""
+def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], System, System | None]:
+    """The answer for programs, the model with what is claimed, and the best predicting one, if there is one.
+
+    Made anew unless the work folder has them.
+    """
     out = work / rig
     if not (out / "diagnosis.json").exists():
         split = SPLITS[rig]
@@ -179,9 +182,10 @@ def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], Syste
         paths = [path_of(name, rig, folder, work) for name in names]
         found = harness.diagnose(paths, folder / rig / "model.urdf", fit_effort=split.fit_effort)
         write_diagnosis(found, out)
-    return json.loads((out / "diagnosis.json").read_text(encoding="utf-8")), harness.load(
-        out / "augmented.toml", physical=False
-    )
+    answer = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
+    best = out / "predictive.toml"
+    claimed = harness.load(out / "augmented.toml", physical=False)
+    return answer, claimed, harness.load(best, physical=False) if best.exists() else None
 
 
 def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[str, Any]:
@@ -193,10 +197,13 @@ def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[st
     row: dict[str, Any] = {"rig": rig, "command": command(rig), "window_s": window}
     row["published"] = judge(native(system), system, train, heldout, window, left_out)
     began = time.perf_counter()
-    answer, augmented = diagnosis(rig, folder, work)
+    answer, augmented, predictive = diagnosis(rig, folder, work)
     row["diagnose_s"] = round(time.perf_counter() - began, 1)
     row["denoc"] = judge(native(augmented), augmented, train, heldout, window, left_out)
-    for key in ("verdict", "summary", "findings", "noise", "fit", "quality"):
+    if predictive is not None:
+        row["predictive"] = judge(native(predictive), predictive, train, heldout, window, left_out)
+        row["predictive"]["effects"] = answer["predictive"]["effects"]
+    for key in ("verdict", "summary", "findings", "noise", "fit", "quality", "explained_share", "discrepancy"):
         row[key] = answer.get(key)
     row["unexplained"] = answer.get("remainder", {})
     row["unexplained"].pop("map", None)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parents[1]
+AFTERNOON = HERE / "reference" / "afternoon.json"
 BEGIN, END = "<!-- table -->", "<!-- end of table -->"
 
 
@@ -20,53 +21,44 @@ def pair(row: dict[str, Any], who: str) -> str:
     return f"{held['first_sample']:.3g} / {held['state_fitted']:.3g}" if held else "–"
 
 
-def claims(row: dict[str, Any]) -> str:
-    """Verdict and findings with their intervals."""
+def numbers(finding: dict[str, Any]) -> str:
+    """A finding's parameters with their intervals."""
     parts = []
-    for finding in row["findings"]:
-        numbers = []
-        for name, p in finding["parameters"].items():
-            low, high = p["ci95"]
-            unit = "" if p["unit"] == "1" else f" {p['unit']}"
-            numbers.append(f"{name.replace('_', ' ')} {p['value']:.3g} [{low:.3g}, {high:.3g}]{unit}")
-        rivals = finding["indistinguishable_from"]
-        text = f"`{finding['effect']}@{finding['site']}`: {', '.join(numbers)}"
-        parts.append(text + (f" (or {', '.join(f'`{r}`' for r in rivals)})" if rivals else ""))
-    return "; ".join([row["verdict"].replace("_", " "), *parts])
+    for name, p in finding["parameters"].items():
+        unit = "" if p["unit"] == "1" else f" {p['unit'].replace('*', '·')}"
+        span = f" ({p['ci95'][0]:.3g} … {p['ci95'][1]:.3g})" if p["ci95"][0] is not None else ""
+        parts.append(f"{name.replace('_', ' ')} {p['value']:.3g}{span}{unit}")
+    return ", ".join(parts)
 
 
-def left(row: dict[str, Any]) -> str:
-    """What stays unexplained: the tests that count, and what is doubted."""
-    rest = row["unexplained"]
-    if not rest.get("significant"):
-        return "nothing"
-    words = [t["what"] for t in rest.get("tests", [])]
-    doubted = rest.get("doubted", [])
-    return ", ".join(dict.fromkeys(words)) + (f"; doubted: {', '.join(f'`{d}`' for d in doubted)}" if doubted else "")
-
-
-def table(rows: list[dict[str, Any]]) -> str:
-    """All rigs as Markdown."""
+def table(rows: list[dict[str, Any]], plain: dict[str, dict[str, Any]]) -> str:
+    """Errors on data held out, all rigs, as Markdown. plain: lines of ``afternoon.py`` by rig."""
     lines = [
-        "| rig | published | `mujoco.sysid` | denoc | noise | claimed | unexplained |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
+        "| rig | unit | published | a plain fit | what is claimed | what predicts best | share explained | seconds |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for row in rows:
-        noise = ", ".join(f"{n['std']:.2g} {n['unit'].replace('*', '·')}" for n in row["noise"])
         published = pair(row, "published")
         if "authors_fit" in row:
-            published += f", fitted by its authors {pair(row, 'authors_fit')}"
+            published += f" (fitted by its authors {pair(row, 'authors_fit')})"
+        share = f"{row['explained_share']:.0%}" if row.get("explained_share") is not None else "–"
+        afternoon = pair(plain.get(row["rig"], {}), row["rig"])
         lines.append(
-            f"| {row['rig']} | {published} | {pair(row, 'mujoco_sysid')} | {pair(row, 'denoc')} | {noise} "
-            f"| {claims(row)} | {left(row)} |"
+            f"| {row['rig']} | {'m' if row['rig'] == 'emps' else 'rad'} | {published} | {afternoon} "
+            f"| {pair(row, 'denoc')} | {pair(row, 'predictive')} | {share} | {row['diagnose_s']:.0f} |"
         )
-        for key, what in (
-            ("levels", "level of friction by recording"),
-            ("laws", "dry friction at both joints, zeros off"),
-        ):
-            if key in row:
-                best = row[key][-1] if isinstance(row[key], list) else row[key]
-                lines.append(f"| {row['rig']}, {what} | | | {pair({key: best}, key)} | | see below | |")
+    return "\n".join(lines)
+
+
+def section(row: dict[str, Any]) -> str:
+    """What is said of one rig."""
+    lines = [f"### {row['rig']}", "", f"`{row['command']}`", "", row["summary"], ""]
+    if row["findings"]:
+        lines += ["| grade | effect | numbers (95 %) | cannot be told from |", "| -- | -- | -- | -- |"]
+        for finding in row["findings"]:
+            rivals = ", ".join(f"`{r}`" for r in finding["indistinguishable_from"]) or "–"
+            what = f"`{finding['effect']}@{finding['site']}`"
+            lines.append(f"| {finding.get('grade', '–')} | {what} | {numbers(finding)} | {rivals} |")
     return "\n".join(lines)
 
 
@@ -76,13 +68,16 @@ def main() -> None:
     parser.add_argument("--page", default=str(HERE / "docs" / "real_recordings.md"))
     arguments = parser.parse_args()
     rows = json.loads(Path(arguments.json).read_text(encoding="utf-8"))["rows"]
+    afternoon = json.loads(AFTERNOON.read_text(encoding="utf-8"))["rows"]
+    plain = {row["rig"]: {row["rig"]: row.get("chosen_laws", row["every_law"])} for row in afternoon}
     page = Path(arguments.page)
     text = page.read_text(encoding="utf-8")
     if BEGIN not in text or END not in text:
         raise SystemExit(f"{page}: no {BEGIN} … {END} to write between")
     before, rest = text.split(BEGIN, 1)
     after = rest.split(END, 1)[1]
-    page.write_text(f"{before}{BEGIN}\n{table(rows)}\n{END}{after}", encoding="utf-8")
+    made = "\n\n".join([table(rows, plain), *map(section, rows)])
+    page.write_text(f"{before}{BEGIN}\n{made}\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ from harness.diagnose.selection.beam_search import Effort
 from harness.diagnose.selection.investigation import investigate
 from harness.effects.catalogue import register
 from harness.effects.effect import Effect
-from harness.effects.scale import references
+from harness.effects.scale import swings
 from harness.effects.user import load_user_effects
 from harness.errors import InputError
 from harness.parallel import one_blas_thread
@@ -94,7 +94,7 @@ def diagnose(
     problem = pose(system, read, heldout=held)
     every = [*read, *([held] if held is not None else [])]
     known = candidates(system, every, only=only, further=further)
-    frequency = references(system, system.joint_names[0], read[0]).frequency / (2.0 * np.pi)
+    frequency = swings(system, read[0])[0] / (2.0 * np.pi)
     try:
         outcome = investigate(
             problem, known, frequency, effort=effort, progress=tell, structure=worth_of_known_error, deadline=deadline

@@ -135,7 +135,7 @@ def _links(effect: Effect, system: System) -> tuple[str, ...]:
     moving = False
     carried: dict[str, bool] = {system.base: False}
     for joint, link in zip(system.joints, system.links, strict=True):
-        moving = joint.movable or carried[joint.parent]
+        moving = joint.movable or carried[joint.parent] or link.flexible
         carried[link.name] = moving
         if not moving or link.mass <= 0.0:
             continue

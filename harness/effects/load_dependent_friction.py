@@ -28,4 +28,6 @@ EFFECT = Effect(
     needs=("motion",),
     confusable_with=("coulomb_friction", "stribeck_friction", "quadratic_drag"),
     law=JointLaw(("mu_radius",)),
+    # Where the load does not change it is dry friction by another name, and the plain name is meant.
+    rarity=1.5,
 )

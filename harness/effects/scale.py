@@ -124,11 +124,37 @@ def _joint_of(system: System, name: str) -> str:
     return movable[0].name if movable else ""
 
 
+def swings(system: System, recording: Measured | None = None) -> tuple[float, ...]:
+    """Natural frequencies of the joints [rad/s]; of what bends where no joint moves."""
+    return tuple(references(system, name, recording).frequency for name in system.joint_names or ("",))
+
+
+def pull(system: System) -> float:
+    """The largest natural torque of any joint [N·m or N]; of the weight at the clamp where no joint moves."""
+    return max(references(system, name).torque for name in system.joint_names or ("",))
+
+
+def _held(system: System, gravity: float) -> tuple[float, float, float, float, float, float]:
+    """The same of a mechanism without joints: a cantilever about its clamp, in its first mode.
+
+    k = 3 EI / l³ with 33/140 of the beam at the tip (Blevins, Formulas for Natural Frequency and Mode Shape (1979)).
+    """
+    beams = [link.beam for link in system.links if link.beam is not None]
+    if not beams:
+        return 1.0, 1.0, 2.0 * np.pi, 1.0, 1.0, gravity
+    beam = beams[0]
+    tip = beam.payload + 33.0 / 140.0 * beam.mass
+    frequency = float(np.sqrt(3.0 * beam.bending_stiffness / beam.length**3 / tip))
+    inertia = (beam.payload + beam.mass / 3.0) * beam.length**2
+    torque = (beam.payload + 0.5 * beam.mass) * gravity * beam.length
+    return torque, inertia, frequency, beam.payload + beam.mass, beam.length, gravity
+
+
 def _mechanical(system: System, joint_name: str) -> tuple[float, float, float, float, float, float]:
     """Torque, inertia, frequency, mass, length, gravity about one joint with everything else at zero position."""
     gravity = float(np.linalg.norm(system.gravity))
     if not joint_name:
-        return 1.0, 1.0, 2.0 * np.pi, 1.0, 1.0, gravity or 9.81
+        return _held(system, gravity or 9.81)
     poses = zero_poses(system)
     joint = system.joint(joint_name)
     rotation, origin = poses[joint.child]

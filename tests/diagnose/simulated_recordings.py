@@ -93,9 +93,10 @@ def passed_slowly(signal: np.ndarray, step: float, cutoff: float) -> np.ndarray:
     return np.asarray(lfilter([1.0 - mean, mean - decay], [1.0, -decay], signal, zi=[mean * signal[0]])[0])
 
 
-def recording(name: str, time: np.ndarray, columns: dict[str, np.ndarray]) -> Recording:
-    """A recording from columns named ``site.quantity``."""
-    units = {"position": "rad", "velocity": "rad/s", "effort": "N*m"}
+def recording(name: str, time: np.ndarray, columns: dict[str, np.ndarray], *, linear: bool = False) -> Recording:
+    """A recording from columns named ``site.quantity``; linear: of joints that slide."""
+    turning = {"position": "rad", "velocity": "rad/s", "effort": "N*m"}
+    units = {"position": "m", "velocity": "m/s", "effort": "N"} if linear else turning
     channels = []
     for column, values in columns.items():
         site, quantity = column.rsplit(".", 1)

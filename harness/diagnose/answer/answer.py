@@ -138,7 +138,8 @@ def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
     ranked = outcome.study.ranked(outcome.empty)
     if ranked:
         return ranked[0].candidate.effect.side, ranked[0].candidate.site
-    return "dynamics", outcome.problem.system.joint_names[0]
+    system = outcome.problem.system
+    return "dynamics", (*system.joint_names, system.links[0].name)[0]
 
 
 def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:

@@ -15,7 +15,7 @@ from harness.diagnose.criticism.locate import raw_residuals
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.drive import Drive
 from harness.diagnose.selection.investigation import Outcome, judge
-from harness.effects.scale import references
+from harness.effects.scale import references, swings
 
 Array = NDArray[np.float64]
 
@@ -149,7 +149,7 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
     if problem.system.flexible or channels is None:
         return ()
     model = Denoc(problem.system)
-    slowest = min(references(problem.system, name).frequency for name in problem.system.joint_names)
+    slowest = min(swings(problem.system))
     rows: list[tuple[Array, Array, Array]] = []
     for run in problem.train:
         step = run.interval

@@ -19,16 +19,19 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
-from harness.diagnose.problem.windows import Window
+from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.score_tests import carry_state
 from harness.system import System
 
 ORDINARY = ("viscous_damping", "coulomb_friction", "quadratic_drag", "added_inertia", "sensor_offset")
 NEAREST = 3  # sets of the search beside the one claimed
 MOST_FOLDS = 3
 MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
+FEWEST_IN_PART = 25  # samples of a stretch that is left out
 STEPS = 15
 
 
@@ -66,8 +69,13 @@ def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
 
 
 def _folds(outcome: Outcome) -> list[tuple[Window, ...]]:
-    """Training windows in groups to be left out one after the other: by recording, or by stretch where there is only one."""
+    """Training windows in groups to be left out one after the other: by recording, or by stretch where there is only one.
+
+    A single stretch is cut, and each part predicted from where it begins.
+    """
     windows = outcome.training.windows
+    if len(windows) == 1 and windows[0].size >= MOST_FOLDS * FEWEST_IN_PART:
+        windows = tuple(equal_parts(windows[0], MOST_FOLDS))
     runs = list(dict.fromkeys(w.run for w in windows))
     groups = [[w for w in windows if w.run == run] for run in runs] if len(runs) > 1 else [[w] for w in windows]
     count = min(len(groups), MOST_FOLDS)
@@ -98,7 +106,12 @@ def _objective(outcome: Outcome, hypothesis: Hypothesis) -> Objective:
 
 def _states(outcome: Outcome, hypothesis: Hypothesis, windows: Sequence[Window]) -> dict[Window, NDArray[np.float64]]:
     every = outcome.study.states_for(hypothesis)
-    return {w: every[w] for w in windows}
+
+    def read(window: Window) -> NDArray[np.float64]:
+        there = measured_state(outcome.problem, outcome.predictor, window)
+        return carry_state(outcome.predictor, Hypothesis(), hypothesis, there)
+
+    return {w: every[w] if w in every else read(w) for w in windows}
 
 
 def _free_run(outcome: Outcome, own: Fit, windows: Sequence[Window]) -> Fit:
@@ -113,8 +126,8 @@ def _left(
 ) -> float:
     """What a set leaves of the training windows when each group is predicted from the others."""
     objective, total = _objective(outcome, hypothesis), 0.0
-    for fold in folds:
-        rest = tuple(w for w in outcome.training.windows if w not in fold)
+    for k, fold in enumerate(folds):
+        rest = tuple(w for other in (*folds[:k], *folds[k + 1 :]) for w in other)
         own = fit(objective.on(rest), x, _states(outcome, hypothesis, rest), most_steps=STEPS)
         total += _free_run(outcome, own, fold).cost
     return total

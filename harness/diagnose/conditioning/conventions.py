@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
 from harness.diagnose.conditioning.free_motion import SAMPLES_A_SWING, SMOOTHING, motion
-from harness.effects.scale import references
+from harness.effects.scale import swings
 from harness.errors import InputError
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.system import System
@@ -73,7 +73,7 @@ def follows(system: System, recordings: Sequence[Recording], convention: Convent
     model = Denoc(system)
     turning = np.array([not system.joint(name).prismatic for name in system.joint_names])
     scale = np.where(turning, convention.angle, 1.0)
-    period = 2.0 * np.pi / min(references(system, name).frequency for name in system.joint_names)
+    period = 2.0 * np.pi / min(swings(system))
     seen, expected = [], []
     for recording in recordings:
         timed = replace(recording, time=recording.time * convention.time)

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from scipy.signal import savgol_filter
 
 from harness.denoc.model import Denoc
-from harness.effects.scale import references
+from harness.effects.scale import swings
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.system import System
 
@@ -84,7 +84,7 @@ def _carried(system: System, recording: Recording, *, backwards: bool) -> Carrie
     channels = _positions(system, recording)
     if channels is None:
         return None
-    period = 2.0 * np.pi / min(references(system, name, recording).frequency for name in system.joint_names)
+    period = 2.0 * np.pi / min(swings(system, recording))
     step = max(period / SAMPLES_A_SWING, recording.interval)
     if recording.duration < 3.0 * period or period / step < 4 * SMOOTHING:
         return None

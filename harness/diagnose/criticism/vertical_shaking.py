@@ -22,7 +22,7 @@ from harness.diagnose.estimation.linear_response import responsive, to_channels
 from harness.diagnose.problem.windows import Window
 from harness.diagnose.selection.score_tests import MOST_TOGETHER, Projected, nuisance
 from harness.diagnose.selection.study import Study
-from harness.effects.scale import references
+from harness.effects.scale import pull
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def shaken_sideways(study: Study, fitted: Fit) -> Test | None:
 
 def _probe(study: Study, fitted: Fit) -> Probe:
     system = study.problem.system
-    torque = references(system, system.joint_names[0]).torque
+    torque = pull(system)
     return probe(study.predictor, study.likelihood, fitted, torque)
 
 

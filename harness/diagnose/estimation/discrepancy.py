@@ -16,20 +16,24 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, qr
+from scipy.linalg import cholesky, qr, solve_triangular
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linear_response import Response, channels_moved, respond, responsive
+from harness.diagnose.estimation.linearisation import Linearisation
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.windows import Window, contains
 
 Array = NDArray[np.float64]
 
 MOST_KNOTS = 180  # of a window's forces, all joints together: bounds the work
-FINEST = 40.0  # knots in the period of the slowest swing at most: what is faster moves no joint
+FINEST = 16.0  # knots in the period of the slowest swing at most: what is faster is louder noise
+# Of a period, that a force keeps for at least: what a law gets wrong goes with the motion. A faster one stands for errors of
+# readings (rounding, stamps), and would be random at every knot, which makes joints drift off and leaves nothing for laws.
+SHORTEST = 0.125
 LONGEST = 8.0  # periods of the slowest swing: a force that lasts longer is a constant one
 IMMATERIAL = 1e-4  # variance in units of the sensor's, below which a direction is left as it is
 CHANCE = 1e-6  # of the gain in likelihood under sensor noise alone, below which there is such a force
@@ -179,9 +183,20 @@ class _Piece:
     count: int
 
 
-def _pieces(found: Responses, fitted: Fit, residuals: Sequence[Array]) -> list[_Piece]:
+def without_states(here: Linearisation) -> list[Array]:
+    """Residuals of a linear view (M,) per window, less what other initial states would make of them."""
     out = []
-    for window, residual, basis in zip(fitted.windows, residuals, fitted.linear.bases, strict=True):
+    for residual, basis in zip(here.residuals, here.bases, strict=True):
+        states = np.linalg.qr(basis)[0] if basis.shape[1] else np.zeros((len(residual), 0))
+        out.append(residual - states @ (states.T @ residual))
+    return out
+
+
+def _pieces(found: Responses, windows: Sequence[Window], here: Linearisation) -> list[_Piece]:
+    out = []
+    for window, residual, basis, projected in zip(
+        windows, here.residuals, here.bases, without_states(here), strict=True
+    ):
         forced = found.of(window)
         if not forced.q.shape[1]:
             continue
@@ -192,7 +207,6 @@ def _pieces(found: Responses, fitted: Fit, residuals: Sequence[Array]) -> list[_
         values, vectors = np.linalg.eigh(small)
         kept = values > 1e-10
         root = np.sqrt(values[kept])
-        projected = residual - states @ (states.T @ residual)
         along = (vectors[:, kept].T @ (forced.q.T @ projected)) / root
         count = max(int(np.count_nonzero(residual)) - states.shape[1] - len(along), 0)
         outside = max(float(projected @ projected) - float(along @ along), 0.0)
@@ -200,53 +214,74 @@ def _pieces(found: Responses, fitted: Fit, residuals: Sequence[Array]) -> list[_
     return out
 
 
-def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float, louder: float) -> float:
-    """Twice the restricted log-likelihood with such a force and so much louder noise over that of neither."""
-    total = 0.0
+def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float, louder: float) -> tuple[float, Array]:
+    """Twice the restricted log-likelihood with such a force and so much louder noise over that of neither.
+
+    With its slope in the logarithms of the sizes, the memory and the louder noise.
+    """
+    n = len(sizes)
+    total, slope = 0.0, np.zeros(n + 2)
     for piece in pieces:
-        spread = piece.r @ covariance_at(piece.knots, sizes, memory) @ piece.r.T
-        inside, determinant = _weighed(spread / louder, piece.along)
-        total += float(piece.along @ piece.along) + piece.outside - (inside + piece.outside) / louder
-        total -= determinant + (piece.count + len(piece.along)) * float(np.log(louder))
-    return total
+        along, r, count = piece.along, piece.r, len(piece.along)
+        covariance = covariance_at(piece.knots, sizes, memory)
+        whole = np.eye(count) + (r @ covariance @ r.T) / louder
+        root, determinant = _inverse_root(whole)
+        inside = root @ along
+        inverse, b = root.T @ root, root.T @ inside
+        total += float(along @ along) + piece.outside - (float(inside @ inside) + piece.outside) / louder
+        total -= determinant + (piece.count + count) * float(np.log(louder))
+        # d gain = [(Rᵀb)ᵀ dC (Rᵀb) / λ − tr(Rᵀ M⁻¹ R dC)] / λ for a change dC of the forces' covariance.
+        seen = r.T @ b
+        pull = (np.outer(seen, seen) / louder - r.T @ inverse @ r) / louder * covariance
+        k = len(piece.knots)
+        for joint in range(n):
+            own = slice(joint * k, (joint + 1) * k)
+            slope[joint] += 2.0 * float(np.sum(pull[own, own]))
+            apart = np.abs(piece.knots[:, None] - piece.knots) / max(memory, 1e-12)
+            slope[n] += float(np.sum(pull[own, own] * apart))
+        slope[n + 1] += (float(b @ b) + piece.outside) / louder - float(np.trace(inverse)) - piece.count
+    return total, slope
 
 
-def _weighed(spread: Array, along: Array) -> tuple[float, float]:
-    """aᵀ (I + S)⁻¹ a and the log-determinant of I + S."""
-    whole = spread + np.eye(len(spread))
+def _inverse_root(whole: Array) -> tuple[Array, float]:
+    """K with Kᵀ K = (I + S)⁻¹, and the log-determinant of I + S: quadratic forms of it are squares, however ill-conditioned."""
     try:
-        factor = cho_factor(whole, lower=True, check_finite=False)
+        lower = cholesky(whole, lower=True, check_finite=False)
     except np.linalg.LinAlgError:
         # Where nothing pulls a joint back, slow forces move it so far that rounding makes small directions negative.
-        values, vectors = np.linalg.eigh(spread)
-        values = 1.0 + np.maximum(values, 0.0)
-        return float(np.sum((vectors.T @ along) ** 2 / values)), float(np.sum(np.log(values)))
-    inside = float(along @ cho_solve(factor, along, check_finite=False))
-    return inside, 2.0 * float(np.sum(np.log(np.diag(factor[0]))))
+        values, vectors = np.linalg.eigh(whole)
+        values = np.maximum(values, 1.0)
+        return np.asarray(vectors.T / np.sqrt(values)[:, None]), float(np.sum(np.log(values)))
+    root = solve_triangular(lower, np.eye(len(whole)), lower=True, check_finite=False)
+    return np.asarray(root), 2.0 * float(np.sum(np.log(np.diag(lower))))
 
 
-def estimate(found: Responses, fitted: Fit, residuals: Sequence[Array], joints: Sequence[str]) -> Discrepancy | None:
+def estimate(
+    found: Responses, windows: Sequence[Window], here: Linearisation, joints: Sequence[str]
+) -> Discrepancy | None:
     """Size and memory of the force that a fit leaves out; None where sensor noise alone will do.
 
-    residuals: of the fit, whitened by the sensors' noise alone, per window (M,).
+    here: the fit's linear view in its windows under the sensors' noise alone.
     """
-    pieces = _pieces(found, fitted, residuals)
+    pieces = _pieces(found, windows, here)
     if not pieces:
         return None
     n = len(joints)
-    shortest = max(float(np.median([p.knots[1] - p.knots[0] for p in pieces])), 1e-9)
+    finest = float(np.median([p.knots[1] - p.knots[0] for p in pieces]))
+    shortest = max(finest, SHORTEST * found.period, 1e-9)
     bounds = [(np.log(SMALLEST), np.log(LARGEST))] * n + [(np.log(shortest), np.log(LONGEST * found.period))]
     bounds.append((0.0, np.log(LOUDEST)))
 
-    def loss(z: Array) -> float:
-        return -_gain(pieces, np.exp(z[:n]), float(np.exp(z[n])), float(np.exp(z[n + 1])))
+    def loss(z: Array) -> tuple[float, Array]:
+        value, slope = _gain(pieces, np.exp(z[:n]), float(np.exp(z[n])), float(np.exp(z[n + 1])))
+        return -value, -slope
 
     best: tuple[float, Array] | None = None
-    for memory in (2.0 * shortest, 0.25 * found.period):
+    for memory in (1.2 * shortest, 4.0 * shortest):
         louder = sum(p.outside for p in pieces) / max(sum(p.count for p in pieces), 1)
         start = np.log(np.array([*np.full(n, _first_size(pieces, n, memory)), memory, max(louder, 1.0)]))
         start = np.clip(start, *np.array(bounds).T)
-        ended = minimize(loss, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": 25, "ftol": 1e-7})
+        ended = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 25, "ftol": 1e-7})
         if best is None or ended.fun < best[0]:
             best = float(ended.fun), np.asarray(ended.x)
     assert best is not None
@@ -255,7 +290,7 @@ def estimate(found: Responses, fitted: Fit, residuals: Sequence[Array], joints: 
     alone = max(
         sum(float(p.along @ p.along) + p.outside for p in pieces) / sum(p.count + len(p.along) for p in pieces), 1.0
     )
-    without = _gain(pieces, np.full(n, SMALLEST), shortest, alone)
+    without, _ = _gain(pieces, np.full(n, SMALLEST), shortest, alone)
     if chi2.sf(max(gain - max(without, 0.0), 0.0), n + 1) >= CHANCE:
         return None
     sizes = tuple(float(s) * found.torque for s in np.exp(best[1][:n]))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.noise_colour import Colour
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
 
@@ -53,8 +54,10 @@ class Likelihood:
         part = slice(window.first, window.last)
         values = run.values[:, part]
         out = np.isfinite(values).astype(np.float64)
-        for c, step in enumerate(self.problem.steps):
-            if step > 0.0 and step > self.colours[c].std:
+        # Only what scatters from sample to sample lets rounded readings tell more than one another: not slow noise, and not an
+        # error of the model that was taken for it. So the weights are those of the recordings, whatever noise is assumed.
+        for c, (step, scatter) in enumerate(zip(self.problem.steps, crude_colours(self.problem), strict=True)):
+            if step > 0.0 and step > scatter.std:
                 out[c] /= np.sqrt(_stretches(values[c], 0.5 * step / max(run.averaged, 1)))
         out[:, (run.time[part] - run.time[window.first]) < self.lead] = 0.0
         return out

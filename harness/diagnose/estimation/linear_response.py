@@ -21,7 +21,7 @@ from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.grid import cubic
 from harness.diagnose.problem.problem import ChannelInfo, Run
 from harness.diagnose.problem.windows import Window, contains
-from harness.effects.scale import references
+from harness.effects.scale import pull
 from harness.recording.sensors import observe
 from harness.system import System
 
@@ -137,7 +137,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
 def motions(predictor: Predictor, fitted: Fit, windows: Sequence[Window]) -> list[Response]:
     """The motion of a fit, and its linear response, in some of its windows."""
     system = predictor.system
-    torque = references(system, system.joint_names[0]).torque
+    torque = pull(system)
     return [respond(predictor, fitted, window, torque) for window in windows]
 
 
@@ -202,5 +202,7 @@ def _read(model: LaneModel, row: Array, system: System, channel: ChannelInfo, st
 
 
 def responsive(predictor: Predictor) -> bool:
-    """Whether the linear response can speak for all channels."""
-    return all(c.quantity in LINEAR for c in predictor.problem.channels)
+    """Whether the linear response can speak for all channels: of forces at joints, if there are any."""
+    return bool(predictor.problem.system.movable_joints) and all(
+        c.quantity in LINEAR for c in predictor.problem.channels
+    )

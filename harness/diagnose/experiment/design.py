@@ -58,7 +58,9 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
                 break
         if best is not None and best.separation >= PARTED:
             return best
-    assert best is not None
+    if best is None:
+        # Nothing can be let go or driven where no joint moves.
+        best = Proposal("", pairs[0][2], 0.0)
     if best.separation < PARTED:
         families = {m.effect.name: m.effect.family for pair in pairs for f in pair[:2] for m in f.hypothesis.members}
         return Proposal(
@@ -86,7 +88,7 @@ def _considered(study: Study, first: Fit, second: Fit) -> list[Trial]:
     """Trials with the first joint, which moves everything, and with the one where two hypotheses disagree."""
     system = study.problem.system
     duration = float(max(run.duration for run in study.problem.train))
-    joints = dict.fromkeys([system.joint_names[0], *_disputed(system, first, second)])
+    joints = dict.fromkeys([*system.joint_names[:1], *_disputed(system, first, second)])
     return [
         trial for joint in joints for trial in trials(system, joint, duration, study.swing, *_extents(study, joint))
     ]

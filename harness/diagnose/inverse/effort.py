@@ -33,7 +33,7 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.effects.effect import Effect, SiteKind
-from harness.effects.scale import references
+from harness.effects.scale import swings
 from harness.errors import InputError, UnsupportedError
 from harness.recording.recording import QualityNote, Recording
 from harness.system import System
@@ -83,7 +83,7 @@ def diagnose_effort(
     deadline = deadline or Deadline()
     _known(only)
     every = [*recordings, *([held] if held is not None else [])]
-    swing = min(references(system, name, every[0]).frequency for name in system.joint_names) / (2.0 * np.pi)
+    swing = min(swings(system, every[0])) / (2.0 * np.pi)
     cutoff = min(cutoff_for(system, recording, swing) for recording in every)
     tell("smoothing")
     runs = [effort_run(system, recording, cutoff) for recording in every]

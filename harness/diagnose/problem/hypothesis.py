@@ -18,6 +18,8 @@ from harness.system.description import constant
 
 Array = NDArray[np.float64]
 
+EVERYWHERE = ("viscous_damping", "coulomb_friction")  # what is at one joint of a mechanism as a rule is at all
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
@@ -70,8 +72,12 @@ class Hypothesis:
 
     @property
     def things(self) -> int:
-        """Number of members that are something by themselves, and no other form of what is there."""
-        return sum(not member.effect.modifies for member in self.members)
+        """Number of members that are something by themselves, and no other form of what is there.
+
+        That all joints of a mechanism rub, or all are damped, is one thing.
+        """
+        own = [member for member in self.members if not member.effect.modifies]
+        return len({m.effect.name if m.effect.name in EVERYWHERE else m.key for m in own})
 
     @property
     def size(self) -> int:

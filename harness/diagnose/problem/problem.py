@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import coherence
 
 from harness.effects.measured import Measured
-from harness.effects.scale import references
+from harness.effects.scale import swings
 from harness.errors import InputError
 from harness.recording.differences import white_noise
 from harness.system import System
@@ -176,7 +176,7 @@ def _affordable_rate(system: System, recordings: Sequence[Measured]) -> float:
     Averaging in blocks loses nothing of what is slow.
     """
     seconds = sum(float(np.nanmax(r.time) - np.nanmin(r.time)) for r in recordings)
-    swing = max(references(system, name).frequency for name in system.joint_names) / (2.0 * np.pi)
+    swing = max(swings(system)) / (2.0 * np.pi)
     if system.flexible:
         return np.inf
     return max(MOST_SAMPLES / max(seconds, 1e-9), SAMPLES_A_SWING * swing)

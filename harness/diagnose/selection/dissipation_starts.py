@@ -7,13 +7,14 @@ little where the stated damping is wrong in sign or size, so a search that adds 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector, to_internal
-from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
 from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
@@ -22,25 +23,51 @@ SETS = (
     ("viscous_damping", "coulomb_friction"),
     ("viscous_damping", "coulomb_friction", "quadratic_drag"),
 )
+ROTOR = "added_inertia"
+ZEROS = ("constant_torque", "sensor_offset")
 
 
 def ordinary(study: Study, near: Fit) -> list[Fit]:
-    """Fits of dry friction with viscous and quadratic drag at every joint that can have them; best first.
+    """Fits of dry friction with viscous and quadratic drag at each joint that can have them; best first.
 
     near: a fit whose initial states are begun from.
     """
+    found = [_fitted(study, members, near) for names in SETS for members in _by_site(study, names)]
+    return sorted(found, key=study.criterion)
+
+
+def everywhere(study: Study, near: Fit) -> Fit | None:
+    """The fit of all of that at every joint at once, with a rotor's inertia and a zero: what a plain least-squares fit has.
+
+    None where no joint can have dissipation. near: a fit of those members, or of the nominal model, on windows of the same
+    recordings that begin where the study's do.
+    """
+    states = {w: near.states[v] for w in study.windows for v in near.windows if (v.run, v.first) == (w.run, w.first)}
+    near = replace(near, states=states)
+    if near.hypothesis.members:
+        return study.fit(near.hypothesis, [near.x], near)
+    found = []
+    for zero in ZEROS:
+        hypothesis = Hypothesis()
+        for candidate in study.candidates:
+            if candidate.effect.name in (*SETS[-1], ROTOR, zero) and compatible(hypothesis, candidate):
+                hypothesis = hypothesis.with_(candidate)
+        if any(m.effect.name in SETS[0] for m in hypothesis.members):
+            found.append(_fitted(study, hypothesis.members, near))
+    return min(found, key=lambda f: f.score, default=None)
+
+
+def _by_site(study: Study, names: Sequence[str]) -> list[tuple[Candidate, ...]]:
+    """Candidates of these effects, for every site that can have them all."""
     by_site: dict[str, dict[str, Candidate]] = {}
     for candidate in study.candidates:
         by_site.setdefault(candidate.site, {})[candidate.effect.name] = candidate
-    found = []
-    for at in by_site.values():
-        for names in SETS:
-            if not all(name in at for name in names):
-                continue
-            hypothesis = Hypothesis(tuple(at[name] for name in names))
-            known = study.fits.get(hypothesis.identity)
-            found.append(known or study.fit(hypothesis, _starts(study, hypothesis, near), near))
-    return sorted(found, key=study.criterion)
+    return [tuple(at[name] for name in names) for at in by_site.values() if all(name in at for name in names)]
+
+
+def _fitted(study: Study, members: tuple[Candidate, ...], near: Fit) -> Fit:
+    hypothesis = Hypothesis(members)
+    return study.fits.get(hypothesis.identity) or study.fit(hypothesis, _starts(study, hypothesis, near), near)
 
 
 def _starts(study: Study, hypothesis: Hypothesis, near: Fit) -> Sequence[Array]:

@@ -25,9 +25,9 @@ from harness.diagnose.problem.windows import Window, cut
 from harness.diagnose.selection.beam_search import Effort, grow, polish, transfer
 from harness.diagnose.selection.dissipation_starts import ordinary
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
-from harness.diagnose.selection.model_error import Structure, under_model_error
+from harness.diagnose.selection.model_error import Structure, begun_ordinary, under_model_error
 from harness.diagnose.selection.score_tests import carry_state
-from harness.diagnose.selection.short_window_starts import begun, far_off
+from harness.diagnose.selection.short_window_starts import begun, far_off, ordinary_by_way_of_shorter
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
 
 Array = NDArray[np.float64]
@@ -201,6 +201,18 @@ def _search(
     long_study, empty = lengthened(study)
     progress("free runs of the nominal model")
     seeds = [empty]
+    if empty.score > NONLINEAR * long_study.samples:
+        # Rigs are at first too damped or not enough: where that is most of it, nothing need be looked for that leads there.
+        usual = ordinary_by_way_of_shorter(study)
+        early = None
+        if usual is not None:
+            early = begun_ordinary(
+                long_study, usual, period, effort, progress, structure, reached,
+                lambda fitted: colours_from(problem, likelihood, fitted, predictor, motion_hz),
+            )  # fmt: skip
+        if early is not None and early[0].likelihood.discrepancy is not None:
+            return early
+        seeds += [long_study.fit(f.hypothesis, [f.x], f) for f in early[1]] if early else []
     beginnings = begun(study, effort, progress) if far_off(study, first) else []
     if beginnings and groups == short:
         seeds += beginnings

@@ -13,18 +13,34 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.diagnose.estimation.discrepancy import Discrepancy, Responses, estimate, responses
+from harness.diagnose.estimation.discrepancy import (
+    Discrepancy,
+    Responses,
+    estimate,
+    responses,
+    without_states,
+)
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linearisation import linearise
+from harness.diagnose.estimation.noise_colour import Colour
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
-from harness.diagnose.selection.study import Study
-from harness.effects.scale import references
+from harness.diagnose.selection.dissipation_starts import everywhere
+from harness.diagnose.selection.study import HOPELESS, Study
+from harness.effects.scale import pull
 
 COMPARED = 12  # sets whose own force is estimated, to choose the one that the first likelihood is made from
 SETTLED = 0.2  # relative change of a force's size that changes no weighing
-ROUNDS = 3  # of estimating the force and weighing again
+ROUNDS = 5  # of estimating the force and weighing again
+SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
+SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
+MOSTLY = (
+    0.2  # of what the nominal model leaves (RMS) that the ordinary dissipation leaves, where it is most of the answer
+)
+FAR_LESS = 10.0  # times less that one error of a known shape has to leave than a set of laws, to be what those only stand in for
+LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +64,10 @@ def weighed(study: Study, ways: Sequence[Responses], fitted: Fit) -> Weighed:
     for found in ways:
         sensors = found.probe.likelihood
         objective = replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=sensors)
-        ((cost, residuals),) = objective.residuals([(fitted.x, fitted.states)])
-        force = estimate(found, fitted, residuals, found.joints)
+        # Initial states were fitted under another likelihood: they are profiled out under this one.
+        here = linearise(objective, fitted.x, fitted.states, fixed=np.ones(len(fitted.x), dtype=bool))
+        cost = sum(float(r @ r) for r in without_states(here))
+        force = estimate(found, fitted.windows, here, found.joints)
         gain = 0.0 if force is None else force.gain - 2.0 * (len(found.joints) + 1)
         colours = 2.0 * sum(1.0 for colour in sensors.colours if colour.coloured > 0.0)
         rows.append((cost - gain + sensors.spread(fitted.windows) + 2.0 * colours, sensors, force))
@@ -65,16 +83,57 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     None where they do not answer linearly.
     """
     system = study.problem.system
-    torque = max(references(system, joint).torque for joint in system.joint_names)
+    torque = pull(system)
     takes = [study.likelihood.of_sensors]
     if any(colour.coloured > 0.0 for colour in study.likelihood.colours):
-        takes.append(replace(takes[0], colours=crude_colours(study.problem)))
+        rough = replace(takes[0], colours=crude_colours(study.problem))
+        takes = [*takes, rough]
     found = (responses(study.predictor, sensors, fitted, torque, period) for sensors in takes)
     return [one for one in found if one is not None]
 
 
 Structure = Callable[[Study, Fit], float]
 """What the likeliest error of one known shape (a jump, a leak, a force over the state …) gains beyond its price beside a set."""
+
+
+def begun_ordinary(
+    study: Study,
+    short: Fit,
+    period: float,
+    effort: Effort,
+    progress: Callable[[str], None],
+    structure: Structure,
+    reached: list[Study],
+    noise: Callable[[Fit], tuple[Colour, ...]],
+) -> tuple[Study, list[Fit]] | None:
+    """The same at once where ordinary dissipation is most of the answer, and still leaves far more than noise; None elsewhere.
+
+    The noise would there have a search among ever stranger sets, each of them far more than significant. As laws are found the
+    force shrinks, and more of them show beside it (a graduated search; Blake and Zisserman, Visual Reconstruction (1987)).
+    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys. noise: of every channel, behind a fit.
+    """
+    empty, usual = study.empty(), everywhere(study, short)
+    if usual is None:
+        return None
+    progress("friction and drag at every joint")
+    # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
+    rough = replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
+    before, after = (_cost_under(rough, study, fitted) for fitted in (empty, usual))
+    if after > MOSTLY**2 * before or after < LOUD**2 * rough.samples(study.windows):
+        return None
+    behind = Study(
+        study.problem, study.predictor, replace(study.likelihood, colours=noise(usual)), study.candidates, study.windows,
+        first_states=study.first_states, swing=study.swing,
+    )  # fmt: skip
+    behind.fit(Hypothesis(), [empty.x], empty)
+    usual = behind.fit(usual.hypothesis, [usual.x], usual)
+    return under_model_error(behind, [usual, behind.empty()], period, effort, progress, structure, reached, early=True)
+
+
+def _cost_under(likelihood: Likelihood, study: Study, fitted: Fit) -> float:
+    objective = replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=likelihood)
+    ((cost, _),) = objective.residuals([(fitted.x, fitted.states)])
+    return cost
 
 
 def under_model_error(
@@ -85,12 +144,14 @@ def under_model_error(
     progress: Callable[[str], None],
     structure: Structure = lambda study, fitted: 0.0,
     reached: list[Study] | None = None,
+    *,
+    early: bool = False,
 ) -> tuple[Study, list[Fit]] | None:
     """The study with the force that is left out in its likelihood, and its sets, best first; None where there is no such force.
 
     Where the search under such a force finds sets that leave nothing but noise, theirs is a study without. period: of the slowest
     swing [s]. structure: a force of no shape has to be likelier than one error of a shape that is known.
-    reached: told of every study that is begun.
+    reached: told of every study that is begun. early: nothing was searched for before.
     """
     if study.only_noise(ordered[0]) and not any(colour.coloured > 0.0 for colour in study.likelihood.colours):
         return None
@@ -99,22 +160,20 @@ def under_model_error(
         return None
     near = sorted(study.fits.values(), key=study.criterion)[:COMPARED]
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
-    if rows[0].force is None:
-        return None
-    # A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too.
-    simple = min(study.criterion(fitted) - structure(study, fitted) for fitted in _best_of_each_size(study))
-    if simple + study.likelihood.spread(study.windows) < rows[0].value:
+    if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure)):
         return None
     progress("a force that is left out")
-    taken, wider, ranked = rows[0], study, [row.fitted for row in rows]
-    for turn in range(ROUNDS):
-        wider = _with_force(study, taken)
+    taken, wider, ranked, search = rows[0], study, [row.fitted for row in rows], True
+    for _ in range(ROUNDS):
+        wider = _with_force(study, _fainter(taken) if early and search else taken)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
-        if not turn:
+        if search:
             empty = wider.fit(Hypothesis(), [study.empty().x], study.empty())
             if reached is not None:
                 reached.append(wider)
-            fits = polish(wider, grow(wider, [empty, *fits], effort, progress), effort, progress)
+            fits = grow(wider, [empty, *fits], effort, progress)
+            if not early:
+                fits = polish(wider, fits, effort, progress)
         found = least(wider, ways, sorted(fits, key=wider.criterion), progress)
         ranked = [found.fitted, *(f for f in fits if f is not found.fitted)]
         if found.force is None:
@@ -123,10 +182,59 @@ def under_model_error(
             return plain, sorted(
                 (plain.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]), key=plain.criterion
             )
-        settled, taken = _alike(taken, found), found
+        settled, search, taken = _alike(taken, found), _shrunk(taken, found), found
         if settled:
             break
-    return wider, ranked
+    if not early:
+        return wider, ranked
+    # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone.
+    best = part = study.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
+    while part.hypothesis.members:
+        part = min((study.below(part, k) for k in range(len(part.hypothesis.members))), key=study.criterion)
+    if not _shapeless(study, taken.value, structure, best):
+        return None
+    wider = _with_force(study, taken)
+    wider.fit(Hypothesis(), [study.empty().x], study.empty())
+    if reached is not None:
+        reached.append(wider)
+    fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
+    return wider, polish(wider, sorted(fits, key=wider.criterion), effort, progress)
+
+
+def _shapeless(study: Study, value: float, structure: Structure, best: Fit | None = None) -> bool:
+    """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
+
+    A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
+    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves far
+    less beside some laws of a set than all of them do: those then only stand in for it. best: such a set.
+    """
+    for fitted in _best_of_each_size(study):
+        worth = structure(study, fitted)
+        if (
+            best is not None
+            and fitted.hypothesis.identity < best.hypothesis.identity
+            and fitted.score - worth < best.score
+        ):
+            return False
+        explained = fitted.score - worth < HOPELESS * study.samples
+        if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
+            return False
+    return True
+
+
+def _shrunk(before: Weighed, after: Weighed) -> bool:
+    """Whether the force has become so much smaller that further laws may show beside it."""
+    if before.force is None or after.force is None:
+        return False
+    return any(b < SHRUNK * a for a, b in zip(before.force.sizes, after.force.sizes, strict=True))
+
+
+def _fainter(taken: Weighed) -> Weighed:
+    """The same with a smaller force: beside one as large as all that is left, no further law is called for."""
+    force = taken.force
+    if force is None:
+        return taken
+    return replace(taken, force=replace(force, sizes=tuple(SOUGHT * size for size in force.sizes), _filters={}))
 
 
 def _best_of_each_size(study: Study) -> list[Fit]:

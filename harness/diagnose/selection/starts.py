@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.problem.problem import Problem
 from harness.effects.effect import Parameter
-from harness.effects.scale import references
+from harness.effects.scale import swings
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
 def _frequencies(problem: Problem) -> Array:
     """Frequencies [Hz] about half the resolution of the longest recording apart, up to where a joint no longer follows."""
     longest = max(run.duration for run in problem.train)
-    swing = max(references(problem.system, name).frequency for name in problem.system.joint_names) / (2.0 * np.pi)
+    swing = max(swings(problem.system)) / (2.0 * np.pi)
     top = max(min(0.25 / max(run.interval for run in problem.train), FOLLOWS * swing), 4.0)
     spacing = max(0.5 / longest, 0.04)
     low = np.arange(spacing, 4.0, spacing)
