@@ -18,9 +18,9 @@ SCRIPT = ROOT / "examples" / "worked_diagnosis.py"
 MODEL = ROOT / "models" / "urdf" / "rigid_pendulum.urdf"
 
 
-def recordings(folder: Path, *options: str) -> list[Path]:
+def recordings(folder: Path) -> list[Path]:
     """The script's recordings in a folder."""
-    subprocess.run([sys.executable, str(SCRIPT), str(folder), *options], check=True)
+    subprocess.run([sys.executable, str(SCRIPT), str(folder)], check=True)
     return sorted(folder.glob("run*.csv"))
 
 
