@@ -1,4 +1,12 @@
-"""What else it could be: effects that could stand in the place of a member, weighed on all recordings."""
+"""What else it could be: effects that could stand in the place of a member, weighed on all recordings.
+
+Odds of e⁵ part hypotheses; beyond, evidence is called very strong. A law of which a finding, or its rival, is a special case is
+listed if it fits as well with the numbers that make the difference held at typical values. A set that takes back damping or
+friction which the model states gives way to one that cannot be told from it, has fewer effects and leaves the model as it is.
+What stands beside an effect is part of what its numbers mean: a soft base passes for a slow sensor, and beside it a friction that
+the load makes may not be parted from plain damping although beside the sensor it is; such rivals say what would have to be true
+with them.
+"""
 
 from __future__ import annotations
 

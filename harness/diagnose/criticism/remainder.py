@@ -3,6 +3,12 @@
 A force that nobody has a law for still shows: the response of the channels to small generalized forces that depend on
 position and velocity (the same in every recording), or that act for a short time only (different in each), is linear. Such
 responses are projected off everything the hypothesis may adjust and held against the residual.
+
+Asked are a smooth force over position and velocity, a force at certain places, one of a few simple terms (charged for having been
+chosen among many), one that relaxes, one that acts once, sets in or grows, a jump or a slow course of a reading, a leak of another
+channel, a stretch louder than others, a spectrum too loud around the swing, each at a chance of 1e-5. A loud stretch counts only if
+its samples follow one another, and only beyond what rounding could make: noise of real sensors has tails, grows with speed, and a
+motor is switched on.
 """
 
 from __future__ import annotations

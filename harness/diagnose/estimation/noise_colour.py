@@ -3,6 +3,9 @@
 Noise is estimated from the spectrum of a residual, one-sidedly: where the motion itself has power, a misfit of the model
 can only raise the spectrum, so there the noise is held *below* what is seen; above the motion's harmonics it is held to
 it. That way a misfit is not taken for noise.
+
+A coloured part must show beyond the motion's band and may not remember longer than a swing: a jump of the reading has the spectrum
+of noise with endless memory, and is none.
 """
 
 from __future__ import annotations

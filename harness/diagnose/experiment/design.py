@@ -1,4 +1,10 @@
-"""The next experiment: rivals are simulated in experiments one could do, and the one that parts them best is proposed."""
+"""The next experiment: rivals are simulated in experiments one could do, and the one that parts them best is proposed.
+
+A rival keeps its initial state free, and its parameters as far as the recordings at hand leave them open. A motion so sensitive
+that a hypothesis would not find back to itself is not proposed, nor a release from farther away. A law that contains the other as
+a special case predicts whatever that does for the little that it cost, so no motion parts the two: what to measure directly is
+said.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""What a hypothesis says the sensors should have read: batched free runs, then the measurement chain."""
+"""What a hypothesis says the sensors should have read: batched free runs, then the measurement chain.
+
+A sensor with a memory is a state whose value nobody knows where a window begins in motion. It is taken to follow as it would a
+wave of the frequency seen there; what that is wrong by dies out along a known course, of which as much is added as the record
+shows. What starts from rest with the recording was held before, and the filter has settled on it. Zeros of a recording's own, and
+the phase of a hum, which mains know no beginning of, are taken in the same way as the record shows them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""The question put to diagnosis: a system, recordings to learn from, and recordings to be judged on."""
+"""The question put to diagnosis: a system, recordings to learn from, and recordings to be judged on.
+
+Samples beyond 260 Hz are averaged in blocks; what a sensor makes of the motion is worked out at times within a block and averaged
+as the samples are, so that an error that is faster than a block is neither lost nor mistaken. A velocity that was computed from the
+position is left out, because its noise is coherent with the position's and tells nothing of its own. The part of a single recording
+that is held out goes on in the recording's time: a drift, a shaken base and what a sensor remembers do not begin anew there.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,12 @@
-"""The search over sets of effects: a beam of sets that grow, shrink and swap members, never one greedy line."""
+"""The search over sets of effects: a beam of sets that grow, shrink and swap members, never one greedy line.
+
+Single effects have their turn first, and what the best of them is known to be taken for before anything is added to it; beside
+effects that are behind the best set one more is tried where both together promise more. Effort goes where it can matter: a set
+that leaves only noise is not extended by what twice its score test's promise would not pay for; links, joints and plays, which
+are dear to fit, wait until they promise a share of what is left. When one more effect takes away next to nothing of what a set
+leaves above the noise, few effects will not explain the recordings: members are then kept only if they pay against noise as loud
+as what is left.
+"""
 
 from __future__ import annotations
 

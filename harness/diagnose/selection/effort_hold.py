@@ -3,6 +3,10 @@
 How an effort was logged is a convention and no physics that a model left out, so it is no effect, and costs none of the evidence.
 To a mechanism a held effort is a smooth one that is half an interval late, in every drive alike; where the two are equally good,
 efforts are taken as smooth.
+
+It is asked of the nominal model, of the first set that leaves little more than noise, and of the best sets at the end: beside what
+else is missing, a late sensor looks the same. A drive that is late by two intervals is told with that, not with one and a half; but
+where nothing is late once efforts are held, they are held, for that is a finding less.
 """
 
 from __future__ import annotations

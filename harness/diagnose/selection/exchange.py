@@ -1,4 +1,12 @@
-"""Sets with one member exchanged: for a more general law, a special case, a relative, another candidate, or nothing."""
+"""Sets with one member exchanged: for a more general law, a special case, a relative, another candidate, or nothing.
+
+A set may be right in all but one member, and no growing repairs that. A general law acts like its special case to first order, so
+it is begun from where that ended; one that has lost what makes it general is begun again from other shapes. Where all else has
+gone astray without a member, its relative finds its size with everything else held, on the beginnings of the windows, which then
+grow: another period has not slipped there. Two wrong members may make up for one another, so that either exchange alone leaves
+nearly as good a set; pairs are tried then. A larger set that can do without a member by its own linear view, where the smaller
+set was fitted far worse, shows that the smaller one ended in a wrong valley: it is begun anew from there.
+"""
 
 from __future__ import annotations
 

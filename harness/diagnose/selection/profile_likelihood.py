@@ -1,4 +1,9 @@
-"""Intervals that look beyond the valley a fit stands in: by fitting everything else again at other values."""
+"""Intervals that look beyond the valley a fit stands in: by fitting everything else again at other values.
+
+What vibrates fits the noise a little at every frequency, in many narrow valleys, and a number at a bound has no curvature: there
+the number is fixed farther and farther out. Intervals reach over the same effect's in every other set that is at least a twentieth
+as likely and cannot do without it, and to other numbers of periods, where the phase is then open.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,12 @@
 The change that an effect makes to the prediction is projected off everything that the hypothesis may adjust anyway
 (initial states, nominal quantities, the parameters of the effects it already has); what remains is held against the
 residual. Nothing is fitted, so the whole catalogue costs little more than one run for each starting point.
+
+Waves of force are scanned over period and frequency through the linear response along the motion, since no slope leads from one of
+them to another. A law that is either there or not (geometric stiffening) has no slope where it is absent and is fitted outright.
+Sensors cost no run, so those that are not linear in how strongly they act are tested at likely sizes too. Nominal quantities that
+are bent far stand for an effect along a valley too narrow to walk back; tests are then also made with the noise enlarged, so that
+only the tolerances speak.
 """
 
 from __future__ import annotations

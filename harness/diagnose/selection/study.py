@@ -1,4 +1,11 @@
-"""The working bench of one diagnosis: fits, kept by hypothesis and windows, and everything that they need."""
+"""The working bench of one diagnosis: fits, kept by hypothesis and windows, and everything that they need.
+
+Sets are compared by the extended Bayesian information criterion. What vibrates has initial states of its own in every window, which
+would fit noise free of charge: each costs 2, as Akaike's criterion asks, as far as the data tell it (the effective number of
+parameters beside a prior of 0.1 rad). Beside a misfit of more than twice the noise's cost, tolerances are weighed against residuals
+as loud as they are: otherwise a nominal quantity would leave its tolerance by a hundred deviations to smooth what something else
+makes.
+"""
 
 from __future__ import annotations
 
