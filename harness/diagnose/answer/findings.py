@@ -7,6 +7,7 @@ from typing import Any
 
 from harness.diagnose.answer.significant_digits import ends, resolved, width_of
 from harness.notebook import frame, html_table, text_table
+from harness.recording.units import written
 
 MODIFIED_BY = "modified_by"  # of a finding: others that only alter how this one acts, such as creep of dry friction
 
@@ -75,7 +76,7 @@ class Findings(list[Mapping[str, Any]]):
                 row["effect"], row["site"], row["parameter"],
                 "" if row["value"] is None else resolved(row["value"], width_of((row["low"], row["high"]))),
                 "" if row["low"] is None or row["high"] is None else ends((row["low"], row["high"])),
-                "" if row["unit"] == "1" else row["unit"].replace("*", "·"), row["indistinguishable_from"],
+                written(row["unit"]), row["indistinguishable_from"],
             )
             for row in self.rows()
         ]  # fmt: skip
