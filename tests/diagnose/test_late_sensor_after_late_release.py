@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from simulated_recordings import nominal, recording
 
+from harness.diagnose.answer.findings import rivals_in_words
 from harness.diagnose.claims.conclude import _adding_up
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -39,3 +40,11 @@ def test_two_sensors_show_which_of_them_is_late() -> None:
 def test_what_is_told_already_or_does_not_wait_adds_nothing() -> None:
     assert told({"pivot.position": ANGLE}, "late_release", "sensor_delay") == set()
     assert told({"pivot.position": ANGLE}, "sensor_lowpass") == set()
+
+
+def test_rivals_keep_the_spelling_of_their_sites_in_a_sentence() -> None:
+    found = {
+        "indistinguishable_from": ["late_release", "sensor_gain@joint_1.position"],
+        "only_beside": {"late_release": ["base_tilt@base"]},
+    }
+    assert rivals_in_words(found) == ["late release (beside base tilt at base)", "sensor gain at joint_1.position"]

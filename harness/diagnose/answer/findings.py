@@ -36,6 +36,21 @@ def rivals_of(finding: Mapping[str, Any]) -> list[str]:
     ]
 
 
+def in_words(key: str) -> str:
+    """An effect's key as a sentence has it: ``base_tilt@base`` is base tilt at base; the site keeps its own spelling."""
+    name, _, at = key.partition("@")
+    return name.replace("_", " ") + (f" at {at}" if at else "")
+
+
+def rivals_in_words(finding: Mapping[str, Any]) -> list[str]:
+    """``rivals_of`` as a sentence has them."""
+    beside = finding.get("only_beside", {})
+    return [
+        in_words(rival) + (f" (beside {' or '.join(map(in_words, beside[rival]))})" if rival in beside else "")
+        for rival in finding.get("indistinguishable_from", ())
+    ]
+
+
 HEADS = ("effect", "at", "parameter", "value", "95 % interval", "unit", "cannot be told from")
 
 
