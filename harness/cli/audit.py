@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from harness.cli.options import console, output_options, write_json
+
+if TYPE_CHECKING:
+    from harness.system.audit_findings import Correction
 
 
 @click.command()
@@ -46,11 +51,16 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
             changes = "; ".join(f"{x.quantity} {x.stated:g} → {x.corrected:g} ({x.slip})" for x in c.changes)
             told = Text(changes or "as it stands", style="" if c.agrees else "dim")
             heard = ", ".join(f"{f:.4g}" for f in c.frequencies)
-            lines.append((c.site, told, f"{c.density:.0f}", c.material, heard, f"{100.0 * c.probability:.2g} %"))
+            rank = f"{c.rank}=" if any(c in tie for tie in found.ties) else str(c.rank)
+            lines.append((c.site, rank, told, f"{c.density:.0f}", c.material, heard, f"{100.0 * c.probability:.2g} %"))
         heads = (
-            "link", "correction", figures("density [kg/m³]"), "material", "frequencies [Hz]", figures("share of candidates"),
+            "link", figures("rank"), "correction", figures("density [kg/m³]"), "material", "frequencies [Hz]",
+            figures("share of candidates"),
         )  # fmt: skip
         print_table(screen, heads, lines, title="What would explain it")
+        for tie in found.ties:
+            which = f"{tie[0].site}: the {len(tie)} corrections of rank {tie[0].rank} are one as good as the other"
+            screen.print(Text(f"{which}; {_parted(tie)}."))
     text = "The table is possible." if found.possible else "The table cannot be true as it stands."
     screen.print(Text(text, style="bold green" if found.possible else "bold red"))
     document = json_text(found.to_json())
@@ -60,6 +70,16 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
         write_folder(out, {"audit.json": document})
     write_json(document, json_file)
     return 0 if found.possible else 1
+
+
+def _parted(tie: Sequence[Correction]) -> str:
+    """What would tell corrections of equal rank apart."""
+    count = len({f"{c.frequencies[0]:.3g}" for c in tie})
+    if count == 1:
+        return "they bend alike, so that only the part itself can tell them apart"
+    lowest = ", ".join(sorted({f"{c.frequencies[0]:.4g}" for c in tie}, key=float))
+    which = "would tell them apart" if count == len(tie) else "would tell most of them apart"
+    return f"the measured frequency of its first bending {which} ({lowest} Hz): --measured {tie[0].site}=HZ"
 
 
 def _measured(texts: tuple[str, ...]) -> dict[str, list[float]]:

@@ -60,6 +60,7 @@ def decay(
     from harness.compare.decay.document import bands_document, document
     from harness.errors import InputError
     from harness.recording import read_recording
+    from harness.recording.units import written
     from harness.report.files import write_folder, write_whole
     from harness.report.json_text import json_text
     from harness.system import load
@@ -85,7 +86,7 @@ def decay(
                 "bands": bands_document(parts),
             }
             print_bands(whole["bands"], chosen.unit, screen)  # type: ignore[arg-type]
-            picture, name = bands_picture(parts, (time, signal), f"{chosen.name} [{chosen.unit}]"), "bands"
+            picture, name = bands_picture(parts, (time, signal), f"{chosen.name} [{written(chosen.unit)}]"), "bands"
         else:
             from harness.compare.decay import estimate
             from harness.report.decay import decay_picture, print_decay
@@ -95,7 +96,7 @@ def decay(
             found = estimate(time, signal, sine=sine)
             whole = document(found, source=recording, channel=chosen.name, inertia=_inertia(system, chosen))
             print_decay(whole, screen)
-            picture, name = decay_picture(found, chosen.name, chosen.unit), "decay"
+            picture, name = decay_picture(found, chosen.name, written(chosen.unit)), "decay"
     except InputError as error:
         raise InputError(error.what, source=recording, column=chosen.column or chosen.name, mend=error.mend) from error
     if out is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import console, output_options, progress, wide_options, write_json
+from harness.cli.options import console, output_options, progress, say_notes, wide_options, write_json
 
 if TYPE_CHECKING:
     from harness.cases.gate import Accepted
@@ -108,6 +108,8 @@ def gate(
     else:
         before = gates.read_accepted(path)
     results, robots = _results(models, results_file, engines, before, accept, workers, dask)
+    if models:
+        say_notes(results.told)
     trials = None
     if self_test is None and not models and not no_self_test:
         self_test = "quick"

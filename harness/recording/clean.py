@@ -156,7 +156,9 @@ def _predicted(
     return total
 
 
-def fill_effort(name: str, time: Array, values: Array, source: Path) -> tuple[Array, QualityNote | None]:
+def fill_effort(
+    name: str, time: Array, values: Array, source: Path, header: str = ""
+) -> tuple[Array, QualityNote | None]:
     """An applied effort must be known at every sample: short holes are bridged by a straight line, long ones refused."""
     missing = ~np.isfinite(values)
     if not missing.any():
@@ -167,7 +169,7 @@ def fill_effort(name: str, time: Array, values: Array, source: Path) -> tuple[Ar
             f"the applied effort is missing for {longest} samples in a row",
             mend="an input must be known throughout; cut the recording there",
             source=source,
-            column=name,
+            column=header or name,
         )
     filled = values.copy()
     filled[missing] = np.interp(time[missing], time[~missing], values[~missing])

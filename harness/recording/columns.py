@@ -59,6 +59,12 @@ def split_unit(header: str) -> tuple[str, str]:
     return (match["name"].strip(), match["unit"].strip()) if match else (header.strip(), "")
 
 
+def unit_stated(header: str, ours: str, unit: str) -> str:
+    """How a user says what unit a column of the file is in: in its header, or in the rule that maps it."""
+    bare = split_unit(header)[0]
+    return f"write {ours} [{unit}] in the header" if bare in ("", ours) else f"write --map '{bare}={ours}[{unit}]'"
+
+
 def parse_rule(text: str, *, optional: bool = False, source: str = "--map") -> Rule:
     """A rule as written on the command line, ``theta_meas=pivot.position[deg]``; raises InputError if it is none."""
     # The foreign name may hold "=" or blanks; ours cannot, so the last "=" parts them.

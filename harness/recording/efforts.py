@@ -71,7 +71,7 @@ def read_efforts(path: str | Path, system: System, *, mapping: Sequence[str] = (
         values = grouped_mean(table.numbers(column.header)[rows], timing.groups, len(timing.time)) * size * column.sign
         if not np.isfinite(values).any():
             raise InputError("holds no number", mend="an input must be known", source=file, column=column.header)
-        filled, note = fill_effort(column.name, timing.time, values, file)
+        filled, note = fill_effort(column.name, timing.time, values, file, column.header)
         if note is not None:
             notes.append(note)
         if not filled.any():

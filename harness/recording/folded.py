@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from harness.errors import InputError
+from harness.recording.columns import unit_stated
 from harness.recording.differences import white_noise
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
@@ -63,12 +64,13 @@ class Fold:
 
 
 def unfold(
-    name: str, unit: str, time: Array, values: Array, step: float, factor: float, source: Path
+    name: str, unit: str, time: Array, values: Array, step: float, factor: float, source: Path, header: str = ""
 ) -> tuple[Array, tuple[QualityNote, ...]]:
     """Readings of a position made continuous where they jump by a constant step.
 
     time, values: shape (T,), values nan where missing. step: quantisation step. factor: SI over the file's numbers, in which
-    moduli are round. Raises InputError where a jump could as well be motion: more than a quarter of the modulus from sample to
+    moduli are round. header: the file's own, of what is mapped.
+    Raises InputError where a jump could as well be motion: more than a quarter of the modulus from sample to
     sample, a jump over a gap, or one that is no fold, of more than half a turn.
     """
     present = np.flatnonzero(np.isfinite(values))
@@ -78,7 +80,7 @@ def unfold(
     fold = find_fold(stamps, reading, step)
     if fold is None:
         if unit == "rad":
-            _refuse_jump(name, stamps, reading, source)
+            _refuse_jump(name, stamps, reading, factor, source, header)
         return values, ()
     modulus = round_modulus(fold, step, factor, unit)
     turn = unit == "rad" and abs(modulus - TURN) < 1e-9
@@ -90,7 +92,7 @@ def unfold(
     left = np.diff(reading) + modulus * turns
     # Within one step a motion can be told by parts of it only; beyond, by how it goes on.
     doubt = left if fold.bounded else left - _around(stamps, reading)
-    _refuse_doubt(name, unit, stamps, doubt, modulus, words, source)
+    _refuse_doubt(header or name, unit, stamps, doubt, modulus, words, source)
     whole = reading[0] + np.concatenate([[0.0], np.cumsum(left)])
     done = "made continuous"
     if turn:
@@ -262,19 +264,23 @@ def _refuse_doubt(name: str, unit: str, stamps: Array, left: Array, modulus: flo
         )
 
 
-def _refuse_jump(name: str, stamps: Array, reading: Array, source: Path) -> None:
+def _refuse_jump(name: str, stamps: Array, reading: Array, factor: float, source: Path, header: str) -> None:
     """An angle that jumps by more than half a turn off the motion around it: one sample a turn of a wheel does not."""
     steps = np.diff(reading)
     jumps = np.flatnonzero(np.abs(steps - _around(stamps, reading)) > np.pi)
     jumps = jumps[_lasting(jumps, np.sign(steps[jumps]).astype(np.intp))]
     if not len(jumps):
         return
+    if len(jumps) < MANY:
+        mend = "a dropped sample or a reset counter; cut the recording there"
+    elif abs(factor) == 1.0:
+        mend = f"it does so {len(jumps)} times; if it is in degrees, {unit_stated(header, name, 'deg')}"
+    else:
+        mend = f"it does so {len(jumps)} times; are the column and its unit the right ones?"
     raise InputError(
         f"the angle jumps by {steps[jumps[0]]:.3g} rad at {float(stamps[jumps[0] + 1]):.4g} s, in a record that is not wrapped to "
         "one turn",
-        mend="a dropped sample or a reset counter; cut the recording there"
-        if len(jumps) < MANY
-        else f"it does so {len(jumps)} times; if it is in degrees, write {name} [deg] in the header",
+        mend=mend,
         source=source,
-        column=name,
+        column=header or name,
     )

@@ -89,7 +89,10 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
     clock = columns[0]
     factor, _ = factor_to_si(unit_of_column(clock, table), "time", prismatic=None, source=file, column=clock.header)
     _refuse_short(int(np.isfinite(table.columns[clock.header]).sum()), file)
-    timing = mend_time(_finite(table.columns[clock.header]) * factor * clock.sign, table.lines, file)
+    try:
+        timing = mend_time(_finite(table.columns[clock.header]) * factor * clock.sign, table.lines, file)
+    except InputError as error:
+        raise InputError(error.what, mend=error.mend, source=file, line=error.line, column=clock.header) from None
     notes += timing.notes
     _refuse_short(len(timing.time), file)
     channels: list[Channel] = []
@@ -126,6 +129,7 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
         efforts=tuple(efforts),
         quality=tuple(notes + filled),
         start=timing.start + first + table.origins.get(clock.header, 0.0) * factor,
+        clock=clock.header,
     )
 
 
@@ -209,7 +213,7 @@ def _channel(
                 first[timing.groups[row]] = row
             samples = rows[first]
         grain = quantisation_step(samples) or _count(table, column, factor)
-        whole, told = unfold(column.name, unit, timing.time, samples, grain, factor, file)
+        whole, told = unfold(column.name, unit, timing.time, samples, grain, factor, file, column.header)
         values = whole if told else values
         notes += told
     step = quantisation_step(values) or _count(table, column, factor)
@@ -286,7 +290,7 @@ def _drop_blank(
 def _complete(efforts: list[Channel], time: Array, file: Path) -> tuple[list[Channel], list[QualityNote]]:
     complete, notes = [], []
     for effort in efforts:
-        values, note = fill_effort(effort.name, time, effort.values, file)
+        values, note = fill_effort(effort.name, time, effort.values, file, effort.column)
         if note is not None:
             notes.append(note)
         complete.append(

@@ -76,6 +76,7 @@ class Recording:
 
     name: of the file without its endings. source: the file.
     time: [s] from the first sample, ascending, not necessarily even, shape (T,). start: time of the first sample in the file [s].
+    clock: the file's column of the time.
     channels: what was measured. efforts: what was applied; an input, not a measurement.
     """
 
@@ -86,6 +87,7 @@ class Recording:
     efforts: tuple[Channel, ...] = ()
     quality: tuple[QualityNote, ...] = ()
     start: float = 0.0
+    clock: str = "time"
 
     def __repr__(self) -> str:
         names = ", ".join(c.name for c in (*self.channels, *self.efforts))

@@ -39,13 +39,14 @@ def markdown(results: Results) -> str:
         lines += [line((doubt.case, doubt.site, doubt.severity, doubt.what)) for doubt in results.doubts]
         lines.append("")
     if results.notes:
-        lines += ["## What the models say beside this", "", *(f"- {_plain(note)}" for note in results.told), ""]
+        lines += ["## What the models say beside this", "", *(f"- {plain(note)}" for note in results.told), ""]
     lines += ["## Versions", "", line(("what", "version")), line(("---", "---"))]
     lines += [line(item) for item in results.versions.items()]
     return "\n".join(lines) + "\n"
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
+    """Text with what Markdown would take for marks put so that it stands as it is."""
     return " ".join(text.split()).replace("\\", "\\\\").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from harness.cases.case import Row
+from harness.recording.units import written
 
 MARKS = {"pass": "✓", "fail": "✗", "skipped": "–"}
 GROUP_TITLES = {
@@ -47,7 +48,7 @@ def engines(row: Row) -> str:
 
 def unit(row: Row) -> str:
     """``relative`` rather than a bare 1."""
-    return "relative" if row.unit == "1" else row.unit
+    return "relative" if row.unit == "1" else written(row.unit)
 
 
 def divergence(row: Row) -> str:

@@ -40,12 +40,14 @@ class Change:
 class Correction:
     """A set of changes that would explain the table of a link.
 
+    rank: 1 for the best; those of equal scores share one, and only more evidence can part them.
     score: ½ χ² + Σ cost [nats], lower is better. probability: its share among all that was tried, which is
     no probability that it is true. agrees: no term of χ² above 9.
     density [kg/m³], material: what the corrected table implies. frequencies: on its hub, with its payload [Hz].
     """
 
     site: str
+    rank: int
     changes: tuple[Change, ...]
     score: float
     probability: float
@@ -72,6 +74,14 @@ class Audit:
     source: str
     findings: tuple[Finding, ...]
     corrections: tuple[Correction, ...]
+
+    @property
+    def ties(self) -> tuple[tuple[Correction, ...], ...]:
+        """Groups of corrections of a link of which one is as good as the other, the best first."""
+        groups: dict[tuple[str, int], list[Correction]] = {}
+        for correction in self.corrections:
+            groups.setdefault((correction.site, correction.rank), []).append(correction)
+        return tuple(tuple(group) for group in groups.values() if len(group) > 1)
 
     @property
     def possible(self) -> bool:

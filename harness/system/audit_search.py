@@ -14,6 +14,7 @@ from harness.system.slips import Slip, slips
 # A hundred thousand times less likely than the best [nats] is not worth a look.
 LOST = 12.0
 SHOWN = 8
+TIED = 1e-6  # in the score, within which corrections are one as good as the other
 # What a quantity of the audit is called in a model file.
 IN_FILES = {"hub_inertia": "armature"}
 
@@ -62,10 +63,14 @@ def correct(name: str, table: Mapping[str, float], heard: Sequence[float]) -> li
         extend(list(dict.fromkeys(chosen)))
     ranked = sorted(trials, key=lambda t: t.score)
     total = sum(math.exp(ranked[0].score - trial.score) for trial in ranked)
+    shown = [trial for trial in ranked if math.isfinite(trial.score)]
+    if len(shown) > SHOWN:
+        # Those that are as good as the last one shown are shown as well.
+        shown = [trial for trial in shown if trial.score <= shown[SHOWN - 1].score + TIED]
+    ranks = [1 + sum(other.score < trial.score - TIED for other in shown) for trial in shown]
     return [
-        _correction(name, table, heard, trial, math.exp(ranked[0].score - trial.score) / total)
-        for trial in ranked[:SHOWN]
-        if math.isfinite(trial.score)
+        _correction(name, table, heard, trial, math.exp(ranked[0].score - trial.score) / total, rank)
+        for trial, rank in zip(shown, ranks, strict=True)
     ]
 
 
@@ -99,12 +104,13 @@ def _try(table: Mapping[str, float], heard: Sequence[float], changes: _Changes, 
 
 
 def _correction(
-    name: str, table: Mapping[str, float], heard: Sequence[float], trial: _Trial, probability: float
+    name: str, table: Mapping[str, float], heard: Sequence[float], trial: _Trial, probability: float, rank: int = 1
 ) -> Correction:
     corrected = _corrected(table, trial.changes)
     terms, facts = evaluate(corrected, heard)
     return Correction(
         site=name,
+        rank=rank,
         changes=tuple(Change(IN_FILES.get(key, key), table[key], slip.value, slip.what) for key, slip in trial.changes),
         score=trial.score,
         probability=probability,

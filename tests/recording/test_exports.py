@@ -10,6 +10,7 @@ from scipy.io import netcdf_file, savemat
 
 from harness.errors import InputError
 from harness.recording import read_recording
+from harness.recording.formats.stamps import nanoseconds
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
 
@@ -60,6 +61,16 @@ DRESSES = {
         [f"2024-05-01 23:59:59.{40 + k}" if k < 60 else f"2024-05-02 00:00:00.{k - 60:02d}" for k in INDEX], ANGLE
     ),
     "stamps of a clock": "time;pivot.position\n" + rows([f"12:00:{t:06.3f}".replace(".", ",") for t in TIME], COMMA[1], mark=";"),
+    "a clock over midnight": "time,pivot.position\n"
+    + rows([f"23:59:59.{40 + k}" if k < 60 else f"00:00:00.{k - 60:02d}" for k in INDEX], ANGLE),
+    "MATLAB's stamps": "time,pivot.position\n" + rows([f"01-May-2024 12:00:{t:06.3f}" for t in TIME], ANGLE),
+    "a spreadsheet's afternoon": "time,pivot.position\n" + rows([f"5/1/2024 01:00:{t:06.3f} PM" for t in TIME], ANGLE),
+    "a day after the twelfth": "time,pivot.position\n"
+    + rows(
+        [f"12.01.2024 23:59:59.{40 + k}" if k < 60 else f"13.01.2024 00:00:00.{k - 60:02d}" for k in INDEX], ANGLE
+    ),
+    "the fifth's midnight": "time,pivot.position\n"
+    + rows([f"05/05/2024 23:59:59.{40 + k}" if k < 60 else f"06/05/2024 00:00:00.{k - 60:02d}" for k in INDEX], ANGLE),
     "German stamps": "time;pivot.position\n" + rows([f"01.05.2024 12:00:{t:06.3f}" for t in TIME], COMMA[1], mark=";"),
     "epoch in nanoseconds": "time [ns],pivot.position\n" + rows(STAMPS, ANGLE),
     "numpy.savetxt": "# time pivot.position\n" + rows(*NUMBERS, mark=" "),
@@ -113,6 +124,28 @@ def test_the_clock_of_a_calendar_is_kept(tmp_path):
     file.write_text(DRESSES["ISO stamps of a zone"])
     # 2024-05-01 10:00:00 UTC, by `date -u -d @1714557600`.
     assert read_recording(file).start == pytest.approx(1714557600.0, abs=1e-6)
+
+
+STAMPED = {  # by `date -u -d STAMP +%s`
+    "2024-05-01T12:00:00Z": 1714564800,
+    "2024-05-01 12:00:00+05:30": 1714545000,
+    "01-May-2024 12:00:00": 1714564800,
+    "29.02.2024 00:00": 1709164800,
+    "2024-02-29": 1709164800,
+    "12/31/2023 11:59:59 PM": 1704067199,
+}
+
+
+@pytest.mark.parametrize("stamp", STAMPED)
+def test_stamps_are_read_to_the_second(stamp):
+    assert nanoseconds([stamp]) == [STAMPED[stamp] * 10**9]
+
+
+@pytest.mark.parametrize(
+    "text", ["1.2.3", "2024-13-01", "30/02/2024", "25:00:00", "13:00 PM", "12", "", "2024-05-01 noon"]
+)
+def test_what_is_no_stamp_is_none(text):
+    assert nanoseconds([text]) is None
 
 
 def test_headers_of_several_rows(tmp_path):

@@ -167,3 +167,32 @@ def test_a_jump_off_such_a_motion_is_still_refused(tmp_path):
     turns[120:] += 1.0
     with pytest.raises(InputError, match="not wrapped to one turn"):
         read(tmp_path, 2.0 * np.pi * turns, time=0.1 * np.arange(200.0))
+
+
+@pytest.mark.parametrize(
+    ("header", "mapping", "mend", "column"),
+    [
+        ("time,pivot.position", (), "write pivot.position [deg] in the header", "pivot.position"),
+        ("time,theta", ("theta=pivot.position",), "write --map 'theta=pivot.position[deg]'", "theta"),
+        ("time,theta", ("theta=pivot.position[deg]",), "the right ones?", "theta"),
+    ],
+)
+def test_the_mend_of_jumps_is_for_the_column_as_it_is_named(tmp_path, header, mapping, mend, column):
+    # No two of the jumps are alike, so that none of them is the reading's; each is beyond half a turn in either unit.
+    steps = sum(
+        size * (at < TIME) for size, at in ((430.0, 2.0), (-710.0, 4.1), (250.0, 6.3), (-330.0, 8.0), (610.0, 9.0))
+    )
+    file = tmp_path / "run.csv"
+    file.write_text(
+        header + "\n" + "".join(f"{t:.6g},{x:.17g}\n" for t, x in zip(TIME, np.degrees(swing()) + steps, strict=True))
+    )
+    with pytest.raises(InputError) as refusal:
+        read_recording(file, mapping=mapping)
+    assert mend in refusal.value.mend and refusal.value.column == column
+
+
+def test_the_time_is_told_by_its_own_name(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("stamp,theta\n" + "".join(f"1.0,{x:.6g}\n" for x in swing()[:100]))
+    with pytest.raises(InputError, match="column stamp: time does not pass"):
+        read_recording(file, mapping=("stamp=time", "theta=pivot.position"))

@@ -81,6 +81,23 @@ def test_without_a_measurement_many_slips_explain_it_and_none_is_certain() -> No
     assert pytest.approx({"thickness": 0.001, "mass": 0.060}) in told
 
 
+def test_corrections_as_good_as_one_another_share_a_rank_and_none_is_cut_off() -> None:
+    """Half of the thickness and a tenth of the mass is one of many ways to a fortieth: the slips and the density are the same."""
+    result = audit(PRINTED)
+    (tie,) = (t for t in result.ties if any({x.quantity for x in c.changes} == {"thickness", "mass"} for c in t))
+    assert len({c.rank for c in tie}) == 1 and np.ptp([c.score for c in tie]) < 1e-6
+    halved, tenth = 0.5, 0.1
+    ways = {frozenset(x.quantity for x in c.changes) for c in tie}
+    # By hand: density is mass / (length width thickness), 40000 of 8000; a fifth is a half of one over ten of another.
+    for quantity in ("length", "width", "thickness"):
+        assert frozenset({quantity, "mass"}) in ways
+        others = {"length", "width", "thickness"} - {quantity}
+        assert all(frozenset({quantity, other}) in ways for other in others)
+    for c in tie:
+        factors = sorted(x.corrected / x.stated for x in c.changes)
+        assert factors == pytest.approx([tenth, halved]) or factors == pytest.approx([halved, 10.0])
+
+
 def test_hub_inertia_with_the_wrong_sign_of_its_exponent() -> None:
     """2×10⁵ kg·m² as printed, in the otherwise sound table, and in the printed one where it makes a third error."""
     alone = audit(printed(armature=2e5, mass=0.060, thickness=0.001))

@@ -14,6 +14,7 @@ from harness.engines.expressed import realised
 from harness.engines.protocol import EngineError, EngineModel
 from harness.engines.registry import engine
 from harness.errors import InputError
+from harness.recording.units import written
 from harness.system import System, Trajectory
 from harness.system.description import Array
 
@@ -121,7 +122,7 @@ class _Run:
         joint, driven = self.system.joint(joints[worst]), self.system.joint(joints[forced])
         return Cost(
             joint.name, float(apart[worst]), joint.position_unit, float(travelled[worst]),
-            driven.name, float(force[forced]), driven.force_unit.replace("*", "·"),
+            driven.name, float(force[forced]), written(driven.force_unit),
             motions=(self.motion, other.motion),
         )  # fmt: skip
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from harness.compare.descriptions.bodies import Body
+from harness.recording.units import written
 from harness.system import Beam, Joint
 
 Change = Callable[[list[Body]], list[Body]]
@@ -53,7 +54,7 @@ def _limit(value: float) -> str:
 
 def joint_numbers(k: int, a: Joint, b: Joint) -> Iterator[Difference]:
     """Armature, damping, friction, spring and limits of a joint."""
-    force, position = a.force_unit.replace("*", "·"), a.position_unit
+    force, position = written(a.force_unit), a.position_unit
     units = {
         "armature": "kg" if a.prismatic else "kg·m²",
         "damping": f"{force}·s/{position}",

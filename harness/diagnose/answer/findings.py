@@ -7,6 +7,7 @@ from typing import Any
 
 from harness.diagnose.answer.significant_digits import ends, resolved, width_of
 from harness.notebook import frame, html_table, text_table
+from harness.recording.units import written
 
 MODIFIED_BY = "modified_by"  # of a finding: others that only alter how this one acts, such as creep of dry friction
 
@@ -31,6 +32,21 @@ def rivals_of(finding: Mapping[str, Any]) -> list[str]:
     beside = finding.get("only_beside", {})
     return [
         f"{rival} (beside {' or '.join(beside[rival])})" if rival in beside else str(rival)
+        for rival in finding.get("indistinguishable_from", ())
+    ]
+
+
+def in_words(key: str) -> str:
+    """An effect's key as a sentence has it: ``base_tilt@base`` is base tilt at base; the site keeps its own spelling."""
+    name, _, at = key.partition("@")
+    return name.replace("_", " ") + (f" at {at}" if at else "")
+
+
+def rivals_in_words(finding: Mapping[str, Any]) -> list[str]:
+    """``rivals_of`` as a sentence has them."""
+    beside = finding.get("only_beside", {})
+    return [
+        in_words(rival) + (f" (beside {' or '.join(map(in_words, beside[rival]))})" if rival in beside else "")
         for rival in finding.get("indistinguishable_from", ())
     ]
 
@@ -75,7 +91,7 @@ class Findings(list[Mapping[str, Any]]):
                 row["effect"], row["site"], row["parameter"],
                 "" if row["value"] is None else resolved(row["value"], width_of((row["low"], row["high"]))),
                 "" if row["low"] is None or row["high"] is None else ends((row["low"], row["high"])),
-                "" if row["unit"] == "1" else row["unit"].replace("*", "·"), row["indistinguishable_from"],
+                written(row["unit"]), row["indistinguishable_from"],
             )
             for row in self.rows()
         ]  # fmt: skip

@@ -419,6 +419,7 @@ def _claims(outcome: Outcome, best: Fit, remains: Remains | None) -> tuple[Claim
         others = [m for other in alike for m in other.hypothesis.members]
         others += unparted(outcome, best, k, remains) if remains is not None else []
         others = [m for m in others if m.key not in best.hypothesis.keys] + _out_of_step(study, best, k)
+        others += [m for m in _adding_up(outcome, best, k) if m.key not in {other.key for other in others}]
         known = {m.key for m in others}
         further = {c: partners for c, partners in beside_another(outcome, best, k).items() if c.key not in known}
         rivals = list({m.key: m for m in [*others, *further]}.values())
@@ -454,3 +455,16 @@ def _out_of_step(study: Study, best: Fit, k: int) -> list[Candidate]:
         return rung is not None and without - rung.score > RUNG * (without - best.score)
 
     return [c for c in study.candidates if c.effect.name in member.effect.confusable_with and alike(c)]
+
+
+def _adding_up(outcome: Outcome, best: Fit, k: int) -> list[Candidate]:
+    """What adds up with member ``k`` to one number that alone shows: a late sensor after a late release, seen by that sensor alone.
+
+    Any part of the waiting may be the sensor's, so that a set with both fits as well, and is never asked for.
+    """
+    member = best.hypothesis.members[k]
+    sensor = member.effect.sensor
+    if sensor is None or not (sensor.every_channel and sensor.at_first) or len(outcome.problem.channels) > 1:
+        return []
+    taken = best.hypothesis.keys
+    return [c for c in outcome.study.candidates if c.effect.name == "sensor_delay" and c.key not in taken]

@@ -284,7 +284,9 @@ def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
 
 def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:
     """The likeliest hypotheses fitted, of those far from the best one none but the first few; the one claimed comes first."""
-    computed = [f for f in outcome.study.fits.values() if f.cost < LOST and f is not best]
+    computed = [
+        f for f in outcome.study.fits.values() if f.cost < LOST and f.hypothesis.identity != best.hypothesis.identity
+    ]
     shortlist = sorted(computed, key=outcome.study.criterion)
     near = [f for k, f in enumerate(shortlist) if k < FEWEST_TOLD or f.score < FAR * best.score]
     return [best, *near][:count]

@@ -19,6 +19,7 @@ from harness.denoc.model import Denoc
 from harness.diagnose.conditioning.free_motion import SAMPLES_A_SWING, SMOOTHING, motion
 from harness.effects.scale import swings
 from harness.errors import InputError
+from harness.recording.columns import unit_stated
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.system import System
 
@@ -123,9 +124,9 @@ def _refuse_units(recording: Recording, joint: str, found: Convention) -> None:
         (unit,) = (name for name, factor in TIMES.items() if factor == found.time)
         raise InputError(
             f"accelerations follow the model if time is in {unit}, and do not if it is in s",
-            mend=f"write time [{unit}] in the header, or --map 'time=time[{unit}]'",
+            mend=unit_stated(recording.clock, "time", unit),
             source=source,
-            column="time",
+            column=recording.clock,
         )
     if found.angle != 1.0:
         channel = _position(recording, joint)
@@ -133,7 +134,7 @@ def _refuse_units(recording: Recording, joint: str, found: Convention) -> None:
         column = channel.column or channel.name
         raise InputError(
             "accelerations follow the model if the angle is in degrees, and do not if it is in radians",
-            mend=f"write {channel.name} [deg] in the header, or --map '{column}={channel.name}[deg]'",
+            mend=unit_stated(column, channel.name, "deg"),
             source=source,
             column=column,
         )

@@ -22,6 +22,7 @@ from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.curves import Curves, ForceMap, Residuals
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import finding_words, untried
+from harness.diagnose.answer.findings import in_words
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
 from harness.diagnose.estimation.intervals import WIDE, Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, effort_noise, fit_effort, grid_of, spread
@@ -400,7 +401,9 @@ class _Answer:
             )  # fmt: skip
             titles.append(finding_words(member.effect.title, member.site, values, units))
             if names:
-                rivals.append(f"{member.effect.title.capitalize()} cannot be told here from {', '.join(names)}.")
+                rivals.append(
+                    f"{member.effect.title.capitalize()} cannot be told here from {', '.join(map(in_words, names))}."
+                )
                 pairs += [(member.effect.name, c.effect.name) for c in others]
         return findings, titles, rivals, pairs
 

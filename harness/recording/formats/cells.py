@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,12 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import InputError
+from harness.recording.formats.stamps import is_stamp, nanoseconds
 from harness.system.description import Array
 
 ABSENT = {"", "nan", "na", "n/a", "null", "none", "-", "#n/a", "#nan", "nat"}
-DATE = r"(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{4})"
-CLOCK = r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?"
-STAMP = re.compile(rf"^(?:{DATE}(?:[T ]+{CLOCK}\s*(?:Z|UTC|[+-]\d\d:?\d\d)?)?|{CLOCK})(?:\s*[AaPp][Mm])?$")
 EXACT = 2**53  # integers beyond are not held to the digit by a double
 
 
@@ -53,10 +50,6 @@ def is_number(cell: str, delimiter: str) -> bool:
     return number(cell, delimiter) is not None and (not is_absent(cell) or cell.strip().lower() == "nan")
 
 
-def is_stamp(cell: str) -> bool:
-    return STAMP.match(cell.strip()) is not None
-
-
 def read_cells(path: Path, name: str, cells: Sequence[str], lines: Sequence[int], delimiter: str) -> Cells:
     """A column of numbers, or of calendar stamps as seconds from the first; any other has a fault that names the cell."""
     try:
@@ -90,26 +83,10 @@ def read_cells(path: Path, name: str, cells: Sequence[str], lines: Sequence[int]
 
 def _stamps(cells: Sequence[str]) -> Cells | None:
     """Stamps of the calendar or the clock as seconds from the first; None if one of them is none."""
-    import warnings
-
-    import pandas as pd
-
-    texts = [None if is_absent(cell) else cell.strip().replace(",", ".") for cell in cells]
-    first = next(text for text in texts if text is not None)
-    try:
-        if re.match(rf"^{CLOCK}$", first):
-            ticks = pd.to_timedelta(pd.Series(texts)).astype("timedelta64[ns]")
-        else:
-            year_first = re.match(r"^\d{4}-\d\d-\d\d([T ]|$)", first) is not None
-            form = "ISO8601" if year_first else None
-            # Which of two numbers is the day does not matter within one: only differences are used.
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)
-                dates = pd.to_datetime(pd.Series(texts), format=form, utc=True)
-            ticks = dates.dt.tz_localize(None).astype("datetime64[ns]")
-    except (ValueError, TypeError, OverflowError):
+    present = [k for k, cell in enumerate(cells) if not is_absent(cell)]
+    whole = nanoseconds([cells[k] for k in present])
+    if whole is None:
         return None
-    missing = ticks.isna().to_numpy()
-    whole = ticks.to_numpy().astype(np.int64)
-    origin = int(whole[~missing][0])
-    return Cells(np.where(missing, np.nan, (whole - origin) * 1e-9), unit="s", origin=origin * 1e-9)
+    values = np.full(len(cells), np.nan)
+    values[present] = [(ticks - whole[0]) * 1e-9 for ticks in whole]
+    return Cells(values, unit="s", origin=whole[0] * 1e-9)

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from harness.errors import InputError
-from harness.recording.formats.cells import is_absent, is_number, is_stamp
+from harness.recording.formats.cells import is_absent, is_number
+from harness.recording.formats.stamps import is_stamp
 from harness.recording.units import is_unit
 
 MARKS = ("\t", ";", ",", " ")

@@ -9,6 +9,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from harness.recording.units import written
+
 LAWS = ("viscous", "dry", "quadratic")
 
 
@@ -24,7 +26,7 @@ def print_decay(document: Mapping[str, Any], console: Console) -> None:
         )
     )
     table = Table(box=None, header_style="bold", pad_edge=False)
-    for head in ("how", *(f"{law} [{document['linear'][law]['unit']}]" for law in LAWS), "left (rms)"):
+    for head in ("how", *(f"{law} [{written(document['linear'][law]['unit'])}]" for law in LAWS), "left (rms)"):
         table.add_column(Text(head), overflow="fold", justify="left" if head == "how" else "right")
     read = document["decrement"]
     table.add_row("ratio of amplitudes, as printed", _number(read["printed"]["value"]), "", "", "")
@@ -72,7 +74,7 @@ def print_decay(document: Mapping[str, Any], console: Console) -> None:
 def print_bands(rows: Sequence[Mapping[str, Any]], unit: str, console: Console) -> None:
     """Print the bands of a signal, each with frequency, amplitude and decay."""
     table = Table(box=None, header_style="bold", pad_edge=False)
-    for head in ("band", "frequency [Hz]", f"amplitude [{unit}]", "rate [1/s]", "damping ratio", "line [Hz]"):
+    for head in ("band", "frequency [Hz]", f"amplitude [{written(unit)}]", "rate [1/s]", "damping ratio", "line [Hz]"):
         table.add_column(Text(head), overflow="fold", justify="left" if head == "band" else "right")
     for row in rows:
         table.add_row(

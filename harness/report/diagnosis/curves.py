@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import binned_statistic
 
 from harness.diagnose.answer.curves import Curves, Energy, ForceMap, Residuals, Spectrum
+from harness.recording.units import written
 from harness.report.figures.before_after import AFTER, BEFORE
 from harness.report.figures.canvas import INK, canvas
 from harness.report.plots import Line, Plot, thinned
@@ -50,7 +51,7 @@ def motion(residuals: Sequence[Residuals]) -> list[Plot]:
         ]
         plots.append(
             Plot(
-                f"motion-{_key(r)}", _title(r), "time [s]", f"{r.channel.partition('.')[2]} [{_unit(r.unit)}]", r.time[pick],
+                f"motion-{_key(r)}", _title(r), "time [s]", f"{r.channel.partition('.')[2]} [{written(r.unit)}]", r.time[pick],
                 _known(lines), f"{r.channel} of {r.recording} over time: measured, nominal model, augmented model",
                 limits=(low - far, high + far) if away else None, together=_key(r, channel=False),
             )
@@ -70,7 +71,7 @@ def residuals(rows: Sequence[Residuals]) -> list[Plot]:
         ]
         plots.append(
             Plot(
-                f"residuals-{_key(r)}", _title(r), "time [s]", f"residual [{_unit(r.unit)}]", r.time[pick], _known(lines),
+                f"residuals-{_key(r)}", _title(r), "time [s]", f"residual [{written(r.unit)}]", r.time[pick], _known(lines),
                 f"{r.channel} of {r.recording}: measured less each model's prediction, over time; noise of two standard deviations "
                 "either way shaded",
                 band=2.0 * r.noise,
@@ -87,7 +88,7 @@ def spectra(rows: Sequence[Spectrum]) -> list[Plot]:
     return [
         Plot(
             f"spectrum-{s.channel}", f"{s.channel}: spectrum of the residual", "frequency [Hz]",
-            f"density [({_unit(s.unit)})²/Hz]", s.frequency,
+            f"density [({written(s.unit)})²/Hz]", s.frequency,
             [
                 Line("nominal", s.nominal, BEFORE),
                 Line("augmented", s.augmented, AFTER),
@@ -114,7 +115,7 @@ def force_over(f: ForceMap, axis: str) -> Plot:
     unit = f"{f.units[0]}/s" if axis == "velocity" else f.units[0]
     return Plot(
         f"force-{axis}-{f.joint}", f"{f.joint}: missing force over {axis}", f"{axis} [{unit}]",
-        f"missing force [{_unit(f.units[1])}]", both[place],
+        f"missing force [{written(f.units[1])}]", both[place],
         [Line("samples", dots, "faint", "dots"), Line("mean and spread", line, BEFORE, width=2.2, ends=(low, high))],
         f"Generalized force that the nominal model lacks at {f.joint} over {axis}, with mean and standard deviation by bin",
         limits=(-1.6 * span, 1.6 * span), height=3.2,
@@ -143,7 +144,7 @@ def phase(f: ForceMap) -> str:
         axes[0, 0].set_xlabel(f"position [{f.units[0]}]")
         axes[0, 0].set_ylabel(f"velocity [{f.units[0]}/s]")
         bar = made.figure.colorbar(marks, ax=axes[0, 0])
-        bar.set_label(f"missing force [{_unit(f.units[1])}]")
+        bar.set_label(f"missing force [{written(f.units[1])}]")
     return str(made.svg)
 
 
@@ -154,7 +155,7 @@ def energy(e: Energy) -> str:
         ax.plot(*e.nominal, "x", color=BEFORE, ms=5, label="nominal")
         ax.plot(*e.augmented, "+", color=AFTER, ms=7, label="augmented")
         ax.plot(*e.recorded, "o", color=INK, mfc="none", ms=5, label="recorded")
-        ax.set_xlabel(f"amplitude [{e.unit}]")
+        ax.set_xlabel(f"amplitude [{written(e.unit)}]")
         ax.set_ylabel("energy lost [J]")
         made.figure.legend(*ax.get_legend_handles_labels(), loc="outside upper right", ncols=3, labelcolor=INK)
     return str(made.svg)
@@ -182,7 +183,3 @@ def _key(r: Residuals, *, channel: bool = True) -> str:
 
 def _title(r: Residuals) -> str:
     return f"{r.channel}, {r.recording} ({'held out' if r.held_out else 'training'})"
-
-
-def _unit(unit: str) -> str:
-    return unit.replace("**2", "²").replace("*", "·")

@@ -9,7 +9,7 @@ from harness.cases.results import Results
 from harness.errors import InputError
 from harness.report import words
 from harness.report.gate.screen import why
-from harness.report.markdown import line
+from harness.report.markdown import line, plain
 
 
 def markdown(
@@ -29,6 +29,9 @@ def markdown(
             f"- {trial.defect}: {'said to be ' + trial.said if trial.caught else 'not caught'}" for trial in missed
         ]
         lines += [""] * bool(missed)
+    if judgement is not None and results.told:
+        lines += [f"<details><summary>{len(results.told)} notes on the models</summary>", ""]
+        lines += [*(f"- {plain(note)}" for note in results.told), "", "</details>", ""]
     if accepted is not None and accepted.history:
         last = accepted.history[0]
         lines += [f"Last accepted {last['date']}: {last['why']}", ""]

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.report.diagnosis.sections.figure import Document, figure, unit
+from harness.recording.units import written
+from harness.report.diagnosis.sections.figure import Document, figure
 
 _PRODUCT = re.compile(r"(?<=[A-Za-z])\*(?=[A-Za-z])")  # in a unit
 
@@ -32,8 +33,8 @@ class Answer:
 def paragraphs(document: Document) -> list[str]:
     """What is missing; how far that helps, what speaks against it and what is left; what to do next."""
     first, *doubts = re.split(r"(?<=[.!?]) (?=[A-Z])", document["summary"].strip())
-    written = (first, " ".join([*_use(document), *doubts]), _next(document.get("next_experiment") or {}))
-    return [_PRODUCT.sub("·", text) for text in written if text]
+    told = (first, " ".join([*_use(document), *doubts]), _next(document.get("next_experiment") or {}))
+    return [_PRODUCT.sub("·", text) for text in told if text]
 
 
 def _use(document: Document) -> list[str]:
@@ -44,7 +45,7 @@ def _use(document: Document) -> list[str]:
     if worst is not None and _gain(worst):
         told.append(
             f"On data held out the error of {worst['channel']} falls from {figure(worst['nominal']['heldout_rmse'])} to "
-            f"{figure(worst['augmented']['heldout_rmse'])} {unit(worst['unit'])} (noise {figure(worst['noise_floor'])})."
+            f"{figure(worst['augmented']['heldout_rmse'])} {written(worst['unit'])} (noise {figure(worst['noise_floor'])})."
         )
     share = document.get("explained_share")
     if share is not None:

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.report.diagnosis.sections.figure import Document, figure, unit
+from harness.recording.units import written
+from harness.report.diagnosis.sections.figure import Document, figure
 
 ROLES = {"training": "training", "held out": "held out", "both": "training, its end held out"}
 
@@ -24,7 +25,7 @@ class Data:
             "noise": document["noise"],
             "quality": document.get("quality") or [],
             "figure": figure,
-            "unit": unit,
+            "unit": written,
         }
 
 

@@ -8,10 +8,12 @@ from typing import Any
 
 from markupsafe import Markup
 
-from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
+from harness.diagnose.answer.diagnosis import numbers_of, one_by_one
+from harness.diagnose.answer.findings import rivals_in_words
 from harness.diagnose.answer.significant_digits import ends, resolved, width_of
+from harness.recording.units import written
 from harness.report.diagnosis.figures import correlated, repeated
-from harness.report.diagnosis.sections.figure import Document, figure, unit
+from harness.report.diagnosis.sections.figure import Document, figure
 
 
 @dataclass(frozen=True)
@@ -31,14 +33,14 @@ class Findings:
                 "site": finding["site"],
                 "grade": finding.get("grade"),
                 "bic": (finding.get("evidence") or {}).get("delta_bic"),
-                "rivals": ", ".join(rivals_of(finding)).replace("_", " "),
+                "rivals": ", ".join(rivals_in_words(finding)),
             }
             numbers = numbers_of(finding)
             rows += [
                 {
                     **common, "parameter": name.replace("_", " "), "number": p["value"],
                     "value": resolved(p["value"], width_of(p.get("ci95"))), "interval": ends(p.get("ci95")),
-                    "unit": unit(p["unit"]),
+                    "unit": written(p["unit"]),
                 }
                 for name, p in numbers.items()
             ] or [{**common, "parameter": "", "number": None, "value": "", "interval": "", "unit": ""}]  # fmt: skip
@@ -65,7 +67,7 @@ class Repeatability:
                 where = f"{finding['effect'].replace('_', ' ')} at {finding['site']}"
                 caption = f"{where}: {name.replace('_', ' ')} {how}, 95 %"
                 overall = finding["parameters"].get(name)
-                svg = repeated(rows, overall, name.replace("_", " "), unit(told), f"repeat-{where}-{name}")
+                svg = repeated(rows, overall, name.replace("_", " "), written(told), f"repeat-{where}-{name}")
                 pictures.append((caption, Markup(svg)))
         words = f"Estimate and interval {how}; shaded, what all of them give together."
         return {"words": words, "pictures": pictures} if pictures else None

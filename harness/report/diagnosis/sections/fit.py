@@ -9,6 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from harness.diagnose.answer.diagnosis import one_by_one
+from harness.recording.units import written
 from harness.report.diagnosis.figures import errors
 from harness.report.diagnosis.sections.figure import Document, figure
 
@@ -24,7 +25,13 @@ class BeforeAndAfter:
         if not fit:
             return None
         shown_there = [f["effect"].replace("_", " ") for f in one_by_one(document["findings"]) if "shows_only_in" in f]
-        return {"fit": fit, "picture": Markup(errors(fit)), "figure": figure, "shown_there": shown_there}
+        return {
+            "fit": fit,
+            "picture": Markup(errors(fit)),
+            "figure": figure,
+            "unit": written,
+            "shown_there": shown_there,
+        }
 
 
 @dataclass(frozen=True)

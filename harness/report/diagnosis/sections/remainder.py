@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.report.diagnosis.sections.figure import Document, figure, unit
+from harness.recording.units import written
+from harness.report.diagnosis.sections.figure import Document, figure
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Remainder:
             "tests": tests,
             "sizes": sizes,
             "figure": figure,
-            "unit": unit,
+            "unit": written,
         }
 
 
