@@ -86,8 +86,8 @@ def bounded(system: System) -> System:
             stops.append(stated[joint.name])
             continue
         if inverse is None:
-            zero = np.zeros(len(system.coordinate_names))
-            inverse = np.linalg.inv(Denoc(system).mass_matrix(zero))
+            model = Denoc(system)
+            inverse = np.linalg.inv(model.mass_matrix(model.neutral))
         k = system.coordinate_names.index(joint.name)
         law = limit_law(_SOLREF, _SOLIMP, float(inverse[k, k]))
         stops.append(Stops(joint.name, joint.lower, joint.upper, *law))
@@ -95,7 +95,8 @@ def bounded(system: System) -> System:
 
 
 def _has_range(joint: Joint) -> bool:
-    return bool(np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper)
+    own = len(joint.position_names) == 1
+    return bool(own and np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper)
 
 
 def reached(system: System, names: tuple[str, ...], time: Array, position: Array) -> tuple[str, ...]:

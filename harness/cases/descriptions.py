@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping
 
 from harness.cases.case import Bench, Case, Row, Series, thin
 from harness.compare.descriptions import TOLERANCE, Comparison, Cost, Difference, alike, compare, costs, namesakes
+from harness.errors import UnsupportedError
 from harness.system import System
+from harness.system.lowering import freed, one_degree
 
 # Single costs are worked out for this many differences, the largest first; the rest have that of all together.
 PRICED = 12
@@ -58,7 +60,13 @@ class Descriptions:
                 "description", self.names, "no link or joint in common by name, and trees of other shapes"
             )
             return
-        comparison = compare(*self.systems)
+        try:
+            # As descriptions, joints that follow others are joints like any.
+            systems = [one_degree(freed(system), "a comparison of descriptions") for system in self.systems]
+        except UnsupportedError as error:
+            yield bench.skipped("description", self.names, error.what)
+            return
+        comparison = compare(systems[0], systems[1])
         beyond = sorted((d for d in comparison.differences if not d.size <= self.tolerance), key=lambda d: -d.size)
         alone, together = costs(comparison, beyond[:PRICED])
         if len(beyond) > PRICED:

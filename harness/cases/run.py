@@ -55,6 +55,7 @@ class Task:
     against: tuple[str, str, Path] | None = None
     tolerance: float = TOLERANCE
     allow: tuple[Path, ...] = ()
+    floating: bool = False
 
 
 def validate(
@@ -68,6 +69,7 @@ def validate(
     tolerance: float = TOLERANCE,
     separate: bool = False,
     allow: Sequence[str | Path] = (),
+    floating: bool = False,
     progress: Progress | None = None,
 ) -> Results:
     """Compare the native dynamics with the other engines: on the built-in suite, or on models of the user's own.
@@ -78,6 +80,7 @@ def validate(
     tolerance: relative difference (angles: rad) allowed between two descriptions of one mechanism. separate: models are of
     different mechanisms, and are not held against one another.
     allow: folders beside a model's own that it may name includes and meshes in.
+    floating: let the root links of URDF models float on a free joint.
     progress: called with (done, total, name of the case that ended).
     Raises InputError for an unreadable model and an unknown case or engine.
     """
@@ -97,8 +100,11 @@ def validate(
     folders = tuple(Path(folder).resolve() for folder in allow)
     # What cannot be read is said before anything runs.
     files = names_of(paths)
-    systems = {name: read(path, physical=physical, allow=folders) for name, path in files.items()}
-    tasks = [Task(name, engine_names(engines), path.resolve(), physical, allow=folders) for name, path in files.items()]
+    systems = {name: read(path, physical=physical, allow=folders, floating=floating) for name, path in files.items()}
+    tasks = [
+        Task(name, engine_names(engines), path.resolve(), physical, allow=folders, floating=floating)
+        for name, path in files.items()
+    ]
     if not separate:
         from harness.cases.descriptions import pairs_of
 
@@ -173,7 +179,7 @@ def run_task(task: Task) -> Outcome:
         else:
             from harness.cases.users import doubts
 
-            case = case_of(task.case, task.model, physical=task.physical, allow=task.allow)
+            case = case_of(task.case, task.model, physical=task.physical, allow=task.allow, floating=task.floating)
             outcome = run_case(case, {name: registry.engine(name) for name in task.engines})
             return replace(outcome, doubts=doubts(task.case, task.model))
     else:

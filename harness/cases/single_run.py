@@ -19,7 +19,7 @@ from harness.errors import InputError, UnsupportedError
 from harness.recording.efforts import read_efforts
 from harness.recording.recording import QualityNote
 from harness.recording.units import factor_to_si
-from harness.system import System
+from harness.system import Joint, System
 from harness.system.suggest import did_you_mean
 
 # Eight columns of doubles of this length are half a gigabyte.
@@ -56,8 +56,18 @@ def assignments(texts: Sequence[str], option: str, quantity: str, system: System
                 f"{option} {text!r} is not of the form joint=value", mend=f"{option} pivot=1.2 or pivot=70[deg]"
             )
         name = name.strip()
-        if name not in system.coordinate_names:
-            raise InputError(f"{option}: no joint is named {name!r}", mend=did_you_mean(name, system.coordinate_names))
+        known = system.position_names if quantity == "position" else system.coordinate_names
+        if name not in known:
+            if name in system.joint_names:
+                own = system.joint(name).position_names if quantity == "position" else system.joint(name).velocity_names
+                followed = system.joint(name).mimic
+                raise InputError(
+                    f"{option}: joint {name!r} has several numbers"
+                    if own
+                    else f"{option}: joint {name!r} follows another",
+                    mend=f"give them by name: {', '.join(own)}" if own or followed is None else f"set {followed.joint}",
+                )
+            raise InputError(f"{option}: no joint is named {name!r}", mend=did_you_mean(name, known))
         if name in values:
             raise InputError(f"{option}: {name} is given twice", mend="give each joint once")
         prismatic = name in system.joint_names and system.joint(name).prismatic
@@ -167,7 +177,7 @@ def run_once(
         arriving = kept(arriving)
     try:
         run = model.simulate(q0, qd0, time, tau=arriving, step=step)
-        met = reached(system, run.names, time, run.position) if limits else ()
+        met = reached(system, run.position_names, time, run.position) if limits else ()
         if met:
             notes += met
             ends = bounded(system)
@@ -179,12 +189,13 @@ def run_once(
     except EngineError as error:
         raise InputError(str(error), mend="a smaller --step or --duration, or a gentler start") from error
     columns: dict[str, Array] = {"time": time}
-    for joint in system.joint_names:
-        column = run.names.index(joint)
-        columns[f"{joint}.position"] = run.position[:, column]
-        columns[f"{joint}.velocity"] = run.velocity[:, column]
-        if tau is not None:
-            columns[f"{joint}.effort"] = tau[:, names.index(joint)]
+    for joint in system.movable_joints:
+        for name in joint.position_names:
+            columns[column_name(joint, name, "position")] = run.position[:, run.position_names.index(name)]
+        for name in joint.velocity_names:
+            columns[column_name(joint, name, "velocity")] = run.velocity[:, run.names.index(name)]
+            if tau is not None:
+                columns[column_name(joint, name, "effort")] = tau[:, names.index(name)]
     columns.update(run.channels)
     for name, values in columns.items():
         if not np.isfinite(values).all():
@@ -195,6 +206,11 @@ def run_once(
     seen = {name: _through_sensors(system, name, values, time) for name, values in columns.items()}
     change = None if system.drives or met else _energy_change(system, model, run, tau)
     return SingleRun(engine, version, seen, change, notes)
+
+
+def column_name(joint: Joint, name: str, quantity: str) -> str:
+    """A recording's column of a joint's position, velocity or effort by name: ``knee.position``, ``root.position.qw``."""
+    return f"{joint.name}.{quantity}{name.removeprefix(joint.name)}"
 
 
 def _arriving(system: System, whole: System, tau: Array, time: Array) -> Array:
@@ -209,6 +225,8 @@ def _arriving(system: System, whole: System, tau: Array, time: Array) -> Array:
 def _through_inputs(system: System, tau: Array, time: Array) -> Array:
     arriving = tau.copy()
     for joint in system.joint_names:
+        if not system.joint(joint).simple:
+            continue
         column = system.coordinate_names.index(joint)
         for kind, attachment in input_chain(system.attachments, joint):
             if kind.input is not None:

@@ -16,12 +16,13 @@ from harness.system import System, load
 from harness.system.audit import audit
 
 
-def read(path: Path, *, physical: bool = True, allow: Sequence[Path] = ()) -> System:
+def read(path: Path, *, physical: bool = True, allow: Sequence[Path] = (), floating: bool = False) -> System:
     """The model; InputError if it cannot be read or has no joint that moves.
 
     physical: refuse inertia that no body can have. allow: folders beside its own that it may name files in.
+    floating: let the root link of a URDF float.
     """
-    system = load(path, physical=physical, allow=allow)
+    system = load(path, physical=physical, allow=allow, floating=floating)
     if not system.coordinate_names:
         raise InputError("no joint moves", source=path, mend="give a mechanism with a revolute or prismatic joint")
     return system
@@ -44,9 +45,11 @@ def names_of(paths: Sequence[Path]) -> dict[str, Path]:
     return names
 
 
-def case_of(name: str, path: Path, *, physical: bool = True, allow: tuple[Path, ...] = ()) -> Case:
+def case_of(
+    name: str, path: Path, *, physical: bool = True, allow: tuple[Path, ...] = (), floating: bool = False
+) -> Case:
     """The case of one model file."""
-    system, left_out = comparable(realised(read(path, physical=physical, allow=allow)))
+    system, left_out = comparable(realised(read(path, physical=physical, allow=allow, floating=floating)))
     checks = (*beam_checks(system, left_out), *straight_checks(system)) or state_checks(len(system.coordinate_names))
     return Case(
         name=name,

@@ -64,10 +64,11 @@ def decay(
     from harness.report.files import write_folder, write_whole
     from harness.report.json_text import json_text
     from harness.system import load
+    from harness.system.lowering import freed, one_degree
 
     if plot is not None and not plot.lower().endswith(".svg"):
         raise InputError(f"unknown ending {Path(plot).suffix!r}", source=plot, mend="name an .svg file")
-    system = None if model is None else load(model, physical=False)
+    system = None if model is None else one_degree(freed(load(model, physical=False)), "a decay")
     read = read_recording(recording, mapping=mapping, system=system)
     chosen = _channel(read, channel)
     good = chosen.values == chosen.values

@@ -42,6 +42,7 @@ from harness.cli.options import allow_option, console, say_notes, write_json
 @click.option(
     "--effects", "effects_files", multiple=True, metavar="FILE", help="Effects of your own that SYSTEM has attached."
 )
+@click.option("--floating", is_flag=True, help="Let the root link of a URDF float on a free joint.")
 @allow_option
 @click.option("--allow-unphysical", is_flag=True, help="Run a model whose inertia no body can have all the same.")
 @click.option("--plot", metavar="FILE", help="Draw the run to a .png, .svg or .pdf.")
@@ -63,6 +64,7 @@ def simulate(
     engine: str,
     step: float | None,
     effects_files: tuple[str, ...],
+    floating: bool,
     allow_unphysical: bool,
     allow: tuple[str, ...],
     plot: str | None,
@@ -93,7 +95,7 @@ def simulate(
         from harness.effects import load_user_effects
 
         load_user_effects(file)
-    mechanism = load(system, physical=not allow_unphysical, allow=allow)
+    mechanism = load(system, physical=not allow_unphysical, allow=allow, floating=floating)
     if engine == NATIVE:
         from harness.denoc.compiling import ahead
 

@@ -15,6 +15,7 @@ from harness.cli.options import allow_option, console, output_options, progress,
 @click.option("--case", "cases", multiple=True, metavar="NAME", help="Only this case ('robot*': all that start so).")
 @click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine beside the native one.")
 @click.option("--all-robots", is_flag=True, help="Every URDF of the package example-robot-data instead of the suite.")
+@click.option("--floating", is_flag=True, help="Let the root links of URDF models float on a free joint.")
 @allow_option
 @click.option("--allow-unphysical", is_flag=True, help="Compare models whose inertia no body can have all the same.")
 @click.option(
@@ -39,6 +40,7 @@ def validate(
     cases: tuple[str, ...],
     engines: tuple[str, ...],
     all_robots: bool,
+    floating: bool,
     allow_unphysical: bool,
     tolerance: float | None,
     separate: bool,
@@ -62,6 +64,7 @@ def validate(
       denoc validate --out results
       denoc validate robot.urdf arm.xml rig.toml --json -
       denoc validate robot.urdf robot.xml --tolerance 0.01
+      denoc validate quadruped.urdf --floating
       denoc validate robot.urdf --audit-import
       denoc validate --case 'rigid_*' --engine mujoco
     """
@@ -78,7 +81,9 @@ def validate(
     if all_robots:
         if models:
             raise InputError("--all-robots and models do not go together", mend="give the one or the other")
-        chosen, refused = _readable_robots()
+        chosen, refused = _readable_robots(floating)
+    if floating and chosen is None:
+        raise InputError("--floating is about models of your own", mend="name a URDF, or give --all-robots")
     if chosen is None and not cases and dask is None:
         # The whole suite needs every kernel, and each of its processes would compile its own.
         from harness.denoc.compiling import ahead
@@ -95,6 +100,7 @@ def validate(
             separate=separate or all_robots,
             **({} if tolerance is None else {"tolerance": tolerance}),
             allow=allow,
+            floating=floating,
             progress=step,
         )
     if chosen is not None:
@@ -149,7 +155,7 @@ def _list() -> int:
     return 0
 
 
-def _readable_robots() -> tuple[tuple[str, ...], list[tuple[str, str]]]:
+def _readable_robots(floating: bool) -> tuple[tuple[str, ...], list[tuple[str, str]]]:
     """Robots of the package that can be read, and one line for each that is refused."""
     from harness.cases.robots import files
     from harness.cases.users import read
@@ -158,7 +164,7 @@ def _readable_robots() -> tuple[tuple[str, ...], list[tuple[str, str]]]:
     good, refused = [], []
     for name, path in files().items():
         try:
-            read(path, physical=False)
+            read(path, physical=False, floating=floating)
             good.append(str(path))
         except InputError as error:
             refused.append((name, " ".join(filter(None, [error.what, f"({error.mend})" if error.mend else ""]))))

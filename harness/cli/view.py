@@ -55,10 +55,11 @@ def view(
     from harness.report.files import write_whole
     from harness.report.json_text import json_text
     from harness.system import load
+    from harness.system.lowering import freed, one_degree
 
     if out is not None and Path(out).suffix.lower() not in (".html", ".htm"):
         raise InputError(f"unknown ending {Path(out).suffix!r}", source=out, mend="use .html")
-    mechanism = load(system, physical=False)
+    mechanism = one_degree(freed(load(system, physical=False)), "a view")
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)
     told: tuple[str, ...] = ()

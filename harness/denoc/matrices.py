@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.denoc.beam.integrals import BENDING, BENDING2, TORSION, BeamData, Station, beam_data
-from harness.errors import InputError
-from harness.system import Joint, Link, System
+from harness.errors import InputError, UnsupportedError
+from harness.system import Joint, JointType, Link, System
 from harness.system.inertia import about_origin, point_inertia
-from harness.system.rotation import about_axis, skew
+from harness.system.rotation import about_axis, along_z, from_quaternion, skew
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class DenocMatrices:
     """The matrices of a system at one configuration; n̂ rows of twists, n coordinates, one block a link.
 
     N_l: (n̂, n̂), lower block triangular: how a link's twist carries on to the links it bears.
-    N_d: (n̂, n), block diagonal: what a joint, and a link's own modes, add.
+    N_d: (n̂, n), block diagonal: what a joint (its motion subspace, one column a velocity), and a link's own modes, add.
     M: (n̂, n̂), block diagonal: mass matrices of the links about their origins, extended by the modes.
     composite: mass matrix of the composite body that each link bears, one (6 + m, 6 + m) a link.
     rows, columns: where each link's block begins and ends.
@@ -106,11 +106,20 @@ class DenocMatrices:
 
 
 def denoc_matrices(system: System, q: ArrayLike) -> DenocMatrices:
-    """The DeNOC matrices of a system at positions q, shape (n,). Raises InputError for a wrong size."""
+    """The DeNOC matrices of a system at positions q, shape (nq,).
+
+    Raises InputError for a wrong size, UnsupportedError for a joint that mimics another: N_d is then no block diagonal.
+    """
     position = np.asarray(q, dtype=np.float64)
-    n = len(system.coordinate_names)
-    if position.shape != (n,):
-        raise InputError(f"q has shape {position.shape}", mend=f"give shape ({n},)")
+    n, nq = system.nv, system.nq
+    if position.shape != (nq,):
+        raise InputError(f"q has shape {position.shape}", mend=f"give shape ({nq},)")
+    for joint in system.joints:
+        if joint.mimic is not None:
+            raise UnsupportedError(
+                f"joint {joint.name!r} mimics {joint.mimic.joint!r}: the matrices have independent joints only",
+                mend="take the mimic out; harness.Denoc knows it",
+            )
     links = {link.name: k for k, link in enumerate(system.links)}
     parents = tuple(links.get(joint.parent, -1) for joint in system.joints)
     beams = [beam_data(system, link.name) if link.flexible else None for link in system.links]
@@ -122,22 +131,23 @@ def denoc_matrices(system: System, q: ArrayLike) -> DenocMatrices:
     armature = np.zeros(n)
     columns: list[slice] = []
     rotations: list[Array] = []
+    bent: list[Array] = []
     steps: list[Array] = []
-    column = 0
+    column = place = 0
     for k, (joint, link, data) in enumerate(zip(system.joints, system.links, beams, strict=True)):
         p = parents[k]
         carried = beams[p] if p >= 0 else None
         base = rotations[p] if p >= 0 else np.eye(3)
-        elastic = position[columns[p]][-carried.coordinates :] if carried else np.zeros(0)
-        turn, reach, partial = _joint_frame(joint, carried, elastic)
-        own = int(joint.movable)
-        value = float(position[column]) if own else 0.0
-        axis = base @ turn @ joint.axis
-        if joint.movable and not joint.prismatic:
-            turn = turn @ about_axis(joint.axis, value)
-        reach = base @ reach + (axis * value if joint.prismatic else 0.0)
-        rotation = base @ turn
+        elastic = bent[p] if carried else np.zeros(0)
+        frame, reach, partial = _joint_frame(joint, carried, elastic)
+        width, own = len(joint.position_names), len(joint.velocity_names)
+        turn, slide, subspace = joint_motion(joint, position[place : place + width])
+        frame = base @ frame
+        slide = frame @ slide
+        reach = base @ reach + slide
+        rotation = frame @ turn
         modes = data.coordinates if data else 0
+        bent.append(position[place + width : place + width + modes])
         block = slice(column, column + own + modes)
         columns.append(block)
         rotations.append(rotation)
@@ -147,15 +157,15 @@ def denoc_matrices(system: System, q: ArrayLike) -> DenocMatrices:
         step[3:6, :3] = -skew(reach)
         if carried is not None:
             step[:3, 6:] = base @ partial[:3]
-            slide = axis * value if joint.prismatic else np.zeros(3)
             step[3:6, 6:] = base @ partial[3:] - skew(slide) @ (base @ partial[:3])
         steps.append(step)
-        if own:
-            armature[column] = joint.armature
-            drive[rows[k].start + (3 if joint.prismatic else 0) :, column][:3] = axis
+        armature[column : column + own] = joint.armature
+        first = rows[k].start
+        drive[first : first + 3, column : column + own] = frame @ subspace[:3]
+        drive[first + 3 : first + 6, column : column + own] = frame @ subspace[3:]
         for l in range(modes):
             drive[rows[k].start + 6 + l, column + own + l] = 1.0
-        local = _link_mass(link, data, position[column + own : column + own + modes])
+        local = _link_mass(link, data, bent[k])
         spread = np.eye(sizes[k])
         spread[:3, :3] = spread[3:6, 3:6] = rotation
         mass[rows[k], rows[k]] = spread @ local @ spread.T
@@ -166,11 +176,48 @@ def denoc_matrices(system: System, q: ArrayLike) -> DenocMatrices:
             product = product @ steps[j]
             j = parents[j]
         column += own + modes
+        place += width + modes
     composite = [mass[r, r].copy() for r in rows]
     for k in range(len(rows) - 1, -1, -1):
         if parents[k] >= 0:
             composite[parents[k]] += steps[k].T @ composite[k] @ steps[k]
     return DenocMatrices(step_in, drive, mass, tuple(composite), rows, tuple(columns), parents, armature)
+
+
+def joint_motion(joint: Joint, q: Array) -> tuple[Array, Array, Array]:
+    """Where a joint at its own positions q puts its child, and its motion subspace S, all in axes of the joint frame.
+
+    Returns rotation (3, 3) of the child's axes, shift (3,) of its origin and S (6, nv): angular velocity of the child and
+    velocity of its origin, relative to the parent, by unit velocities of the joint.
+    """
+    eye, zero = np.eye(3), np.zeros(3)
+    none = np.zeros((3, 3))
+    axis = np.asarray(joint.axis)
+    match joint.type:
+        case JointType.FIXED:
+            return eye, zero, np.zeros((6, 0))
+        case JointType.PRISMATIC:
+            return eye, axis * q[0], np.concatenate([zero, axis])[:, None]
+        case JointType.HELICAL:
+            along = joint.pitch * axis
+            return about_axis(axis, q[0]), along * q[0], np.concatenate([axis, along])[:, None]
+        case JointType.UNIVERSAL:
+            first = about_axis(axis, q[0])
+            spins = np.column_stack([axis, first @ joint.axis2])
+            return first @ about_axis(joint.axis2, q[1]), zero, np.vstack([spins, np.zeros((3, 2))])
+        case JointType.PLANAR:
+            plane = along_z(axis)
+            subspace = np.zeros((6, 3))
+            subspace[3:, :2], subspace[:3, 2] = plane[:, :2], axis
+            return about_axis(axis, q[2]), plane[:, :2] @ q[:2], subspace
+        case JointType.BALL:
+            rotation = from_quaternion(q)
+            return rotation, zero, np.vstack([rotation, none])
+        case JointType.FREE:
+            rotation = from_quaternion(q[3:])
+            return rotation, q[:3], np.block([[none, rotation], [eye, none]])
+        case _:
+            return about_axis(axis, q[0]), zero, np.concatenate([axis, zero])[:, None]
 
 
 def section(data: BeamData, station: Station, b: Array) -> Section:

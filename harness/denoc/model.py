@@ -26,13 +26,15 @@ from harness.denoc.recursion.binding import (
 )
 from harness.denoc.recursion.dynamics_call import call_rows, forward_entry, inverse_entry
 from harness.denoc.recursion.elastic import pack_beams
-from harness.denoc.recursion.rows import EXTERNAL, FIRST, POSITION, TURN
+from harness.denoc.recursion.rows import ARMATURE, EXTERNAL, FIRST, POSITION, TURN
 from harness.denoc.recursion.tree import Tree, compile_tree
-from harness.errors import InputError
+from harness.errors import InputError, UnsupportedError
 from harness.system import System, Trajectory
+from harness.system.lowering import lower, neutral_position
 
 if TYPE_CHECKING:
     from harness.denoc.batch.model import BatchModel
+    from harness.denoc.chart.chart import Chart
     from harness.denoc.motion.integrate import Event
 
 Array = NDArray[np.float64]
@@ -45,7 +47,9 @@ _LARGE = 128
 class Denoc:
     """Equations of motion M(q) q̈ + C(q, q̇) q̇ + g(q) = τ + passive forces of a tree of rigid and flexible links.
 
-    system: the mechanism. Coordinates are in the order of ``system.coordinate_names``; SI units throughout.
+    system: the mechanism. Velocities, accelerations and forces (n = nv of them) are in the order of
+    ``system.coordinate_names``, positions (nq) in that of ``system.position_names``; SI units throughout. The two are the
+    same where every joint has one degree of freedom. A rotation in space is a quaternion of any length but zero.
     Raises InputError naming joint or link where a number is unusable.
 
     An object holds a workspace that its methods write to: use one object a thread (making one is cheap).
@@ -55,6 +59,7 @@ class Denoc:
         "_arguments",
         "_bare",
         "_chain",
+        "_chart",
         "_elastic",
         "_forward",
         "_header",
@@ -67,12 +72,15 @@ class Denoc:
         "beams",
         "n",
         "names",
+        "nq",
+        "position_names",
         "system",
         "tree",
     )
 
     def __init__(self, system: System) -> None:
-        tree = compile_tree(system)
+        lowered = None if system.simple else lower(system)
+        tree = compile_tree(system if lowered is None else lowered.system)
         if tree.n == 0:
             raise InputError(
                 f"system {system.name!r} has no movable joint and no flexible link",
@@ -80,7 +88,9 @@ class Denoc:
             )
         self.system = system
         self.names = system.coordinate_names
-        self.n = tree.n
+        self.position_names = system.position_names
+        self.n = len(self.names)
+        self.nq = len(self.position_names)
         self.tree: Tree = tree
         self._elastic, self.beams = pack_beams(tree)
         # Flexible recursions are compiled only where a link bends: a rigid robot does not wait for them.
@@ -94,18 +104,25 @@ class Denoc:
             *addresses(flexible),
         )
         self._chain: Array | None = None
-        if rigid_chain.fits(tree):
+        if lowered is None and rigid_chain.fits(tree):
             from harness.denoc.recursion.rigid_address import chain_address
 
             self._chain = rigid_chain.pack(tree)
             self._header[FORWARD], self._header[CHAIN] = chain_address(), self._chain.ctypes.data
-        self._model = int(self._header.ctypes.data)
         # The same model, whose inverse dynamics leave passive forces out.
         self._bare = self._header.copy()
         self._bare[BARE] = 1
-        self._zero = np.zeros(tree.n)
-        self._forward = entry(forward_entry, 4)
-        self._inverse = entry(inverse_entry, 4)
+        self._chart: Chart | None = None
+        self._zero = np.zeros(self.n)
+        if lowered is None:
+            self._forward, self._inverse = entry(forward_entry, 4), entry(inverse_entry, 4)
+        else:
+            from harness.denoc.chart.chart import make_chart
+
+            self._chart, self._header, self._bare = make_chart(system, lowered, tree, self._header)
+            # Positions are to be looked at first.
+            self._forward = self._inverse = _declined
+        self._model = int(self._header.ctypes.data)
         self._many: BatchModel | None = None
         self._mass: Any = None
         self._kernels: Any = rigid
@@ -134,7 +151,7 @@ class Denoc:
     ) -> Array:
         """Accelerations q̈ from forces; joint damping and springs, beam stiffness and damping act, dry friction does not.
 
-        q [rad or m], qd, tau [N·m or N], each shape (n,); tau None is zero. wrenches: external (moment, force) on each
+        q [rad or m], shape (nq,); qd, tau [N·m or N], each shape (n,); tau None is zero. wrenches: external (moment, force) on each
         link at its link-frame origin, in base axes, shape (links, 6). Returns shape (n,).
         Raises InputError for wrong sizes, for what is not finite, and for a joint that moves no inertia.
         """
@@ -151,7 +168,7 @@ class Denoc:
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array, wrenches: ArrayLike | None = None) -> Array:
         """Generalized forces τ that make the accelerations, passive forces counted as in ``forward_dynamics``.
 
-        q, qd, qdd: shape (n,). wrenches as in ``forward_dynamics``. Returns shape (n,).
+        q: shape (nq,); qd, qdd: shape (n,). wrenches as in ``forward_dynamics``. Returns shape (n,).
         Raises InputError for wrong sizes and for what is not finite.
         """
         if wrenches is not None:
@@ -169,11 +186,21 @@ class Denoc:
             self._mass = self._short_mass_matrix()
         if self._mass(self._model, q, mass):
             # Converted and checked, or a line that says what is wrong.
-            self._mass_rows(self.vector("q", q)[None], mass[None])
+            self._mass_rows(self.position("q", q)[None], mass[None])
         return mass
 
     def _mass_rows(self, Q: Array, out: Array) -> None:
         """Generalized inertia matrices of arrays known to be sound."""
+        if self._chart is None:
+            self._lowered_mass_rows(Q, out)
+            return
+        lowered = np.empty((1, self.tree.n, self.tree.n))
+        for k, q in enumerate(Q):
+            self._lowered_mass_rows(self._chart.local(self._model, q)[None], lowered)
+            out[k] = self._chart.both_sides(lowered[0])
+
+    def _lowered_mass_rows(self, Q: Array, out: Array) -> None:
+        """The same in the coordinates of ``tree``."""
         kernels = self._kernels
         if not self.beams:
             from harness.denoc.recursion import rigid_mass as kernels
@@ -181,8 +208,8 @@ class Denoc:
 
     def _short_mass_matrix(self) -> Any:
         """The short way to the mass matrix; where links bend there is none, and it declines."""
-        if self.beams:
-            return lambda model, q, mass: NOT_PLAIN
+        if self.beams or self._chart is not None:
+            return _declined
         from harness.denoc.recursion.rigid_address import mass_entry
 
         return entry(mass_entry, 2)
@@ -190,7 +217,7 @@ class Denoc:
     def bias(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """C(q, q̇) q̇ + g(q), without passive forces, shape (n,)."""
         out = np.empty(self.n)
-        q, qd = self.vector("q", q), self.vector("qd", qd)
+        q, qd = self.position("q", q), self.vector("qd", qd)
         call_rows(int(self._bare[INVERSE]), int(self._bare.ctypes.data), q[None], qd[None], self._zero[None], out[None])
         return out
 
@@ -200,25 +227,37 @@ class Denoc:
 
     def coriolis_matrix(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """A matrix C(q, q̇) with C q̇ the velocity forces and Ṁ - 2C skew-symmetric, shape (n, n)."""
-        out = np.empty((self.n, self.n))
-        q, qd = self.vector("q", q), self.vector("qd", qd)
+        m = self.tree.n
+        out = np.empty((m, m))
+        local, rates = self._lowered(q, qd)
         if self.beams:
             from harness.denoc.motion.coriolis import christoffel_matrix
 
-            return christoffel_matrix(self, q, qd)
-        self._kernels.coriolis_matrix(*self._arguments, q, qd, out)
-        return out
+            if self._chart is not None:
+                raise UnsupportedError(
+                    "the Coriolis matrix of flexible links beside joints of several degrees of freedom",
+                    mend="use bias, whose velocity forces are the same",
+                )
+            return christoffel_matrix(self, local, rates)
+        self._kernels.coriolis_matrix(*self._arguments, local, rates, out)
+        if self._chart is None:
+            return out
+        mass = np.empty((1, m, m))
+        self._lowered_mass_rows(local[None], mass)
+        # Rates of angles are spins here and now alone; armature is none of a body's inertia.
+        armature = np.diag(self.tree.rows[1:, ARMATURE])
+        return self._chart.both_sides(out - (mass[0] - armature) @ self._chart.product_matrix(rates))
 
     def passive(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """Passive forces on the right-hand side: -damping q̇ - stiffness (q - rest), beams included, shape (n,)."""
-        q, qd = self.vector("q", q), self.vector("qd", qd)
-        out = np.zeros(self.n)
+        q, qd = self._lowered(q, qd)
+        out = np.zeros(self.tree.n)
         self._kernels.subtract_passive(*self._arguments, q, qd, out)
-        return -out
+        return -out if self._chart is None else -self._chart.gathered(out)
 
     def energy(self, q: ArrayLike, qd: ArrayLike) -> tuple[float, float]:
         """Kinetic and potential energy [J]; springs and beams count as potential, zero height is the base's origin."""
-        kinetic, potential = self.energies(self.vector("q", q)[None], self.vector("qd", qd)[None])[0]
+        kinetic, potential = self.energies(self.position("q", q)[None], self.vector("qd", qd)[None])[0]
         return float(kinetic), float(potential)
 
     def momentum(self, q: ArrayLike, qd: ArrayLike) -> Array:
@@ -227,7 +266,7 @@ class Denoc:
         Armature is inertia of a coordinate, not of a body in space, and has no share in it.
         """
         out = np.empty(6)
-        self._kernels.momentum(*self._arguments, self.vector("q", q), self.vector("qd", qd), out)
+        self._kernels.momentum(*self._arguments, *self._lowered(q, qd), out)
         return out
 
     def link_pose(self, q: ArrayLike, link: str) -> tuple[Array, Array]:
@@ -238,7 +277,7 @@ class Denoc:
         seat = self.tree.seats.get(link)
         if seat is None:
             raise InputError(f"no link {link!r}", mend=f"links are {', '.join(list(self.tree.seats)[:8])} …")
-        self._kernels.locate(*self._arguments, self.vector("q", q), self._zero)
+        self._kernels.locate(*self._arguments, *self._lowered(q, self._zero))
         row = self.tree.rows[seat.body]
         turn = row[TURN : TURN + 9].reshape(3, 3)
         return turn @ seat.rotation, row[POSITION : POSITION + 3] + turn @ seat.origin
@@ -246,15 +285,15 @@ class Denoc:
     def forward_dynamics_batch(
         self, Q: ArrayLike, Qd: ArrayLike, Tau: ArrayLike | None = None, *, out: Array | None = None
     ) -> Array:
-        """``forward_dynamics`` for many states at once: Q, Qd, Tau and the result have shape (B, n).
+        """``forward_dynamics`` for many states at once: Q has shape (B, nq), Qd, Tau and the result (B, n).
 
         out: where to write the result, here and below: a writeable, C-contiguous array of float64 of its shape, which is
         returned. Raises InputError where it is not.
         """
         Q, Qd = self._table("Q", Q), self._table("Qd", Qd)
-        Tau = np.zeros_like(Q) if Tau is None else self._table("Tau", Tau)
+        Tau = np.zeros_like(Qd) if Tau is None else self._table("Tau", Tau)
         self._same_length(Q=Q, Qd=Qd, Tau=Tau)
-        result = place_for(Q.shape, out)
+        result = place_for(Qd.shape, out)
         Q, Qd, Tau = apart(Q, out), apart(Qd, out), apart(Tau, out)
         many = self._eight_at_a_time(Q)
         if many is not None and finite(np.asarray(many.forward_dynamics(Q, Qd, Tau, out=result))):
@@ -263,19 +302,19 @@ class Denoc:
         return self.accelerations(Q, Qd, Tau, result)
 
     def inverse_dynamics_batch(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike, *, out: Array | None = None) -> Array:
-        """``inverse_dynamics`` for many states at once: Q, Qd, Qdd and the result have shape (B, n); out as above."""
+        """``inverse_dynamics`` for many states at once: Q (B, nq), Qd, Qdd and the result (B, n); out as above."""
         Q, Qd, Qdd = self._table("Q", Q), self._table("Qd", Qd), self._table("Qdd", Qdd)
         self._same_length(Q=Q, Qd=Qd, Qdd=Qdd)
         many = self._eight_at_a_time(Q)
         if many is not None:
             return many.inverse_dynamics(Q, Qd, Qdd, out=out)
-        result = place_for(Q.shape, out)
+        result = place_for(Qd.shape, out)
         Q, Qd, Qdd = apart(Q, out), apart(Qd, out), apart(Qdd, out)
         call_rows(int(self._header[INVERSE]), self._model, Q, Qd, Qdd, result)
         return result
 
     def mass_matrix_batch(self, Q: ArrayLike, *, out: Array | None = None) -> Array:
-        """``mass_matrix`` for many positions at once: Q (B, n), result (B, n, n); out as above.
+        """``mass_matrix`` for many positions at once: Q (B, nq), result (B, n, n); out as above.
 
         A new result of many states costs more to make room for than to compute: give one that is there already.
         """
@@ -289,7 +328,7 @@ class Denoc:
 
     def _eight_at_a_time(self, Q: Array) -> BatchModel | None:
         """The kernels over eight states at once, for rigid systems and enough rows to be worth it."""
-        if self.beams or len(Q) < 8:
+        if self.beams or len(Q) < 8 or self._chart is not None:
             return None
         if self._many is None:
             from harness.denoc.batch.model import BatchModel
@@ -300,8 +339,8 @@ class Denoc:
     def accelerations(self, Q: Array, Qd: Array, Tau: Array, out: Array | None = None) -> Array:
         """``forward_dynamics`` row by row, for arrays known to be sound; Tau may have no rows, for no forces."""
         if out is None:
-            out = np.empty_like(Q)
-        forces = Tau if len(Tau) else np.zeros_like(Q)
+            out = np.empty_like(Qd)
+        forces = Tau if len(Tau) else np.zeros_like(Qd)
         status = call_rows(int(self._header[FORWARD]), self._model, Q, Qd, forces, out)
         if status > 0:
             raise self.singular(status)
@@ -310,7 +349,12 @@ class Denoc:
     def energies(self, Q: Array, Qd: Array) -> Array:
         """Kinetic and potential energy [J] of every row, (B, 2), for arrays known to be sound."""
         out = np.empty((len(Q), 2))
-        self._kernels.energy_rows(*self._arguments, Q, Qd, out)
+        if self._chart is None:
+            self._kernels.energy_rows(*self._arguments, Q, Qd, out)
+            return out
+        for k in range(len(Q)):
+            local, rates = self._chart.local(self._model, Q[k]), self._chart.rates(Qd[k])
+            self._kernels.energy_rows(*self._arguments, local[None], rates[None], out[k : k + 1])
         return out
 
     def hub_motion(self, body: int, Q: Array, Qd: Array, Qdd: Array) -> Array:
@@ -377,11 +421,12 @@ class Denoc:
         """
         from harness.denoc.motion.frequencies import frequencies
 
-        return frequencies(self, np.zeros(self.n) if q is None else q, qd)
+        return frequencies(self, self.neutral if q is None else q, qd)
 
     def linear_passive(self) -> tuple[Array, Array]:
         """Stiffness and damping matrices of joints and beams, (n, n) each: passive = -K (q - rest) - C q̇."""
-        stiffness, damping = np.zeros((self.n, self.n)), np.zeros((self.n, self.n))
+        m = self.tree.n
+        stiffness, damping = np.zeros((m, m)), np.zeros((m, m))
         for body, joint in enumerate(self.tree.joints, start=1):
             own = int(self.tree.topology[body, FIRST])
             if joint.movable:
@@ -391,7 +436,9 @@ class Denoc:
                 data = self.beams[body]
                 part = slice(own, own + data.coordinates)
                 stiffness[part, part], damping[part, part] = data.K, data.C
-        return stiffness, damping
+        if self._chart is None:
+            return stiffness, damping
+        return self._chart.both_sides(stiffness), self._chart.both_sides(damping)
 
     @property
     def forward_address(self) -> int:
@@ -420,33 +467,94 @@ class Denoc:
             f"joint {joint.name!r} moves no inertia", mend="give the links it carries mass, or the joint armature"
         )
 
+    @property
+    def neutral(self) -> Array:
+        """Positions with every coordinate zero and every rotation the identity, shape (nq,)."""
+        return neutral_position(self.system)
+
+    def integrate(self, q: ArrayLike, step: ArrayLike) -> Array:
+        """Positions (nq,) reached from q (nq,) by a step (n,) of velocities held for a second; a sum where nq = nv."""
+        from harness.denoc.chart.manifold import integrate
+
+        return integrate(self.system, self.position("q", q), self.vector("step", step))
+
+    def difference(self, q0: ArrayLike, q1: ArrayLike) -> Array:
+        """The step (n,) that ``integrate`` takes from q0 to q1, each (nq,)."""
+        from harness.denoc.chart.manifold import difference
+
+        return difference(self.system, self.position("q0", q0), self.position("q1", q1))
+
+    def position_place(self, coordinate: int) -> int:
+        """Where among the positions a coordinate of ``tree`` stands that is no angle of a ball."""
+        return coordinate if self._chart is None else int(self._chart.lowered.take[coordinate])
+
+    def velocity_share(self, coordinate: int) -> tuple[int, float]:
+        """Of which velocity the rate of a coordinate of ``tree`` is a multiple, and what multiple."""
+        if self._chart is None:
+            return coordinate, 1.0
+        row = self._chart.lowered.rates[coordinate]
+        place = int(np.flatnonzero(row)[0])
+        return place, float(row[place])
+
+    def position_rates(self, q: ArrayLike, qd: ArrayLike) -> Array:
+        """Rates q̇ (nq,) of the positions q (nq,) at velocities qd (n,), which they are where nq = nv."""
+        if self.nq == self.n:
+            return self.vector("qd", qd)
+        from harness.denoc.chart.manifold import position_rates
+
+        return position_rates(self.system, self.position("q", q), self.vector("qd", qd))
+
+    def _lowered(self, q: ArrayLike, qd: ArrayLike) -> tuple[Array, Array]:
+        """Positions and rates of the coordinates of ``tree``, which is recentred there."""
+        q, qd = self.position("q", q), self.vector("qd", qd)
+        if self._chart is None:
+            return q, qd
+        return self._chart.local(self._model, q), self._chart.rates(qd)
+
+    def position(self, name: str, value: ArrayLike) -> Array:
+        """Value as a contiguous float64 vector of nq finite numbers, no quaternion in it zero."""
+        if self._chart is None:
+            return self.vector(name, value)
+        found = self._checked(name, value, self.position_names, "position")
+        self._chart.refuse_zero(found[None])
+        return found
+
     def vector(self, name: str, value: ArrayLike) -> Array:
         """Value as a contiguous float64 vector of n finite numbers."""
+        return self._checked(name, value, self.names, "coordinate" if self.n == self.nq else "velocity")
+
+    def _checked(self, name: str, value: ArrayLike, names: tuple[str, ...], kind: str) -> Array:
+        n = len(names)
         try:
             vector = np.ascontiguousarray(value, dtype=np.float64)
         except (TypeError, ValueError):
-            raise InputError(f"{name} is not a vector of numbers", mend=f"give {self.n} numbers") from None
-        if vector.shape != (self.n,):
+            raise InputError(f"{name} is not a vector of numbers", mend=f"give {n} numbers") from None
+        if vector.shape != (n,):
+            kinds = kind + "s" * (n > 1) if kind != "velocity" else "velocities"
+            mixed = "" if self.n == self.nq else f" (nq = {self.nq} positions, nv = {self.n} velocities)"
             raise InputError(
-                f"{name} has shape {vector.shape}, the system has {self.n} coordinate{'s' * (self.n > 1)}",
-                mend=f"give shape ({self.n},): {_some(self.names)}",
+                f"{name} has shape {vector.shape}, the system has {n} {kinds}{mixed}",
+                mend=f"give shape ({n},): {_some(names)}",
             )
         bad = np.flatnonzero(~np.isfinite(vector))
         if len(bad):
-            raise InputError(f"{name}[{bad[0]}] ({self.names[bad[0]]}) is {vector[bad[0]]}", mend="give finite numbers")
+            raise InputError(f"{name}[{bad[0]}] ({names[bad[0]]}) is {vector[bad[0]]}", mend="give finite numbers")
         return vector
 
     def _table(self, name: str, value: ArrayLike) -> Array:
-        """Value as a contiguous float64 array (B, n) of finite numbers."""
+        """Value as a contiguous float64 array (B, n) of finite numbers, (B, nq) of positions."""
+        n = self.nq if name == "Q" else self.n
         try:
             table = np.ascontiguousarray(value, dtype=np.float64)
         except (TypeError, ValueError):
-            raise InputError(f"{name} is not an array of numbers", mend=f"give shape (B, {self.n})") from None
-        if table.ndim != 2 or table.shape[1] != self.n:
-            raise InputError(f"{name} has shape {table.shape}", mend=f"give shape (B, {self.n}), one state a row")
+            raise InputError(f"{name} is not an array of numbers", mend=f"give shape (B, {n})") from None
+        if table.ndim != 2 or table.shape[1] != n:
+            raise InputError(f"{name} has shape {table.shape}", mend=f"give shape (B, {n}), one state a row")
         if not finite(table):
             row, column = np.argwhere(~np.isfinite(table))[0]
             raise InputError(f"{name}[{row}, {column}] is {table[row, column]}", mend="give finite numbers")
+        if name == "Q" and self._chart is not None:
+            self._chart.refuse_zero(table)
         return table
 
     def _same_length(self, **tables: Array) -> None:
@@ -457,7 +565,9 @@ class Denoc:
 
     def _again(self, status: int, short: Any, which: int, **vectors: ArrayLike) -> Array:
         """What the short way refused: convert and check, then compute or say why not."""
-        checked = [self.vector(name, value) for name, value in vectors.items()]
+        checked = [
+            self.position(name, value) if name == "q" else self.vector(name, value) for name, value in vectors.items()
+        ]
         out = np.empty(self.n)
         if status == NOT_PLAIN:
             status = short(self._model, *checked, out)
@@ -480,7 +590,7 @@ class Denoc:
                 f"wrenches of shape {external.shape}, or not finite",
                 mend=f"give finite moment and force for each of the {len(links)} links, shape ({len(links)}, 6)",
             )
-        self._kernels.locate(*self._arguments, self.vector("q", q), self._zero)
+        self._kernels.locate(*self._arguments, *self._lowered(q, self._zero))
         rows = self.tree.rows
         for link, wrench in zip(links, external, strict=True):
             seat = self.tree.seats[link.name]
@@ -495,6 +605,11 @@ class Denoc:
             self._header[FORWARD] = forward
             rows[:, EXTERNAL : EXTERNAL + 6] = 0.0
         return result
+
+
+def _declined(*_: Any) -> int:
+    """In place of a short way in, where there is none."""
+    return NOT_PLAIN
 
 
 def _some(names: Sequence[str], most: int = 6) -> str:

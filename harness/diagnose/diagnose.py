@@ -34,6 +34,7 @@ from harness.errors import InputError
 from harness.parallel import one_blas_thread
 from harness.recording import Recording, read_recordings
 from harness.system import System, load
+from harness.system.lowering import freed, one_degree
 
 Progress = Callable[[int, int, str], None]
 LEVELS = ("whether dry friction differs from recording to recording", "its size may be a mean of several")
@@ -69,6 +70,7 @@ def diagnose(
     if isinstance(recordings, (str, Path, Recording)):
         recordings = [recordings]
     system = model if isinstance(model, System) else load(model, physical=False)
+    system = one_degree(freed(system), "a diagnosis")
     if tolerance is not None:
         if not 0.0 < tolerance < 1.0:
             raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")

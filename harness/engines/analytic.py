@@ -135,6 +135,8 @@ class Analytic:
         return f"scipy {scipy.__version__}"
 
     def refuses(self, system: System) -> str | None:
+        if not system.simple:
+            return "closed forms here have joints of one independent degree of freedom each alone"
         if bends(system):
             return "closed forms here have no elastic links"
         reason = refusal("the closed form", system, forces=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +14,8 @@ from harness.engines.expressed import Expressed, express
 from harness.engines.protocol import Array, EngineError
 from harness.engines.stops import enclosing_zero, refusal, run_between
 from harness.errors import InputError, UnsupportedError
-from harness.system import System, Trajectory
+from harness.system import JointType, System, Trajectory
+from harness.system.lowering import position_of_rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,35 +27,45 @@ class NativeModel:
     model: Any
     expressed: Expressed
 
+    @property
+    def position_names(self) -> tuple[str, ...]:
+        return tuple(self.model.position_names)
+
     def _forces(self, q: Array, qd: Array) -> Array | float:
         # Joint coordinates alone have laws; elastic ones lie between them.
         if not self.expressed.forces.any:
             return 0.0
-        places = [self.names.index(name) for name in self.system.joint_names]
+        places = [self.names.index(name) for joint in self.system.joints for name in joint.velocity_names]
+        at = position_of_rate(self.system)[places]
         total = np.zeros(len(self.names))
-        total[places] = self.expressed.forces(q[places], qd[places])
+        total[places] = self.expressed.forces(np.where(at >= 0, q[at], 0.0), qd[places])
         return total
 
+    def _state(self, q: Array, **others: Array) -> Iterator[Array]:
+        """Positions, and what has the size of velocities, checked."""
+        yield vector("q", q, len(self.position_names))
+        yield from vectors(len(self.names), **others)
+
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        q, qd, tau = vectors(len(self.names), q=q, qd=qd, tau=tau)
+        q, qd, tau = self._state(q, qd=qd, tau=tau)
         return np.asarray(self.model.forward_dynamics(q, qd, tau + self._forces(q, qd)))
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        q, qd, qdd = vectors(len(self.names), q=q, qd=qd, qdd=qdd)
+        q, qd, qdd = self._state(q, qd=qd, qdd=qdd)
         return np.asarray(self.model.inverse_dynamics(q, qd, qdd)) - self._forces(q, qd)
 
     def mass_matrix(self, q: Array) -> Array:
-        return np.asarray(self.model.mass_matrix(vector("q", q, len(self.names))))
+        return np.asarray(self.model.mass_matrix(vector("q", q, len(self.position_names))))
 
     def bias(self, q: Array, qd: Array) -> Array:
-        q, qd = vectors(len(self.names), q=q, qd=qd)
+        q, qd = self._state(q, qd=qd)
         return np.asarray(self.model.bias(q, qd))
 
     def gravity(self, q: Array) -> Array:
-        return np.asarray(self.model.gravity(vector("q", q, len(self.names))))
+        return np.asarray(self.model.gravity(vector("q", q, len(self.position_names))))
 
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
-        q, qd = vectors(len(self.names), q=q, qd=qd)
+        q, qd = self._state(q, qd=qd)
         kinetic, potential = self.model.energy(q, qd)
         return float(kinetic), float(potential)
 
@@ -66,7 +78,7 @@ class NativeModel:
         Systems with joint laws beyond damping, springs and dry friction run in the lanes, which always adapt their step.
         """
         n = len(self.names)
-        q0, qd0 = vectors(n, q0=q0, qd0=qd0)
+        q0, qd0 = self._state(q0, qd0=qd0)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
         if self.expressed.laws or self.system.drives or self.system.stops:
@@ -115,7 +127,7 @@ class NativeModel:
         return Trajectory(time, self.names, position, velocity, channels=signals)
 
     def frequencies(self, q: Array) -> Array:
-        return np.asarray(self.model.frequencies(vector("q", q, len(self.names))))
+        return np.asarray(self.model.frequencies(vector("q", q, len(self.position_names))))
 
 
 @dataclass(frozen=True)
@@ -132,6 +144,12 @@ class Native:
     def refuses(self, system: System) -> str | None:
         if not system.coordinate_names:
             return "the system has no movable joint and no elastic link"
+        if not system.simple:
+            laws = system.attachments or system.drives or system.stops
+            for joint in system.joints:
+                if laws and (joint.turns_in_space or joint.mimic is not None or joint.type is JointType.HELICAL):
+                    what = "follows another" if joint.mimic is not None else f"is of type {joint.type}"
+                    return f"effects, drives and limits do not act yet where a joint {what}, as {joint.name} does"
         try:
             beyond = express(system).beyond
         except InputError as error:

@@ -27,7 +27,7 @@ CONSTRAINTS = ("friction_softness", "stop_inertia")
 
 @dataclass(frozen=True, eq=False)
 class JointForces:
-    """Joint laws of position and velocity, each array of shape (n,) in the order of the joints, zero where absent.
+    """Joint laws of position and velocity, each array of shape (n,) in the order of the joints' velocities, zero where absent.
 
     drag [N·m·s²/rad²], cubic [N·m/rad³], constant [N·m], cogging amplitude [N·m], periods [1/rev] and phase [rad],
     stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad]; whole gap [rad] of teeth, their stiffness and damping; offset,
@@ -157,7 +157,7 @@ def express(system: System) -> Expressed:
         elif effect(attachment.effect).side == "dynamics":
             plain = apply(plain, attachment)
     laws, plain = plain.attachments, replace(plain, attachments=())
-    names = plain.joint_names
+    names = tuple(name for joint in plain.joints for name in joint.velocity_names)
     table = {name: np.zeros(len(names)) for name in JointForces.__dataclass_fields__}
     for drive in plain.drives:
         k = names.index(drive.joint)
@@ -170,7 +170,7 @@ def express(system: System) -> Expressed:
         if law.effect == "base_excitation":
             x, y, z = sideways(plain)
             shaking = Shaking((x, y, z), values["amplitude"], values["frequency"], values["phase"])
-        elif law.effect in FORCES and law.site in names:
+        elif law.effect in FORCES and law.site in names and law.site in plain.joint_names:
             k = names.index(law.site)
             for name, parameter in _PLACES[law.effect].items():
                 table[name][k] = values[parameter]

@@ -408,6 +408,8 @@ class Ancf:
     def refuses(self, system: System) -> str | None:
         if not system.flexible:
             return "the system has no elastic link"
+        if not system.simple:
+            return "exudyn_ancf has joints of one independent degree of freedom each alone"
         if system.attachments:
             return f"exudyn_ancf cannot express the effect {system.attachments[0].effect}"
         reason = why_not_planar(system)

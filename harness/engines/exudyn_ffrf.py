@@ -263,6 +263,8 @@ class Ffrf:
     def refuses(self, system: System) -> str | None:
         if not system.flexible:
             return "the system has no elastic link"
+        if not system.simple:
+            return "exudyn_ffrf has joints of one independent degree of freedom each alone"
         if system.attachments:
             return f"exudyn_ffrf cannot express the effect {system.attachments[0].effect}"
         if len(system.links) > 1:

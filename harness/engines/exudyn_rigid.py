@@ -20,13 +20,15 @@ from harness.engines.checked import (
     vector,
     vectors,
 )
+from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.expressed import JointForces, bends, express, refusal
 from harness.engines.exudyn_run import exudyn_package, quiet, settings
 from harness.engines.folded import bodies
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import UnsupportedError
-from harness.system import System, Trajectory
+from harness.system import JointType, System, Trajectory
+from harness.system.lowering import chained, one_degree
 from harness.system.rotation import skew
 
 DEFAULT_STEP = 1e-3
@@ -110,7 +112,9 @@ class ExudynModel:
         if not (self.forces.any or self.damping.any() or self.stiffness.any()):
             return self
         joints = tuple(replace(j, damping=0.0, stiffness=0.0, rest_position=0.0) for j in self.system.joints)
-        return Exudyn().build(replace(self.system, joints=joints))
+        model = Exudyn().build(replace(self.system, joints=joints))
+        assert isinstance(model, ExudynModel)
+        return model
 
     def gravity(self, q: Array) -> Array:
         return self.bias(q, np.zeros(len(self.names)))
@@ -260,6 +264,13 @@ class Exudyn:
         return installed_version("exudyn", "Exudyn")
 
     def refuses(self, system: System) -> str | None:
+        try:
+            one_degree(
+                without_mimics(chained(system, keep=(JointType.BALL, JointType.FREE))),
+                "Exudyn's tree of joints of one degree of freedom",
+            )
+        except UnsupportedError as error:
+            return error.what
         if bends(system):
             return "Exudyn's kinematic trees have no elastic links; its beams are exudyn_ancf and exudyn_ffrf"
         n = len(system.joint_names)
@@ -269,11 +280,16 @@ class Exudyn:
             return f"{n} coordinates: Exudyn's kinematic trees are for up to {LARGEST}"
         return refusal("Exudyn", system)
 
-    def build(self, system: System) -> ExudynModel:
+    def build(self, system: System) -> ExudynModel | CoupledModel:
         """The system in Exudyn; raises UnsupportedError with the reason if it is refused."""
         reason = self.refuses(system)
         if reason:
             raise UnsupportedError(reason, source=system.source)
+        if not system.simple:
+            system = chained(system)
+            if follows(system):
+                independent = self.build(without_mimics(system))
+                return couple(system, independent, independent.names, independent.names)
         exudyn = exudyn_package()
         from exudyn.itemInterface import SensorNode
 

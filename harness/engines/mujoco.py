@@ -27,6 +27,7 @@ from harness.engines.checked import (
     sample_times,
     vector,
 )
+from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.expressed import JointForces, Shaking, bends, express, refusal
 from harness.engines.folded import bodies
 from harness.engines.mujoco_constraints import bound as bound_both
@@ -34,7 +35,8 @@ from harness.engines.mujoco_constraints import limit, soften
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import EngineUnavailableError, UnsupportedError
-from harness.system import System, Trajectory
+from harness.system import JointType, System, Trajectory
+from harness.system.lowering import chained, position_of_rate
 from harness.system.soft_constraints import soft_friction, soft_stops
 
 # At 1 ms a pendulum swung to 120° is within 5e-10 rad of the exact solution over ten seconds.
@@ -85,8 +87,10 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
     body ``pos`` and ``quat`` are our ``xyz`` and ``rotation``; angles are radians; inertias are given about the centre
     of mass by principal moments and axes. ``springref`` is our rest position and ``ref`` stays zero, so that
     positions mean the same. Quadratic drag is the second coefficient of ``damping``, a cubic spring the third of
-    ``stiffness``. Free fall is ``option.gravity``. MuJoCo numbers joints depth first; ``MujocoModel.order``
-    maps by name.
+    ``stiffness``. A ball joint has our positions and velocities; a free joint is three slides and a ball, which have them
+    too (MuJoCo's own free joint is of the world alone). Free fall is ``option.gravity``. MuJoCo numbers joints depth
+    first; ``MujocoModel.order`` and ``places``
+    map by name.
     """
     mujoco = _mujoco()
     spec = mujoco.MjSpec()
@@ -100,7 +104,7 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
     spec.option.timestep = step
     spec.option.gravity = np.array(system.gravity)
     spec.option.disableflags = int(_silent_flags(mujoco))
-    places = {name: k for k, name in enumerate(system.joint_names)}
+    places = {name: k for k, name in enumerate(system.coordinate_names)}
     carriers = {system.base: spec.worldbody}
     for joint, link in zip(system.joints, system.links, strict=True):
         moments, axes = principal(np.asarray(link.inertia))
@@ -116,7 +120,23 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
             explicitinertial=True,
         )
         carriers[joint.child] = body
-        if joint.movable:
+        if joint.turns_in_space:
+            if joint.type is JointType.FREE:
+                for k, letter in enumerate("xyz"):
+                    body.add_joint(
+                        name=f"{joint.name}.{letter}",
+                        type=mujoco.mjtJoint.mjJNT_SLIDE,
+                        axis=np.eye(3)[k],
+                        damping=np.array([joint.damping, 0.0, 0.0]),
+                        armature=joint.armature,
+                    )
+            body.add_joint(
+                name=joint.name,
+                type=mujoco.mjtJoint.mjJNT_BALL,
+                damping=np.array([joint.damping, 0.0, 0.0]),
+                armature=joint.armature,
+            )
+        elif joint.movable:
             kind = mujoco.mjtJoint.mjJNT_SLIDE if joint.prismatic else mujoco.mjtJoint.mjJNT_HINGE
             k = places[joint.name]
             drag, cubic = (0.0, 0.0) if forces is None else (forces.drag[k], forces.cubic[k])
@@ -160,9 +180,15 @@ def mujoco_model(system: System, step: float = DEFAULT_STEP, forces: JointForces
 
 @dataclass(frozen=True, eq=False)
 class MujocoModel:
-    """A system in MuJoCo; see ``EngineModel``. ``order`` [k] is our index of MuJoCo's coordinate k."""
+    """A system in MuJoCo; see ``EngineModel``. ``order`` [k] is our index of MuJoCo's velocity k, ``places`` of its position k.
+
+    local: where the positions stand that joint laws see, by velocity, -1 for none.
+    """
 
     names: tuple[str, ...]
+    position_names: tuple[str, ...]
+    places: NDArray[np.intp]
+    local: NDArray[np.int64]
     system: System
     model: Any
     data: Any
@@ -173,13 +199,22 @@ class MujocoModel:
 
     def _set(self, q: Array, qd: Array | None = None) -> Any:
         n = len(self.names)
-        self.data.qpos[:] = vector("q", q, n)[self.order]
+        self.data.qpos[:] = vector("q", q, len(self.position_names))[self.places]
         self.data.qvel[:] = 0.0 if qd is None else vector("qd", qd, n)[self.order]
         return _mujoco()
 
     def _extra(self, q: Array, qd: Array) -> Array:
         """What MuJoCo's joints have no words for: constant torques, cogging, stops."""
-        return self.forces.constant + self.forces.rest(q, qd)
+        return self.forces.constant + self.forces.rest(self._angles(q), qd)
+
+    def _angles(self, q: Array) -> Array:
+        """Positions by velocity, zero for spins, as joint laws want them."""
+        return q if len(q) == len(self.names) else np.where(self.local >= 0, q[self.local], 0.0)
+
+    def _positions(self) -> Array:
+        result = np.empty(len(self.position_names))
+        result[self.places] = self.data.qpos
+        return result
 
     def _out(self, value: Array) -> Array:
         result = np.empty(len(self.names))
@@ -245,7 +280,7 @@ class MujocoModel:
         mujoco = _mujoco()
         mujoco.mj_resetData(self.model, self.data)
         self._set(q0, qd0)
-        position, velocity = np.empty((time.size, n)), np.empty((time.size, n))
+        position, velocity = np.empty((time.size, len(self.position_names))), np.empty((time.size, n))
         energy = np.empty(time.size)
         with self._constraints(mujoco), self._laws(mujoco), _unlogged(mujoco):
             for k, now in enumerate(time):
@@ -258,11 +293,18 @@ class MujocoModel:
                     self.data.qfrc_applied[:] = applied[self.order]
                     mujoco.mj_step(self.model, self.data, nstep=count)
                     self._check(mujoco, now)
-                position[k] = self._out(self.data.qpos)
+                position[k] = self._positions()
                 velocity[k] = self._out(self.data.qvel)
                 energy[k] = sum(self._energy(mujoco))
         self.data.qfrc_applied[:] = 0.0
-        return Trajectory(time=time, names=self.names, position=position, velocity=velocity, energy=energy)
+        return Trajectory(
+            time=time,
+            names=self.names,
+            position=position,
+            velocity=velocity,
+            energy=energy,
+            position_names=self.position_names,
+        )
 
     def _check(self, mujoco: Any, now: float) -> None:
         broken = {
@@ -297,7 +339,7 @@ class MujocoModel:
         self.data.time = 0.0
 
         def passive(model: Any, data: Any) -> None:
-            data.qfrc_passive[:] += self.forces.rest(self._out(data.qpos), self._out(data.qvel))[self.order]
+            data.qfrc_passive[:] += self.forces.rest(self._angles(self._positions()), self._out(data.qvel))[self.order]
             if self.shaking is not None:
                 # In the base's own axes everything falls the other way. MuJoCo applies gravity after this call.
                 model.opt.gravity[:] = still - self.shaking(data.time)
@@ -310,7 +352,9 @@ class MujocoModel:
             self.model.opt.gravity[:] = still
 
     def frequencies(self, q: Array) -> Array:
-        q = vector("q", q, len(self.names))
+        q = vector("q", q, len(self.position_names))
+        if len(q) != len(self.names):
+            raise UnsupportedError("frequencies beside joints that turn in space are not asked of MuJoCo")
         springs = np.array([joint.stiffness for joint in self.system.movable_joints])
         stiffness = jacobian(lambda x: self.gravity(x) - self.forces(x, np.zeros_like(x)), q)
         return frequencies(self.mass_matrix(q), stiffness + np.diag(springs))
@@ -344,16 +388,23 @@ class Mujoco:
         if reason:
             return reason
         expressed = express(system)
-        for joint, cubic in zip(expressed.system.movable_joints, expressed.forces.cubic, strict=True):
+        owners = [joint for joint in expressed.system.joints for _ in joint.velocity_names]
+        for joint, cubic in zip(owners, expressed.forces.cubic, strict=True):
             if cubic and joint.stiffness and joint.rest_position:
                 return f"MuJoCo's cubic spring has the rest position of the linear one, joint {joint.name} has two"
         return None
 
-    def build(self, system: System) -> MujocoModel:
+    def build(self, system: System) -> MujocoModel | CoupledModel:
         """The system in MuJoCo; raises UnsupportedError with the reason if it is refused."""
         reason = self.refuses(system)
         if reason:
             raise UnsupportedError(reason, source=system.source)
+        if not system.simple:
+            # What MuJoCo is given: joints of one degree, free and ball joints, none following another but by our equations.
+            system = chained(system, keep=(JointType.FREE, JointType.BALL))
+            if follows(system):
+                independent = self.build(without_mimics(system))
+                return couple(system, independent, independent.names, independent.position_names)
         mujoco = _mujoco()
         expressed = express(system)
         system = expressed.system
@@ -363,13 +414,30 @@ class Mujoco:
         soften(model, soft_friction(bound))
         limit(model, stops)
         bound_both(model, system.stops)
-        names = system.joint_names
-        places = {name: k for k, name in enumerate(names)}
+        names, positions = system.coordinate_names, system.position_names
         order = np.empty(model.nv, dtype=np.intp)
+        places = np.empty(model.nq, dtype=np.intp)
+        slides = {
+            position: velocity
+            for joint in system.joints
+            if joint.type is JointType.FREE
+            for position, velocity in zip(joint.position_names[:3], joint.velocity_names[:3], strict=True)
+        }
+        joints = {joint.name: joint for joint in system.movable_joints}
         for k in range(model.njnt):
-            order[model.jnt_dofadr[k]] = places[model.joint(k).name]
+            name = model.joint(k).name
+            turning = name in joints and joints[name].turns_in_space
+            at = positions.index(joints[name].position_names[-4] if turning else name)
+            first = names.index(joints[name].velocity_names[-3] if turning else slides.get(name, name))
+            for i in range(4 if turning else 1):
+                places[model.jnt_qposadr[k] + i] = at + i
+            for i in range(3 if turning else 1):
+                order[model.jnt_dofadr[k] + i] = first + i
         return MujocoModel(
             names=names,
+            position_names=positions,
+            places=places,
+            local=position_of_rate(system),
             system=system,
             model=model,
             data=mujoco.MjData(model),

@@ -22,12 +22,15 @@ from harness.engines.checked import (
     vector,
     vectors,
 )
+from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.expressed import JointForces, bends, express, refusal
 from harness.engines.march import march
 from harness.engines.protocol import Array
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import EngineUnavailableError, UnsupportedError, install
-from harness.system import Joint, Link, System, Trajectory
+from harness.system import Joint, JointType, Link, System, Trajectory
+from harness.system.lowering import chained, position_of_rate
+from harness.system.rotation import from_quaternion
 
 # pinocchio.Data holds four tensors of n³ doubles: 0.26 GB at n = 200, 3.9 GB at n = 500.
 LARGEST = 200
@@ -47,7 +50,9 @@ def pinocchio_model(system: System) -> Any:
     Conventions, all of them: the link frame is Pinocchio's joint frame; a fixed link rides on the joint frame of the
     nearest movable joint above it; inertias are given about the centre of mass in link axes, as Pinocchio's are;
     continuous joints get one coordinate, an angle, like revolute ones (not Pinocchio's cosine and sine);
-    gravity is the acceleration of free fall in both. Joints are added depth first, because ``crba`` takes a subtree's
+    gravity is the acceleration of free fall in both. A free joint is Pinocchio's free flyer, whose quaternion has w last and whose
+    linear velocity is in the child's axes, where ours is in the joint frame's (``_turned``); a ball is its spherical joint, whose
+    quaternion has w last and whose velocity is ours. Joints are added depth first, because ``crba`` takes a subtree's
     velocities to be contiguous and is silently wrong otherwise; ``PinocchioModel.order`` maps by name.
     """
     pin = _pinocchio()
@@ -60,7 +65,12 @@ def pinocchio_model(system: System) -> Any:
     for joint, link in depth_first(system):
         parent, ride = frames[joint.parent]
         placement = ride * pin.SE3(np.array(joint.rotation), np.array(joint.xyz))
-        if joint.movable:
+        if joint.turns_in_space:
+            made = pin.JointModelFreeFlyer() if joint.type is JointType.FREE else pin.JointModelSpherical()
+            parent = model.addJoint(parent, made, placement, joint.name)
+            placement = pin.SE3.Identity()
+            armature += [joint.armature] * len(joint.velocity_names)
+        elif joint.movable:
             kind = pin.JointModelPrismaticUnaligned if joint.prismatic else pin.JointModelRevoluteUnaligned
             parent = model.addJoint(parent, kind(np.array(joint.axis)), placement, joint.name)
             placement = pin.SE3.Identity()
@@ -89,10 +99,16 @@ def depth_first(system: System) -> Iterator[tuple[Joint, Link]]:
 class PinocchioModel:
     """A system in Pinocchio; see ``EngineModel``.
 
-    order: [k] is our index of Pinocchio's coordinate k. bare: the model without armature.
+    order: [k] is our index of Pinocchio's velocity k, places: of its position k. free: where a free joint's velocities begin among
+    ours, and its quaternion among our positions. local: where our positions stand that joint laws see, -1 for none.
+    bare: the model without armature.
     """
 
     names: tuple[str, ...]
+    position_names: tuple[str, ...]
+    places: NDArray[np.intp]
+    free: tuple[tuple[int, int], ...]
+    local: NDArray[np.int64]
     system: System
     model: Any
     bare: Any
@@ -104,51 +120,113 @@ class PinocchioModel:
     rest: Array = field(repr=False)
     forces: JointForces = field(repr=False)
 
-    def _passive(self, q: Array, qd: Array) -> Array:
-        return -self.damping * qd - self.stiffness * (q - self.rest) + self.forces(q, qd)
+    def _angles(self, q: Array) -> Array:
+        """Positions by velocity, zero for spins, as joint laws want them."""
+        return q if len(q) == len(self.names) else np.where(self.local >= 0, q[self.local], 0.0)
 
-    def _out(self, value: Array) -> Array:
+    def _passive(self, q: Array, qd: Array) -> Array:
+        x = self._angles(q)
+        return -self.damping * qd - self.stiffness * (x - self.rest) + self.forces(x, qd)
+
+    def _turned(self, q: Array, value: Array, *, back: bool = False) -> Array:
+        """Velocities or forces in Pinocchio's axes from ours, or back: linear parts of free joints are turned to the child's."""
+        if not self.free:
+            return value
+        result = np.array(value)
+        for at, quaternion in self.free:
+            turn = from_quaternion(q[quaternion : quaternion + 4])
+            result[at : at + 3] = (turn if back else turn.T) @ result[at : at + 3]
+        return result
+
+    def _q(self, q: Array) -> Array:
+        found = q[self.places]
+        if len(q) != len(self.names):
+            # Quaternions that are not unit mean nothing to Pinocchio.
+            found = _pinocchio().normalize(self.model, found)
+        return np.asarray(found)
+
+    def _in(self, q: Array, value: Array) -> Array:
+        return self._turned(q, value)[self.order]
+
+    def _turning(self, q: Array, qd: Array) -> Array:
+        """w × Rᵀ v of free joints, zero elsewhere: in axes that turn, d(Rᵀ v) = Rᵀ v̇ - w × Rᵀ v."""
+        result = np.zeros_like(qd)
+        turned = self._turned(q, qd) if self.free else qd
+        for at, _ in self.free:
+            result[at : at + 3] = np.cross(qd[at + 3 : at + 6], turned[at : at + 3])
+        return result
+
+    def _acceleration_in(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """Accelerations for Pinocchio."""
+        return np.asarray((self._turned(q, qdd) - self._turning(q, qd))[self.order])
+
+    def _acceleration_out(self, q: Array, qd: Array, value: Array) -> Array:
         result = np.empty_like(value)
         result[self.order] = value
-        return result
+        return self._turned(q, result + self._turning(q, qd), back=True)
+
+    def _out(self, q: Array, value: Array) -> Array:
+        """Generalized forces from Pinocchio's."""
+        result = np.empty_like(value)
+        result[self.order] = value
+        return self._turned(q, result, back=True)
 
     def _acceleration(self, q: Array, qd: Array, tau: Array) -> Array:
         pin = _pinocchio()
         total = tau + self._passive(q, qd)
-        return self._out(pin.aba(self.model, self.data, q[self.order], qd[self.order], total[self.order]))
+        # Armature resists v̇, not the rate of what turns.
+        applied = (self._turned(q, total) - self.armature * self._turning(q, qd))[self.order]
+        found = pin.aba(self.model, self.data, self._q(q), self._in(q, qd), applied)
+        return self._acceleration_out(q, qd, found)
+
+    def _state(self, q: Array, **others: Array) -> Iterator[Array]:
+        """Positions, and what has the size of velocities, checked."""
+        yield vector("q", q, len(self.position_names))
+        yield from vectors(len(self.names), **others)
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        q, qd, tau = vectors(len(self.names), q=q, qd=qd, tau=tau)
+        q, qd, tau = self._state(q, qd=qd, tau=tau)
         return finite_result("pinocchio", "forward dynamics", self._acceleration(q, qd, tau))
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        q, qd, qdd = vectors(len(self.names), q=q, qd=qd, qdd=qdd)
-        tau = _pinocchio().rnea(self.model, self.data, q[self.order], qd[self.order], qdd[self.order])
-        return self._out(tau) - self._passive(q, qd)
+        q, qd, qdd = self._state(q, qd=qd, qdd=qdd)
+        pin = _pinocchio()
+        tau = pin.rnea(self.model, self.data, self._q(q), self._in(q, qd), self._acceleration_in(q, qd, qdd))
+        tau = tau + (self.armature * self._turning(q, qd))[self.order]
+        return self._out(q, tau) - self._passive(q, qd)
 
     def mass_matrix(self, q: Array) -> Array:
-        q = vector("q", q, len(self.names))
+        q = vector("q", q, len(self.position_names))
         # `crba` fills the upper triangle only in some releases.
-        upper = np.triu(_pinocchio().crba(self.model, self.data, q[self.order]))
+        upper = np.triu(_pinocchio().crba(self.model, self.data, self._q(q)))
         result = np.empty_like(upper)
         result[np.ix_(self.order, self.order)] = upper + np.triu(upper, 1).T
+        if self.free:
+            result = np.array([self._turned(q, row, back=True) for row in result])
+            result = np.array([self._turned(q, row, back=True) for row in result.T])
         return result
 
     def bias(self, q: Array, qd: Array) -> Array:
-        q, qd = vectors(len(self.names), q=q, qd=qd)
-        return self._out(_pinocchio().nonLinearEffects(self.model, self.data, q[self.order], qd[self.order]).copy())
+        q, qd = self._state(q, qd=qd)
+        idle = self._acceleration_in(q, qd, np.zeros_like(qd))
+        if not self.free:
+            return self._out(
+                q, _pinocchio().nonLinearEffects(self.model, self.data, self._q(q), self._in(q, qd)).copy()
+            )
+        return self._out(q, _pinocchio().rnea(self.bare, self.data, self._q(q), self._in(q, qd), idle).copy())
 
     def gravity(self, q: Array) -> Array:
-        q = vector("q", q, len(self.names))
-        return self._out(_pinocchio().computeGeneralizedGravity(self.model, self.data, q[self.order]).copy())
+        q = vector("q", q, len(self.position_names))
+        return self._out(q, _pinocchio().computeGeneralizedGravity(self.model, self.data, self._q(q)).copy())
 
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
-        q, qd = vectors(len(self.names), q=q, qd=qd)
+        q, qd = self._state(q, qd=qd)
         pin = _pinocchio()
-        spring = 0.5 * float(self.stiffness @ (q - self.rest) ** 2) + 0.25 * float(self.forces.cubic @ q**4)
-        potential = float(pin.computePotentialEnergy(self.model, self.data, q[self.order]))
+        x = self._angles(q)
+        spring = 0.5 * float(self.stiffness @ (x - self.rest) ** 2) + 0.25 * float(self.forces.cubic @ x**4)
+        potential = float(pin.computePotentialEnergy(self.model, self.data, self._q(q)))
         # Pinocchio 4.1 counts the armature of some kinds of joint and forgets it for revolute ones with a general axis.
-        kinetic = float(pin.computeKineticEnergy(self.bare, self.data, q[self.order], qd[self.order]))
+        kinetic = float(pin.computeKineticEnergy(self.bare, self.data, self._q(q), self._in(q, qd)))
         kinetic += 0.5 * float(self.armature @ qd**2)
         return kinetic, potential + spring
 
@@ -162,6 +240,10 @@ class PinocchioModel:
                 f"Pinocchio has no dry friction, joint {sticky[0]} has", mend="simulate with denoc or mujoco"
             )
         n = len(self.names)
+        if len(self.position_names) != n:
+            raise UnsupportedError(
+                "motion with quaternions is not integrated over Pinocchio's accelerations", mend="take denoc or mujoco"
+            )
         q0, qd0 = vectors(n, q0=q0, qd0=qd0)
         time = sample_times(time)
         position, velocity = march(
@@ -171,12 +253,19 @@ class PinocchioModel:
         return Trajectory(time=time, names=self.names, position=position, velocity=velocity, energy=energy)
 
     def frequencies(self, q: Array) -> Array:
-        q = vector("q", q, len(self.names))
+        q = vector("q", q, len(self.position_names))
+        if len(q) != len(self.names):
+            raise UnsupportedError("frequencies beside joints that turn in space are not asked of Pinocchio")
         slope = _pinocchio().computeGeneralizedGravityDerivatives(self.model, self.data, q[self.order])
         stiffness = np.empty_like(slope)
         stiffness[np.ix_(self.order, self.order)] = slope
         springs = np.diag(self.stiffness) - jacobian(lambda x: self.forces(x, np.zeros_like(x)), q)
         return frequencies(self.mass_matrix(q), stiffness + springs)
+
+
+def _by_velocity(system: System, key: str) -> Array:
+    """A number of the joints, one a velocity."""
+    return np.array([getattr(joint, key) for joint in system.joints for _ in joint.velocity_names])
 
 
 @dataclass(frozen=True)
@@ -191,18 +280,24 @@ class Pinocchio:
     def refuses(self, system: System) -> str | None:
         if bends(system):
             return "Pinocchio has no elastic links"
-        n = len(system.joint_names)
+        n = system.nv
         if n == 0:
             return "the system has no movable joint"
         if n > LARGEST:
             return f"{n} coordinates: pinocchio.Data would take {32 * n**3 / 1e9:.1f} GB (four tensors of n³)"
         return refusal("Pinocchio", system)
 
-    def build(self, system: System) -> PinocchioModel:
+    def build(self, system: System) -> PinocchioModel | CoupledModel:
         """The system in Pinocchio; raises UnsupportedError with the reason if it is refused."""
         reason = self.refuses(system)
         if reason:
             raise UnsupportedError(reason, source=system.source)
+        if not system.simple:
+            # What Pinocchio is given: joints of one degree, free flyers and spherical joints, none following another.
+            system = chained(system, keep=(JointType.FREE, JointType.BALL))
+            if follows(system):
+                independent = self.build(without_mimics(system))
+                return couple(system, independent, independent.names, independent.position_names)
         pin = _pinocchio()
         expressed = express(system)
         system = expressed.system
@@ -210,24 +305,38 @@ class Pinocchio:
             model = pinocchio_model(system)
         except (RuntimeError, ValueError) as error:  # inertia that no body can have, which it checks here and there
             raise UnsupportedError(f"Pinocchio refuses it: {error}", source=system.source) from error
-        names = system.joint_names
-        places = {name: k for k, name in enumerate(names)}
+        names, positions = system.coordinate_names, system.position_names
         order = np.empty(model.nv, dtype=np.intp)
+        places = np.empty(model.nq, dtype=np.intp)
+        joints = {joint.name: joint for joint in system.movable_joints}
+        free = []
         for k in range(1, model.njoints):
-            order[model.joints[k].idx_v] = places[model.names[k]]
-        joints = system.movable_joints
+            joint, theirs = joints[model.names[k]], model.joints[k]
+            first = names.index(joint.velocity_names[0])
+            order[theirs.idx_v : theirs.idx_v + theirs.nv] = np.arange(first, first + theirs.nv)
+            at = positions.index(joint.position_names[0])
+            where = np.arange(at, at + theirs.nq)
+            # w first to w last.
+            places[theirs.idx_q : theirs.idx_q + theirs.nq] = np.roll(where, -1) if theirs.nq == 4 else where
+            if joint.type is JointType.FREE:
+                places[theirs.idx_q + 3 : theirs.idx_q + 7] = np.roll(where[3:], -1)
+                free.append((first, at + 3))
         bare = pin.Model(model)
         bare.armature = np.zeros(model.nv)
         return PinocchioModel(
             names=names,
+            position_names=positions,
+            places=places,
+            free=tuple(free),
+            local=position_of_rate(system),
             system=system,
             model=model,
             bare=bare,
             data=pin.Data(model),
             order=order,
-            armature=np.array([joint.armature for joint in joints]),
-            damping=np.array([joint.damping for joint in joints]),
-            stiffness=np.array([joint.stiffness for joint in joints]),
-            rest=np.array([joint.rest_position for joint in joints]),
+            armature=_by_velocity(system, "armature"),
+            damping=_by_velocity(system, "damping"),
+            stiffness=_by_velocity(system, "stiffness"),
+            rest=_by_velocity(system, "rest_position"),
             forces=expressed.forces,
         )

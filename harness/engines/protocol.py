@@ -24,12 +24,15 @@ class EngineError(RuntimeError):
 
 @runtime_checkable
 class EngineModel(Protocol):
-    """One system, built in one engine. Shapes: q, qd, qdd, tau (n,); mass matrix (n, n); SI units.
+    """One system, built in one engine. Shapes: q (nq,); qd, qdd, tau (n,); mass matrix (n, n); SI units.
+
+    nq and n are the same but where a joint turns in space: positions follow ``System.position_names`` there.
 
     A quantity the engine cannot give raises ``harness.errors.UnsupportedError`` with the reason.
     """
 
-    names: tuple[str, ...]
+    @property
+    def names(self) -> tuple[str, ...]: ...
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
         """Accelerations qdd; passive joint forces (damping, stiffness) act as well, dry friction does not."""

@@ -66,14 +66,15 @@ def write_plot(columns: Columns, path: str | Path, title: str, *, sliding: Colle
         "root_strain": "root strain [1]",
         "tip_acceleration": "tip acceleration [m/s²]",
     }
-    kinds = list(dict.fromkeys(name.rpartition(".")[2] for name in columns if name != "time"))
+    drawn = {name: _drawn(name) for name in columns if name != "time"}
+    kinds = list(dict.fromkeys(kind for _, kind in drawn.values()))
     figure = Figure(figsize=(9.0, 1.2 + 2.2 * len(kinds)), layout="constrained")
     axes = figure.subplots(len(kinds), 1, sharex=True, squeeze=False)[:, 0]
     for ax, kind in zip(axes, kinds, strict=True):
-        for name, values in columns.items():
-            if name.rpartition(".")[2] == kind and name != "time":
-                ax.plot(columns["time"], values, lw=1.2, label=name.rpartition(".")[0])
-        joints = [name.rpartition(".")[0] for name in columns if name.rpartition(".")[2] == kind and name != "time"]
+        for name, (label, of) in drawn.items():
+            if of == kind:
+                ax.plot(columns["time"], columns[name], lw=1.2, label=label)
+        joints = [label for label, of in drawn.values() if of == kind]
         ax.set_ylabel(_joint_label(kind, joints, sliding) if kind in JOINT_UNITS else labels.get(kind, kind))
         ax.grid(alpha=0.3)
         if len(columns) <= 25:
@@ -83,6 +84,15 @@ def write_plot(columns: Columns, path: str | Path, title: str, *, sliding: Colle
     with staged(path) as temporary:
         figure.savefig(temporary, dpi=130, format=path.suffix[1:].lower())
     return path
+
+
+def _drawn(name: str) -> tuple[str, str]:
+    """Label of a column and the panel it is drawn in: ``root.position.qw`` is ``root.qw`` in that of the root's position."""
+    site, _, component = name.rpartition(".")
+    joint, _, quantity = site.rpartition(".")
+    if quantity in JOINT_UNITS and component not in JOINT_UNITS:
+        return f"{joint}.{component}", f"{quantity} of {joint} [SI]"
+    return site, component
 
 
 def _joint_label(kind: str, joints: Sequence[str], sliding: Collection[str]) -> str:

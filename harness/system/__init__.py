@@ -2,7 +2,18 @@
 
 from harness.system.audit import audit
 from harness.system.audit_findings import Audit
-from harness.system.description import Actuator, Attachment, Beam, Joint, JointType, Keyframe, Link, Stops, System
+from harness.system.description import (
+    Actuator,
+    Attachment,
+    Beam,
+    Joint,
+    JointType,
+    Keyframe,
+    Link,
+    Mimic,
+    Stops,
+    System,
+)
 from harness.system.load import load
 from harness.system.random_systems import random_chain, random_tree
 from harness.system.trajectory import Trajectory
@@ -17,6 +28,7 @@ __all__ = [
     "JointType",
     "Keyframe",
     "Link",
+    "Mimic",
     "Stops",
     "System",
     "Trajectory",

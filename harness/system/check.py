@@ -11,6 +11,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.system.description import Array, Joint, Link, System, constant
 from harness.system.inertia import about_origin, impossible, rounded_away
+from harness.system.lowering import followed, lower
 from harness.system.rotation import about_axis, skew
 
 # Below this share of the body's inertia, what is left about an axis is rounding.
@@ -83,7 +84,8 @@ def check_finite(system: System, *, lines: Mapping[tuple[str, str], int] | None 
     """Refuse NaN anywhere and infinities anywhere but in limits. Raises InputError naming joint or link."""
     lines = lines or {}
     for joint in system.joints:
-        values = (joint.xyz, joint.rotation, joint.axis, joint.armature, joint.damping, joint.friction)
+        followed_by = (joint.axis2, joint.pitch, *((joint.mimic.multiplier, joint.mimic.offset) if joint.mimic else ()))
+        values = (*followed_by, joint.xyz, joint.rotation, joint.axis, joint.armature, joint.damping, joint.friction)
         finite = all(np.all(np.isfinite(value)) for value in (*values, joint.stiffness, joint.rest_position))
         if not finite or np.any(np.isnan([joint.lower, joint.upper, joint.effort, joint.velocity])):
             raise _not_finite(system, "joint", joint.name, lines)
@@ -103,6 +105,16 @@ def _not_finite(system: System, kind: str, name: str, lines: Mapping[tuple[str, 
     )
 
 
+def check_mimics(system: System, lines: Mapping[tuple[str, str], int] | None = None) -> None:
+    """Refuse joints that follow none, or one another in a circle. Raises InputError naming the joint."""
+    for joint in system.joints:
+        try:
+            followed(system, joint)
+        except InputError as error:
+            line = (lines or {}).get(("joint", joint.name))
+            raise InputError(error.what, mend=error.mend, source=system.source, line=line) from None
+
+
 def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | None = None) -> None:
     """Refuse a system without coordinates, or a movable joint with nothing down the tree that resists its motion.
 
@@ -110,6 +122,9 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
     Raises InputError naming the joint if it is not positive in any, or negative in one.
     """
     check_finite(system, lines=lines)
+    if not system.simple:
+        # Balls too, as three turns: what moves no inertia does not in any pose.
+        system = lower(system).system
     if not system.coordinate_names:
         raise InputError(
             "nothing can move: there is no movable joint and no flexible link",

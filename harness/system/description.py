@@ -1,4 +1,4 @@
-"""What a mechanism is: links and joints of a tree on a fixed base, immutable.
+"""What a mechanism is: links and joints of a tree on a base, immutable.
 
 Units are SI. Frames and signs, once for the whole project:
 
@@ -6,6 +6,10 @@ Units are SI. Frames and signs, once for the whole project:
 - ``Joint.xyz`` and ``Joint.rotation`` place the joint frame in the parent's link frame at zero joint position;
   ``rotation`` maps coordinates in the joint frame to coordinates in the parent frame.
 - A positive joint position turns (or shifts) the child about (along) ``axis``, given in the joint frame, right-handed.
+- Joints of several degrees of freedom have positions (nq) and velocities (nv), in the order of ``Joint.position_names`` and
+  ``Joint.velocity_names``. A rotation in space is a unit quaternion (w, x, y, z) that maps the child's axes to the joint
+  frame's, its velocity the child's angular velocity relative to the parent in the *child's* axes; a shift in space, and its
+  velocity, are in the axes of the *joint frame*. These are MuJoCo's conventions.
 - ``gravity`` is the acceleration of free fall in base coordinates, (0, 0, -9.81) by default.
 - Inertia tensors are taken about the centre of mass, in axes parallel to the link frame.
 - A joint on a flexible link rides on the beam's cross-section at the station nearest to the joint's origin
@@ -43,6 +47,34 @@ class JointType(StrEnum):
     CONTINUOUS = "continuous"
     PRISMATIC = "prismatic"
     FIXED = "fixed"
+    HELICAL = "helical"
+    UNIVERSAL = "universal"
+    PLANAR = "planar"
+    BALL = "ball"
+    FREE = "free"
+
+
+# Of joints with several degrees of freedom: endings of the names of their positions and velocities.
+_QUATERNION = ("qw", "qx", "qy", "qz")
+_SPIN = ("wx", "wy", "wz")
+_SEVERAL: dict[JointType, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    JointType.UNIVERSAL: (("angle1", "angle2"), ("angle1", "angle2")),
+    JointType.PLANAR: (("x", "y", "angle"), ("x", "y", "angle")),
+    JointType.BALL: (_QUATERNION, _SPIN),
+    JointType.FREE: (("x", "y", "z", *_QUATERNION), ("vx", "vy", "vz", *_SPIN)),
+}
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint of one degree of freedom that follows another: position = multiplier · position of ``joint`` + offset.
+
+    multiplier: [1, or the followers' unit over the leader's]; offset: [rad or m].
+    """
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +90,10 @@ class Joint:
     stiffness, rest_position: linear spring [N·m/rad or N/m] and where it is slack [rad or m].
     lower, upper: limits of position [rad or m]; recorded; they act where ``System.stops`` says so.
     effort, velocity: limits as stated by the model file; recorded, not enforced.
+    axis2: second axis of a universal joint, in the joint frame at zero position; it turns with the first, shape (3,).
+    pitch: of a helical joint, the shift along its axis for a turn of one radian [m/rad].
+    mimic: the joint that this one follows, where it is not independent.
+    A planar joint's ``axis`` is the normal of its plane. Ball and free joints have no axis, stiffness or friction.
     """
 
     name: str
@@ -76,11 +112,40 @@ class Joint:
     upper: float = np.inf
     effort: float = np.inf
     velocity: float = np.inf
+    axis2: Array = field(default_factory=lambda: constant([0.0, 1.0, 0.0]))
+    pitch: float = 0.0
+    mimic: Mimic | None = None
 
     @property
     def movable(self) -> bool:
-        """Whether the joint has a coordinate."""
+        """Whether the joint's child moves against its parent."""
         return self.type is not JointType.FIXED
+
+    @property
+    def position_names(self) -> tuple[str, ...]:
+        """Names of the joint's own positions (nq); none where it mimics another."""
+        if not self.movable or self.mimic is not None:
+            return ()
+        endings = _SEVERAL.get(self.type)
+        return (self.name,) if endings is None else tuple(f"{self.name}.{ending}" for ending in endings[0])
+
+    @property
+    def velocity_names(self) -> tuple[str, ...]:
+        """Names of the joint's own velocities (nv), accelerations and generalized forces; none where it mimics another."""
+        if not self.movable or self.mimic is not None:
+            return ()
+        endings = _SEVERAL.get(self.type)
+        return (self.name,) if endings is None else tuple(f"{self.name}.{ending}" for ending in endings[1])
+
+    @property
+    def turns_in_space(self) -> bool:
+        """Whether a quaternion is among its positions."""
+        return self.type in (JointType.BALL, JointType.FREE)
+
+    @property
+    def simple(self) -> bool:
+        """Whether it is one of the joints of one independent degree of freedom, or fixed, that everything knows."""
+        return self.type in _SIMPLE and self.mimic is None
 
     @property
     def prismatic(self) -> bool:
@@ -94,6 +159,9 @@ class Joint:
     def force_unit(self) -> str:
         """Of generalized forces at the joint."""
         return "N" if self.prismatic else "N*m"
+
+
+_SIMPLE = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC, JointType.FIXED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +293,7 @@ class Stops:
 
 @dataclass(frozen=True, eq=False)
 class Keyframe:
-    """A state that a model file names: positions, velocities by joint [rad or m, …], commands by actuator."""
+    """A state that a model file names: by position name and velocity name [rad or m, …], commands by actuator."""
 
     name: str
     position: Mapping[str, float]
@@ -235,7 +303,7 @@ class Keyframe:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A tree-structured mechanism on a fixed base.
+    """A tree-structured mechanism on a base, which floats where its first joint is free.
 
     joints: in topological order (a joint's parent link is ``base`` or the child of an earlier joint).
     links: in the order of the joints that carry them; the base is not among them.
@@ -268,8 +336,10 @@ class System:
         many = "" if len(self.movable_joints) == 1 else "s"
         bending = sum(link.beam is not None for link in self.links)
         flexible = f", {bending} flexible" if bending else ""
+        degrees = "" if self.simple else f", {self.nv} degrees of freedom"
         return (
-            f"<System {self.name!r}: {len(self.movable_joints)} movable joint{many}, {len(self.links)} links{flexible}>"
+            f"<System {self.name!r}: {len(self.movable_joints)} movable joint{many}, {len(self.links)} links"
+            f"{flexible}{degrees}>"
         )
 
     def _repr_html_(self) -> str:
@@ -295,11 +365,36 @@ class System:
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
-        """Generalized coordinates: each joint, followed by the elastic coordinates ``<link>.mode<k>`` of its link."""
+        """Velocities (nv): each joint's, followed by those of the elastic coordinates ``<link>.mode<k>`` of its link.
+
+        Where all joints have one degree of freedom these are the names of the generalized coordinates, positions and velocities.
+        """
+        return self._names("velocity_names")
+
+    @property
+    def position_names(self) -> tuple[str, ...]:
+        """Positions (nq): each joint's, followed by the elastic coordinates ``<link>.mode<k>`` of its link."""
+        return self._names("position_names")
+
+    @property
+    def nv(self) -> int:
+        """Number of velocities, accelerations and generalized forces: of degrees of freedom."""
+        return len(self.coordinate_names)
+
+    @property
+    def nq(self) -> int:
+        """Number of positions: one more than velocities for each joint that turns in space."""
+        return len(self.position_names)
+
+    @property
+    def simple(self) -> bool:
+        """Whether every joint has one independent degree of freedom or none."""
+        return all(joint.simple for joint in self.joints)
+
+    def _names(self, which: str) -> tuple[str, ...]:
         names: list[str] = []
         for joint, link in zip(self.joints, self.links, strict=True):
-            if joint.movable:
-                names.append(joint.name)
+            names += getattr(joint, which)
             if link.beam is not None:
                 names += [f"{link.name}.mode{k + 1}" for k in range(link.beam.coordinates)]
         return tuple(names)

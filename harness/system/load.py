@@ -20,6 +20,7 @@ def load(
     tolerance: float | None = None,
     physical: bool = True,
     allow: Sequence[str | Path] = (),
+    floating: bool = False,
 ) -> System:
     """Read a mechanism from URDF, MJCF or the project's TOML, told apart by content.
 
@@ -27,6 +28,8 @@ def load(
     physical: refuse inertia that no body can have; with False it becomes a line in ``System.notes``, and only
         joints without positive inertia against them are refused.
     allow: folders beside the model's own that an MJCF may name includes and meshes in.
+    floating: let the root link of a URDF float on a free joint, where it is fixed to the world otherwise; the other formats
+        say themselves what floats, and refuse it.
     Raises InputError, one line that names file, line where known, what is wrong and the mend, and UnsupportedError
     for what is well formed but not modelled.
     """
@@ -34,11 +37,17 @@ def load(
     data = _read(source)
     if tolerance is not None and not 0.0 <= tolerance < 1.0:
         raise InputError(f"tolerance {tolerance:g} is not a relative 1σ between 0 and 1", mend="0.01 is one per cent")
-    if not _is_xml(data):
+    root = parse_xml(data, source) if _is_xml(data) else None
+    if floating and (root is None or root.tag != "robot"):
+        raise InputError(
+            "a floating root is asked for, and the file is no URDF",
+            mend="give the root a joint of type free in the file",
+            source=source,
+        )
+    if root is None:
         return read_toml(_text(data, source), source, tolerance=tolerance, physical=physical)
-    root = parse_xml(data, source)
     if root.tag == "robot":
-        return read_urdf(root, source, tolerance=tolerance, physical=physical)
+        return read_urdf(root, source, tolerance=tolerance, physical=physical, floating=floating)
     if root.tag == "mujoco":
         folders = [Path(folder) for folder in allow]
         return read_mjcf(data, root, source, tolerance=tolerance, physical=physical, allow=folders)

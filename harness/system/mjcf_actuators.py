@@ -44,9 +44,12 @@ def reflected(model: Any, k: int) -> Reflected:
 
 
 def _at_joint(model: Any, k: int) -> list[int]:
+    """Actuators that drive a joint of one degree of freedom, by number; none of a free or ball joint."""
     import mujoco
 
     kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+    if int(model.jnt_type[k]) not in (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)):
+        return []
     return [
         i
         for i in range(model.nactuator)
@@ -100,7 +103,7 @@ def _delayed(model: Any, i: int) -> bool:
 
 def _why(model: Any, i: int, k: int | None) -> str:
     if k is None:
-        return "it acts on no joint alone (a tendon, site or body)"
+        return "it acts on no joint of one degree of freedom alone (but a tendon, site, body, free or ball joint)"
     if _delayed(model, i):
         return "it has a delay"
     if model.actuator_actnum[i]:

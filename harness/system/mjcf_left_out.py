@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,12 @@ def disabled(model: Any, what: str) -> bool:
     return bool(model.opt.disableflags & int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{what}")))
 
 
-def left_out(model: Any) -> list[str]:
-    """Constraints, tendons, contacts, compensation and the surrounding fluid; joints and actuators tell their own."""
+def left_out(model: Any, kept: Container[int] = ()) -> list[str]:
+    """Constraints (but equalities ``kept``), tendons, contacts, compensation and the fluid; joints and actuators tell their own."""
     constrained = not disabled(model, "CONSTRAINT")
     notes: list[str] = []
     if constrained and not disabled(model, "EQUALITY"):
-        notes += _equalities(model)
+        notes += _equalities(model, kept)
     notes += _tendons(model)
     for count, what in (
         (model.nflex, "flexible mesh(es)"),
@@ -42,11 +42,11 @@ def left_out(model: Any) -> list[str]:
     return notes
 
 
-def _equalities(model: Any) -> Iterator[str]:
+def _equalities(model: Any, kept: Container[int]) -> Iterator[str]:
     import mujoco
 
     for i in range(model.neq):
-        if not model.eq_active0[i]:
+        if not model.eq_active0[i] or i in kept:
             continue
         kind = mujoco.mjtEq(int(model.eq_type[i]))
         name = model.equality(i).name

@@ -6,6 +6,9 @@ Conventions, MuJoCo to ours:
   body frame lies at -p in it.
 - Several joints of one body become a chain of massless links ``<body>__<joint>``; the last carries the body.
 - A joint position is MuJoCo's ``qpos``: ``ref`` is kept as a turn (shift) by -ref at our zero.
+- A free joint hangs on ``world`` at its origin, so that its positions are MuJoCo's too: those of its body as the file places it
+  are in the keyframe ``qpos0``. Quaternions, and velocities of free and ball joints, are MuJoCo's.
+- A joint equality whose polynomial is linear makes its first joint follow the second.
 - A body without joints becomes a link on a fixed joint; ``world`` is the base.
 """
 
@@ -16,15 +19,17 @@ import re
 import threading
 import warnings as python_warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError
 from harness.system.check import check_bodies, check_dynamics, check_joints
 from harness.system.description import Array, Attachment, Joint, JointType, Keyframe, Link, Stops, System, constant
 from harness.system.mjcf_actuators import actuators, reflected
+from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_left_out import disabled, left_out, uniform_compensation
 from harness.system.rotation import about_axis, from_quaternion
@@ -51,14 +56,16 @@ def read_mjcf(
     allow: folders beside the model's own that files may be read from.
     Actuators are kept apart, for single runs. What MuJoCo would let act and a system does not hold (tendons, equalities, contacts,
     fluid, higher damping and stiffness) becomes a line in ``System.notes``.
-    Raises InputError with MuJoCo's own message, and UnsupportedError naming free and ball joints.
+    Raises InputError with MuJoCo's own message.
     """
     known = places(root, source, allow)
     spec, model, notes = _compile(data, root, source, known)
     names = names_of_joints(model)
     drives, told_drives = actuators(model, names)
-    notes += [*left_out(model), *told_drives]
-    joints, links, effects = _tree(model, source, notes)
+    following, followed = mimics(model, names)
+    notes += [*left_out(model, followed), *told_drives]
+    joints, links, effects = _tree(model, notes)
+    joints = [replace(joint, mimic=following.get(joint.name)) for joint in joints]
     lines = _lines(spec) if root.find(".//include") is None else {}
     ordered_joints, ordered_links = arrange(joints, links, BASE, source=source, lines=lines)
     notes += check_joints(ordered_joints, physical=physical, source=source, lines=lines)
@@ -96,7 +103,6 @@ def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tupl
             else:
                 spec = mujoco.MjSpec.from_string(without_foreign_comments(data).decode("utf-8-sig"))
                 spec.modelfiledir = str((source or Path.cwd() / "model").parent)
-            _refuse_joint_types(mujoco, spec, source)
             notes = take_out_shapes(mujoco, spec, known, source)
             model = spec.compile()
         except UnicodeDecodeError:
@@ -130,20 +136,6 @@ def _collected_warnings(mujoco: Any) -> Iterator[list[str]]:
         finally:
             mujoco.set_mju_user_warning(before)
             warnings += [str(warning.message) for warning in raised]
-
-
-def _refuse_joint_types(mujoco: Any, spec: Any, source: Path | None) -> None:
-    words = {mujoco.mjtJoint.mjJNT_FREE: "free", mujoco.mjtJoint.mjJNT_BALL: "ball"}
-    for joint in spec.joints:
-        if joint.type in words:
-            body = joint.parent.name or "without name"
-            called = f"joint {joint.name!r}" if joint.name else f"joint of body {body!r}"
-            raise UnsupportedError(
-                f"{called}: type {words[joint.type]!r} is not modelled",
-                mend="use hinge and slide joints on a fixed base",
-                source=source,
-                line=_line(joint),
-            )
 
 
 def _line(element: Any) -> int | None:
@@ -200,7 +192,7 @@ def _limits(model: Any, joints: list[str]) -> tuple[Stops, ...]:
         return ()
     found = []
     for k, name in enumerate(joints):
-        if model.jnt_limited[k]:
+        if model.jnt_limited[k] and model.jnt_type[k] not in _in_space():
             solref, solimp = model.jnt_solref[k], model.jnt_solimp[k]
             weight = float(model.dof_invweight0[model.jnt_dofadr[k]])
             law = limit_law((float(solref[0]), float(solref[1])), (float(solimp[0]), float(solimp[1])), weight)
@@ -218,20 +210,48 @@ def _keyframes(model: Any, joints: list[str]) -> tuple[Keyframe, ...]:
     named = tuple(
         Keyframe(
             model.key(i).name or f"key{i + 1}",
-            {name: float(model.key_qpos[i, model.jnt_qposadr[k]]) for k, name in enumerate(joints)},
-            {name: float(model.key_qvel[i, model.jnt_dofadr[k]]) for k, name in enumerate(joints)},
+            _named(model, joints, model.key_qpos[i], "position_names"),
+            _named(model, joints, model.key_qvel[i], "velocity_names"),
             {name: float(model.key_ctrl[i, at]) for name, at in drives.items()},
         )
         for i in range(model.nkey)
     )
-    rest = {name: float(model.qpos0[model.jnt_qposadr[k]]) for k, name in enumerate(joints)}
+    rest = _named(model, joints, model.qpos0, "position_names")
     return (*named, Keyframe("qpos0", rest, {}, {}))
 
 
-def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint], list[Link], list[Attachment]]:
-    """Joints, links and joint laws of a compiled model, one fixed joint for a body without joints."""
+def _kind(model: Any, k: int) -> JointType:
     import mujoco
 
+    kind = mujoco.mjtJoint
+    words = {
+        kind.mjJNT_FREE: JointType.FREE,
+        kind.mjJNT_BALL: JointType.BALL,
+        kind.mjJNT_SLIDE: JointType.PRISMATIC,
+        kind.mjJNT_HINGE: JointType.REVOLUTE,
+    }
+    return words[kind(int(model.jnt_type[k]))]
+
+
+def _in_space() -> tuple[int, int]:
+    """MuJoCo's numbers of free and ball joints."""
+    import mujoco
+
+    return int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
+
+
+def _named(model: Any, joints: list[str], values: Array, which: str) -> dict[str, float]:
+    """Positions or velocities of MuJoCo's by our names."""
+    first = model.jnt_qposadr if which == "position_names" else model.jnt_dofadr
+    found: dict[str, float] = {}
+    for k, name in enumerate(joints):
+        names = getattr(Joint(name, _kind(model, k), "", ""), which)
+        found |= {each: float(values[int(first[k]) + i]) for i, each in enumerate(names)}
+    return found
+
+
+def _tree(model: Any, notes: list[str]) -> tuple[list[Joint], list[Link], list[Attachment]]:
+    """Joints, links and joint laws of a compiled model, one fixed joint for a body without joints."""
     joints: list[Joint] = []
     links: list[Link] = []
     effects: list[Attachment] = []
@@ -261,22 +281,23 @@ def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint
         carrier = names[parent]
         for k in range(first, first + count):
             name = joint_names[k]
-            kind = mujoco.mjtJoint(int(model.jnt_type[k]))
-            if kind not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
-                raise UnsupportedError(
-                    f"joint {name!r}: only hinge and slide joints are modelled", mend="use those", source=source
-                )
             last = k == first + count - 1
             child = names[b] if last else unique(f"{names[b]}__{name}", link_names)
             # The first joint is placed in the parent; the others in the massless link before them, whose axes are
             # the body's.
             place = xyz + rotation @ model.jnt_pos[k] if k == first else model.jnt_pos[k] - anchor
             turn = rotation if k == first else np.eye(3)
-            joints.append(_joint(model, k, name, carrier, child, place, turn))
-            effects += _joint_laws(model, k, name, notes)
+            if _kind(model, k) is JointType.FREE:
+                place, turn = np.zeros(3), np.eye(3)
+            if model.jnt_type[k] in _in_space():
+                joints.append(_joint_in_space(model, k, name, carrier, child, place, turn, notes))
+            else:
+                joints.append(_joint(model, k, name, carrier, child, place, turn))
+                effects += _joint_laws(model, k, name, notes)
             if not last:
                 links.append(Link(child))
-            anchor = model.jnt_pos[k].copy()
+            # A free joint's positions are those of its body's frame.
+            anchor = np.zeros(3) if _kind(model, k) is JointType.FREE else model.jnt_pos[k].copy()
             carrier = child
         body_in_link[b] = -anchor
         axes = from_quaternion(model.body_iquat[b])
@@ -290,6 +311,31 @@ def _tree(model: Any, source: Path | None, notes: list[str]) -> tuple[list[Joint
             )
         )
     return joints, links, effects
+
+
+def _joint_in_space(
+    model: Any, k: int, name: str, parent: str, child: str, place: Array, turn: Array, notes: list[str]
+) -> Joint:
+    """A free or ball joint; tells of springs, dry friction and limits, which they have none of here."""
+    dof = int(model.jnt_dofadr[k])
+    if (model.jnt_stiffness[k] or np.any(model.jnt_stiffnesspoly[k])) and not disabled(model, "SPRING"):
+        notes.append(f"joint {name!r}: its spring of stiffness {float(model.jnt_stiffness[k]):g} is left out")
+    if model.dof_frictionloss[dof] and not disabled(model, "FRICTIONLOSS"):
+        notes.append(f"joint {name!r}: its dry friction {float(model.dof_frictionloss[dof]):g} is left out")
+    if np.any(model.dof_dampingpoly[dof]) and not disabled(model, "DAMPER"):
+        notes.append(f"joint {name!r}: its damping beyond linear is left out")
+    if model.jnt_limited[k] and not (disabled(model, "LIMIT") or disabled(model, "CONSTRAINT")):
+        notes.append(f"joint {name!r}: its limit of {float(model.jnt_range[k, 1]):g} rad is left out")
+    return Joint(
+        name,
+        _kind(model, k),
+        parent,
+        child,
+        xyz=constant(place),
+        rotation=constant(turn),
+        armature=float(model.dof_armature[dof]),
+        damping=0.0 if disabled(model, "DAMPER") else float(model.dof_damping[dof]),
+    )
 
 
 def _joint(model: Any, k: int, name: str, parent: str, child: str, place: Array, turn: Array) -> Joint:

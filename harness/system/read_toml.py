@@ -9,9 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from harness.errors import InputError, UnsupportedError
-from harness.system.check import check_bodies, check_dynamics
-from harness.system.description import STANDARD_GRAVITY, Attachment, Joint, JointType, Link, System, constant
+from harness.errors import InputError
+from harness.system.check import check_bodies, check_dynamics, check_mimics
+from harness.system.description import (
+    STANDARD_GRAVITY,
+    Array,
+    Attachment,
+    Joint,
+    JointType,
+    Link,
+    Mimic,
+    System,
+    constant,
+)
 from harness.system.flexible_link import read_flexible_link
 from harness.system.rotation import from_rpy
 from harness.system.suggest import did_you_mean
@@ -19,7 +29,8 @@ from harness.system.table import TableReader, locate
 from harness.system.topology import arrange
 
 DEFAULT_TOLERANCE = 0.01
-_NOT_MODELLED = ("floating", "planar", "free", "ball", "spherical", "universal")
+# Words of other formats for ours.
+_SYNONYMS = {"floating": "free", "spherical": "ball", "screw": "helical", "hinge": "revolute", "slide": "prismatic"}
 
 
 def parse_toml(text: str, source: Path | None = None) -> dict[str, Any]:
@@ -105,6 +116,7 @@ def read_toml(
         source=source,
         notes=tuple(notes),
     )
+    check_mimics(system, lines)
     check_dynamics(system, lines=lines)
     return system
 
@@ -132,15 +144,8 @@ def _tables(top: TableReader, kind: str, places: Mapping[str, list[tuple[int, di
 def _joint(table: TableReader) -> Joint:
     name = table.text("name")
     kind = table.text("type")
-    if kind in _NOT_MODELLED:
-        raise UnsupportedError(
-            f"joint {name!r}: type {kind!r} is not modelled",
-            mend="use revolute, continuous, prismatic or fixed joints on a fixed base",
-            source=table.source,
-            line=table.lines.get("type", table.line),
-        )
     if kind not in set(JointType):
-        table.refuse(f"unknown joint type {kind!r}", did_you_mean(kind, [str(t) for t in JointType]), "type")
+        table.refuse(f"unknown joint type {kind!r}", _type_mend(kind), "type")
     joint_type = JointType(kind)
     xyz, rotation = constant(np.zeros(3)), constant(np.eye(3))
     origin = table.inner("origin")
@@ -148,10 +153,12 @@ def _joint(table: TableReader) -> Joint:
         xyz = origin.vector("xyz", (0.0, 0.0, 0.0))
         rotation = constant(from_rpy(origin.vector("rpy", (0.0, 0.0, 0.0))))
         origin.finish()
-    if joint_type is JointType.FIXED and not table.has("axis"):
+    bare = joint_type in (JointType.FIXED, JointType.BALL, JointType.FREE)
+    if bare and not table.has("axis"):
         axis = constant([0.0, 0.0, 1.0])
     else:
         axis = table.direction("axis", mend="add axis = [0, 1, 0], in the joint frame")
+    axis2, pitch, mimic = _further(table, joint_type, axis)
     limits = table.inner("limits")
     lower, upper, effort, velocity = -np.inf, np.inf, np.inf, np.inf
     if limits is not None:
@@ -179,9 +186,38 @@ def _joint(table: TableReader) -> Joint:
         upper=upper,
         effort=effort,
         velocity=velocity,
+        axis2=axis2,
+        pitch=pitch,
+        mimic=mimic,
     )
+    if joint.turns_in_space:
+        for key in ("friction", "stiffness", "rest_position"):
+            if getattr(joint, key):
+                table.refuse(f"{key!r} of a {kind} joint is not modelled", "take it out", key)
     table.finish()
     return joint
+
+
+def _type_mend(kind: str) -> str:
+    if kind in _SYNONYMS:
+        return f'did you mean "{_SYNONYMS[kind]}"?'
+    return did_you_mean(kind, [str(t) for t in JointType])
+
+
+def _further(table: TableReader, kind: JointType, axis: Array) -> tuple[Array, float, Mimic | None]:
+    """Second axis of a universal joint, pitch of a helical one, and what a joint follows."""
+    axis2, pitch, mimic = constant([0.0, 1.0, 0.0]), 0.0, None
+    if kind is JointType.UNIVERSAL:
+        axis2 = table.direction("axis2", mend="add axis2 = [0, 1, 0], in the joint frame")
+        if float(np.linalg.norm(np.cross(axis, axis2))) < 1e-6:
+            table.refuse("'axis' and 'axis2' are parallel", "the axes of a universal joint cross", "axis2")
+    if kind is JointType.HELICAL:
+        pitch = table.number("pitch", mend="add pitch = …, the shift for a turn of one radian [m/rad]")
+    inner = table.inner("mimic")
+    if inner is not None:
+        mimic = Mimic(inner.text("joint"), inner.number("multiplier", 1.0), inner.number("offset", 0.0))
+        inner.finish()
+    return axis2, pitch, mimic
 
 
 def _link(table: TableReader, tolerance: float, notes: list[str]) -> Link:

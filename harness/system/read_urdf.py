@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
 from harness.errors import InputError, UnsupportedError
-from harness.system.check import check_bodies, check_dynamics
-from harness.system.description import Array, Joint, JointType, Link, System, constant
+from harness.system.check import check_bodies, check_dynamics, check_mimics
+from harness.system.description import Array, Joint, JointType, Link, Mimic, System, constant
 from harness.system.rotation import from_quaternion, from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.topology import arrange
@@ -19,10 +20,9 @@ from harness.system.xml_source import prefix_and_name
 
 # Limits this large [rad, m, N·m, …] stand for none, in files whose readers insist on a number.
 NO_LIMIT = 1e9
-# Of URDF and its dialects (Drake's, SDFormat's): well formed, and more than one coordinate or none of ours.
+_ONE_DEGREE = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC, JointType.FIXED)
+# Of URDF's dialects (Drake's, SDFormat's): well formed elsewhere, and no joints of URDF.
 _NOT_MODELLED = (
-    "floating",
-    "planar",
     "ball",
     "spherical",
     "universal",
@@ -33,17 +33,26 @@ _NOT_MODELLED = (
     "quaternion_floating",
     "rpy_floating",
 )
+# URDF's words to ours, where they differ; ours that URDF has not are unknown types in it.
+_TYPES = {str(kind): kind for kind in _ONE_DEGREE} | {"planar": JointType.PLANAR, "floating": JointType.FREE}
+# Names of the world and of the joint that a floating root gets: Pinocchio's name for the joint.
+WORLD, ROOT_JOINT = "world", "root_joint"
 # Rotations as quaternions came with this version of the format; urdfdom passes them over in files of an earlier one.
 _QUATERNIONS_SINCE = (1, 1)
 _VERSIONS = ((1, 0), (1, 1), (1, 2))
 
 
 def read_urdf(
-    root: Any, source: Path | None = None, *, tolerance: float | None = None, physical: bool = True
+    root: Any,
+    source: Path | None = None,
+    *,
+    tolerance: float | None = None,
+    physical: bool = True,
+    floating: bool = False,
 ) -> System:
     """A system from the root element of a URDF document.
 
-    The root link is the fixed base; its inertia moves nothing. Mimic joints count as independent. Geometry, materials,
+    The root link is the fixed base, whose inertia moves nothing, or floats on a free joint. Geometry, materials,
     transmissions and simulator extensions are not read; what of them would act elsewhere is told in ``System.notes``.
     Raises InputError and UnsupportedError naming file, line, joint or link.
     """
@@ -51,10 +60,16 @@ def read_urdf(
     reader.version(root)
     reader.refuse_foreign_joints(root)
     joints = [reader.joint(element) for element in root.findall("joint")]
+    joints = reader.with_leaders(joints)
     links = [reader.link(element) for element in root.findall("link")]
     if not links:
         raise InputError("there is no <link>", mend="a robot has links and joints", source=source, line=root.sourceline)
     base = reader.base(joints, links)
+    if floating:
+        names = {link.name for link in links}, {joint.name for joint in joints}
+        world, root_joint = (_unused(name, taken) for name, taken in zip((WORLD, ROOT_JOINT), names, strict=True))
+        joints = [Joint(root_joint, JointType.FREE, world, base), *joints]
+        links, base = [Link(world), *links], world
     for link in links:
         if link.name == base and link.mass > 0.0:
             reader.notes.append(f"link {base!r} is the fixed base; its inertia is left out")
@@ -73,8 +88,15 @@ def read_urdf(
         source=source,
         notes=tuple(notes),
     )
+    check_mimics(system, reader.lines)
     check_dynamics(system, lines=reader.lines)
     return system
+
+
+def _unused(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name
 
 
 class _Reader:
@@ -205,16 +227,12 @@ class _Reader:
                 source=self.source,
                 line=element.sourceline,
             )
-        if kind not in set(JointType):
-            self.refuse(
-                element, f"{owner}: unknown joint type {kind!r}", did_you_mean(kind, [str(t) for t in JointType])
-            )
-        joint_type = JointType(kind)
+        if kind not in _TYPES:
+            self.refuse(element, f"{owner}: unknown joint type {kind!r}", did_you_mean(kind, _TYPES))
+        joint_type = _TYPES[kind]
         xyz, rotation = self.origin(element, owner)
-        if element.find("mimic") is not None:
-            followed = element.find("mimic").get("joint")
-            self.notes.append(f"{owner} mimics {followed!r}; it counts as an independent joint here")
-        damping, friction = self._dynamics(element, owner)
+        mimic = self._mimic(element, joint_type, owner)
+        damping, friction = self._dynamics(element, joint_type, owner)
         lower, upper, effort, velocity = self._limits(element, joint_type, owner)
         return Joint(
             name=name,
@@ -230,7 +248,36 @@ class _Reader:
             upper=upper,
             effort=effort,
             velocity=velocity,
+            mimic=mimic,
         )
+
+    def _mimic(self, element: Any, kind: JointType, owner: str) -> Mimic | None:
+        mimic = element.find("mimic")
+        if mimic is None:
+            return None
+        if kind not in _ONE_DEGREE or kind is JointType.FIXED:
+            self.notes.append(
+                f"{owner} of type {kind} mimics {mimic.get('joint')!r}, which is left out: nothing to follow with"
+            )
+            return None
+        if not mimic.get("joint"):
+            self.refuse(mimic, f"{owner}: <mimic> names no joint", 'write <mimic joint="…"/>')
+        multiplier, offset = (
+            self.number(mimic, key, value, owner) for key, value in (("multiplier", 1.0), ("offset", 0.0))
+        )
+        return Mimic(str(mimic.get("joint")), multiplier, offset)
+
+    def with_leaders(self, joints: list[Joint]) -> list[Joint]:
+        """The joints, independent where what they mimic is no joint that moves, as urdfdom lets them be; told."""
+        movable = {joint.name for joint in joints if joint.type in _ONE_DEGREE and joint.movable}
+        kept = []
+        for joint in joints:
+            if joint.mimic is not None and joint.mimic.joint not in movable:
+                what = f"joint {joint.name!r} mimics {joint.mimic.joint!r}, which is no joint of one degree of freedom here"
+                self.notes.append(f"{what}; it counts as an independent joint")
+                joint = replace(joint, mimic=None)
+            kept.append(joint)
+        return kept
 
     def _end(self, element: Any, role: str, owner: str) -> str:
         end = element.find(role)
@@ -240,7 +287,7 @@ class _Reader:
 
     def _axis(self, element: Any, kind: JointType, owner: str) -> Array:
         axis_element = element.find("axis")
-        if kind is JointType.FIXED:
+        if kind in (JointType.FIXED, JointType.FREE):
             return constant([0.0, 0.0, 1.0])
         if axis_element is None:
             return constant([1.0, 0.0, 0.0])  # the format's default
@@ -254,13 +301,16 @@ class _Reader:
             self.notes.append(f"{owner}: axis of length {length:.6g} was normalised")
         return constant(np.asarray(axis) / length)
 
-    def _dynamics(self, element: Any, owner: str) -> tuple[float, float]:
+    def _dynamics(self, element: Any, kind: JointType, owner: str) -> tuple[float, float]:
         dynamics = element.find("dynamics")
         if dynamics is None:
             return 0.0, 0.0
         values = []
         for key in ("damping", "friction"):
             value = self.number(dynamics, key, 0.0, owner)
+            if key == "friction" and value and kind not in _ONE_DEGREE:
+                self.notes.append(f"{owner}: friction {value:g} is left out, {kind} joints have none here")
+                value = 0.0
             if value < 0.0:
                 if self.physical:
                     self.refuse(dynamics, f"{owner}: {key} {value:g} is negative", "it would feed energy in")

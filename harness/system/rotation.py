@@ -58,3 +58,14 @@ def skew(vector: ArrayLike) -> Array:
     """Matrix S with S x = vector × x, shape (3, 3)."""
     x, y, z = np.asarray(vector, dtype=np.float64)
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def along_z(axis: ArrayLike) -> Array:
+    """A rotation whose third column is the direction ``axis``: the least turn from z, or from -z if that is nearer, (3, 3)."""
+    x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)
+    if z >= 0.0:
+        h = 1.0 / (1.0 + z)
+        return np.array([[1.0 - h * x * x, -h * x * y, x], [-h * x * y, 1.0 - h * y * y, y], [-x, -y, z]])
+    # Turned over first, so that an axis near -z does not divide by something small.
+    h = 1.0 / (1.0 - z)
+    return np.array([[1.0 - h * x * x, h * x * y, x], [-h * x * y, h * y * y - 1.0, y], [x, -y, z]])

@@ -10,7 +10,8 @@ from lxml import etree
 from scipy.spatial.transform import Rotation
 
 from harness.errors import UnsupportedError
-from harness.system.description import Array, Joint, Link, System
+from harness.system.description import Array, Joint, JointType, Link, System
+from harness.system.lowering import chained
 from harness.system.soft_constraints import friction_solver, limit_solver, limits, soft_friction, soft_stops
 
 # MuJoCo takes no principal moment below 1e-15 kg·m²; a slender line has one of zero.
@@ -24,8 +25,10 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
 
     Soft dry friction and stops that have an inertia are said as MuJoCo's constraints. Massless links between joints become several
     joints of one body, which is MuJoCo's way to say it.
-    Raises UnsupportedError where a massless link branches, which MuJoCo cannot hold.
+    Mimics are linear equalities, which MuJoCo holds softly. A free joint's positions are in the world: it hangs on the base.
+    Raises UnsupportedError where a massless link branches, or a link floats from another, which MuJoCo cannot hold.
     """
+    system = chained(system, keep=(JointType.FREE, JointType.BALL))
     left_out = []
     if system.tolerance != 0.01:
         left_out.append(f"tolerance {system.tolerance:g}")
@@ -43,7 +46,7 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
         k, parent = pending.pop()
         run = _run(system, k, children)
         link = system.links[run[-1]]
-        body = _body(parent, [system.joints[i] for i in run], link)
+        body = _body(parent, [system.joints[i] for i in run], link, system)
         left_out += _inertial(body, link)
         if link.beam is not None:
             left_out.append(f"link {link.name!r}: bending; it is written rigid, in its undeformed shape")
@@ -58,9 +61,22 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
             if math.isfinite(system.joints[i].lower) != math.isfinite(system.joints[i].upper)
         ]
         pending += [(child, body) for child in reversed(children.get(link.name, []))]
+    _follow(root, option, system)
     said = _constrain(root, option, system)
     left_out += [f"effect {a.effect!r} at {a.site!r}" for a in system.attachments if (a.effect, a.site) not in said]
     return etree.tostring(root, pretty_print=True, encoding="unicode"), tuple(left_out)
+
+
+def _follow(root: etree._Element, option: etree._Element, system: System) -> None:
+    """Say what follows another joint as equalities."""
+    following = [joint for joint in system.joints if joint.mimic is not None]
+    if not following:
+        return
+    equality = etree.SubElement(root, "equality")
+    for joint in following:
+        assert joint.mimic is not None
+        terms = _words((joint.mimic.offset, joint.mimic.multiplier, 0.0, 0.0, 0.0))
+        etree.SubElement(equality, "joint", joint1=joint.name, joint2=joint.mimic.joint, polycoef=terms)
 
 
 def _constrain(root: etree._Element, option: etree._Element, system: System) -> set[tuple[str, str]]:
@@ -111,7 +127,7 @@ def _run(system: System, k: int, children: dict[str, list[int]]) -> list[int]:
     while True:
         joint, link = system.joints[run[-1]], system.links[run[-1]]
         following = children.get(link.name, [])
-        if not joint.movable or not _massless(link):
+        if not joint.movable or not _massless(link) or joint.turns_in_space:
             return run
         movable = [c for c in following if system.joints[c].movable]
         if len(following) == 1 and movable:
@@ -126,7 +142,22 @@ def _run(system: System, k: int, children: dict[str, list[int]]) -> list[int]:
             return run
 
 
-def _body(parent: etree._Element, joints: list[Joint], link: Link) -> etree._Element:
+def _in_space(body: etree._Element, joint: Joint, system: System) -> None:
+    """A free or ball joint, at the origin of its body."""
+    attributes = {"name": joint.name, "type": str(joint.type)}
+    attributes |= {key: repr(float(getattr(joint, key))) for key in ("armature", "damping") if getattr(joint, key)}
+    if joint.type is JointType.FREE:
+        moved = np.any(np.asarray(joint.xyz)) or np.any(np.asarray(joint.rotation) != np.eye(3))
+        if joint.parent != system.base or moved:
+            raise UnsupportedError(
+                f"joint {joint.name!r} is free of {joint.parent!r}, or not at its origin, which MJCF cannot hold",
+                mend="let it be free of the base, at the base's origin, or write TOML",
+                source=system.source,
+            )
+    etree.SubElement(body, "joint", attributes)
+
+
+def _body(parent: etree._Element, joints: list[Joint], link: Link, system: System) -> etree._Element:
     """A body with a run of joints: its frame at zero position is the last joint's."""
     # Placement of each joint frame in the parent's frame, at zero position.
     places: list[tuple[Array, Array]] = []
@@ -140,6 +171,9 @@ def _body(parent: etree._Element, joints: list[Joint], link: Link) -> etree._Ele
         if not joint.movable:
             continue
         last = joint is joints[-1]
+        if joint.turns_in_space:
+            _in_space(body, joint, system)
+            continue
         attributes = {
             "name": joint.name,
             "type": "slide" if joint.prismatic else "hinge",

@@ -47,8 +47,15 @@ def _joint(joint: Joint) -> dict[str, Any]:
         "child": joint.child,
         "origin": {"xyz": _list(joint.xyz), "rpy": _list(to_rpy(joint.rotation))},
     }
-    if joint.type is not JointType.FIXED:
+    if joint.type is not JointType.FIXED and not joint.turns_in_space:
         table["axis"] = _list(joint.axis)
+    if joint.type is JointType.UNIVERSAL:
+        table["axis2"] = _list(joint.axis2)
+    if joint.type is JointType.HELICAL:
+        table["pitch"] = float(joint.pitch)
+    if joint.mimic is not None:
+        mimic = joint.mimic
+        table["mimic"] = {"joint": mimic.joint, "multiplier": float(mimic.multiplier), "offset": float(mimic.offset)}
     for key in ("armature", "damping", "friction", "stiffness", "rest_position"):
         if getattr(joint, key) != 0.0:
             table[key] = float(getattr(joint, key))

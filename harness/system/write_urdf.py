@@ -8,7 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 from lxml import etree
 
+from harness.errors import UnsupportedError
 from harness.system.description import STANDARD_GRAVITY, Joint, JointType, Link, System
+from harness.system.lowering import chained
 from harness.system.read_urdf import NO_LIMIT
 from harness.system.rotation import to_rpy
 
@@ -21,6 +23,8 @@ def to_urdf(system: System) -> tuple[str, tuple[str, ...]]:
     if system.tolerance != 0.01:
         left_out.append(f"tolerance {system.tolerance:g}")
     left_out += [f"effect {a.effect!r} at {a.site!r}" for a in system.attachments]
+    # A universal or helical joint, which URDF has not, as the joints that it is made of.
+    system = chained(system, keep=(JointType.FREE, JointType.BALL, JointType.PLANAR))
     root = etree.Element("robot", name=system.name)
     etree.SubElement(root, "link", name=system.base)
     for joint, link in zip(system.joints, system.links, strict=True):
@@ -51,18 +55,31 @@ def _link(root: etree._Element, link: Link) -> None:
     etree.SubElement(inertial, "inertia", entries)
 
 
+# Our words to URDF's, where they differ; None for what URDF has no joint for.
+_TYPES = {JointType.FREE: "floating", JointType.BALL: None}
+
+
 def _joint(root: etree._Element, joint: Joint) -> list[str]:
-    element = etree.SubElement(root, "joint", name=joint.name, type=str(joint.type))
+    kind = _TYPES.get(joint.type, str(joint.type))
+    if kind is None:
+        raise UnsupportedError(
+            f"joint {joint.name!r} is of type {joint.type}, which URDF has not", mend="write TOML or MJCF"
+        )
+    element = etree.SubElement(root, "joint", name=joint.name, type=kind)
     etree.SubElement(element, "parent", link=joint.parent)
     etree.SubElement(element, "child", link=joint.child)
     etree.SubElement(element, "origin", xyz=_words(joint.xyz), rpy=_words(to_rpy(joint.rotation)))
     if joint.type is JointType.FIXED:
         return []
-    etree.SubElement(element, "axis", xyz=_words(joint.axis))
+    if joint.type is not JointType.FREE:
+        etree.SubElement(element, "axis", xyz=_words(joint.axis))
     if joint.damping or joint.friction:
         etree.SubElement(element, "dynamics", damping=repr(float(joint.damping)), friction=repr(float(joint.friction)))
     limits = {"effort": joint.effort, "velocity": joint.velocity}
-    if joint.type is not JointType.CONTINUOUS:
+    if joint.mimic is not None:
+        numbers = {"multiplier": repr(float(joint.mimic.multiplier)), "offset": repr(float(joint.mimic.offset))}
+        etree.SubElement(element, "mimic", {"joint": joint.mimic.joint} | numbers)
+    if joint.type in (JointType.REVOLUTE, JointType.PRISMATIC):
         # Readers insist on limits for these two types; numbers beyond any machine stand for none.
         limits |= {"lower": joint.lower, "upper": joint.upper}
     elif math.isinf(joint.effort) and math.isinf(joint.velocity):

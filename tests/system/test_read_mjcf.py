@@ -10,7 +10,7 @@ import pytest
 from jacobian_mechanics import mass_matrix, poses
 
 import harness
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError
 from harness.system import random_chain, write
 
 # Degrees, classes, fromto, inertia from geoms, several joints on a body with offsets and ref, welded bodies, euler.
@@ -92,11 +92,46 @@ def test_what_acts_there_and_not_here_is_noted(tmp_path: Path) -> None:
         assert word in notes
 
 
-@pytest.mark.parametrize("kind", ["free", "ball"])
-def test_free_and_ball_joints_are_refused_by_name_and_line(tmp_path: Path, kind: str) -> None:
-    text = f'<mujoco>\n<worldbody>\n<body name="torso">\n<joint name="root" type="{kind}"/>\n<geom size="0.1"/></body>'
-    with pytest.raises(UnsupportedError, match=rf"model\.xml:4: joint 'root': type '{kind}' is not"):
-        load_text(tmp_path, text + "</worldbody></mujoco>")
+THROWN = """<mujoco><worldbody><body name="torso" pos="1 2 3" quat="0 1 0 0"><freejoint name="root"/><geom size="0.1"/>
+  <body pos="0.2 0 0"><joint name="hip" type="ball" pos="0 0.1 0" damping="0.3" stiffness="2" range="0 40" limited="true"/>
+  <geom size="0.05"/></body></body></worldbody>
+  <keyframe><key name="up" qpos="4 5 6 1 0 0 0 0 1 0 0" qvel="1 2 3 4 5 6 7 8 9"/></keyframe></mujoco>"""
+
+
+def test_free_and_ball_joints_have_mujoco_s_positions_and_velocities(tmp_path: Path) -> None:
+    system = load_text(tmp_path, THROWN)
+    assert [str(joint.type) for joint in system.joints] == ["free", "ball"]
+    up, rest = system.keyframes
+    assert list(up.position.values()) == [4, 5, 6, 1, 0, 0, 0, 0, 1, 0, 0]
+    assert tuple(up.position) == system.position_names and tuple(up.velocity) == system.coordinate_names
+    assert list(up.velocity.values()) == [1, 2, 3, 4, 5, 6, 7, 8, 9]
+    # As the file places the body.
+    assert list(rest.position.values()) == [1, 2, 3, 0, 1, 0, 0, 1, 0, 0, 0]
+    notes = " | ".join(system.notes)
+    assert "'hip': its spring of stiffness 2 is left out" in notes and "its limit of 0.698132 rad is left out" in notes
+    model, theirs = harness.Denoc(system), mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    theirs.jnt_stiffness[:] = 0.0
+    theirs.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    data = mujoco.MjData(theirs)
+    rng = np.random.default_rng(0)
+    data.qpos[:], data.qvel[:] = rng.standard_normal(11), rng.standard_normal(9)
+    data.qpos[:] = model.integrate(data.qpos, np.zeros(9))
+    mujoco.mj_forward(theirs, data)
+    np.testing.assert_allclose(model.forward_dynamics(data.qpos, data.qvel), data.qacc, rtol=1e-11, atol=1e-11)
+
+
+def test_a_linear_joint_equality_is_a_mimic_and_any_other_is_noted(tmp_path: Path) -> None:
+    text = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="a" ref="0.2"/><geom size="0.1" pos="1 0 0"/>
+      <body><joint name="b" ref="0.1"/><geom size="0.1" pos="1 0 0"/><body><joint name="c"/><geom size="0.1" pos="1 0 0"/>
+      </body></body></body></worldbody><equality><joint joint1="b" joint2="a" polycoef="0.5 -2 0 0 0"/>
+      <joint joint1="c" joint2="a" polycoef="0 1 1 0 0"/><joint joint1="a" joint2="b"/></equality></mujoco>"""
+    system = load_text(tmp_path, text)
+    mimic = system.joint("b").mimic
+    assert mimic is not None and (mimic.joint, mimic.multiplier) == ("a", -2.0)
+    # b - 0.1 = 0.5 - 2 (a - 0.2), equalities being about what is beyond qpos0.
+    assert mimic.offset == pytest.approx(0.1 + 0.5 + 0.4, rel=1e-15)
+    assert (system.nq, system.nv) == (2, 2)
+    assert len([note for note in system.notes if "left out: joint" in note]) == 2
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from jacobian_mechanics import mass_matrix
 
 import harness
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError
 from harness.system.flexible_link import rectangle_torsion_constant
 
 PIVOT = """[[joint]]
@@ -213,10 +213,25 @@ def test_refused_in_one_line_with_its_place(tmp_path: Path, text: str, message: 
     assert str(tmp_path / "system.toml") in str(caught.value)
 
 
-@pytest.mark.parametrize("kind", ["floating", "ball"])
-def test_joints_that_are_not_modelled_are_named(tmp_path: Path, kind: str) -> None:
-    with pytest.raises(UnsupportedError, match=rf":3: joint 'pivot': type '{kind}' is not modelled"):
-        load_text(tmp_path, PIVOT.replace("revolute", kind) + RIGID)
+@pytest.mark.parametrize(
+    ("kind", "further", "message"),
+    [
+        ("floating", "", r":3: joint 'pivot': unknown joint type 'floating' \(did you mean \"free\"\?\)"),
+        ("universal", "", r"add axis2 = \[0, 1, 0\], in the joint frame"),
+        ("universal", "axis2 = [0, -2, 0]\n", "'axis' and 'axis2' are parallel"),
+        ("helical", "", "add pitch = "),
+        ("ball", "stiffness = 1.0\n", "'stiffness' of a ball joint is not modelled"),
+        ("revolute", 'mimic = { joint = "pivot" }\n', "joints pivot → pivot mimic one another in a circle"),
+        ("revolute", 'mimic = { joint = "elbow" }\n', "joint 'pivot' mimics 'elbow', which is no joint of this model"),
+        ("planar", 'mimic = { joint = "pivot" }\n', "joint 'pivot' of type planar mimics 'pivot'"),
+    ],
+)
+def test_unusable_joints_are_refused_in_one_line(tmp_path: Path, kind: str, further: str, message: str) -> None:
+    pivot = PIVOT.replace("revolute", kind).replace("axis = [0, 1, 0]\n", f"axis = [0, 1, 0]\n{further}")
+    assert further in pivot
+    with pytest.raises(InputError, match=message) as caught:
+        load_text(tmp_path, pivot + RIGID)
+    assert "\n" not in str(caught.value)
 
 
 def test_files_that_are_no_models(tmp_path: Path) -> None:

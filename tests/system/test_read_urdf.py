@@ -12,6 +12,7 @@ from jacobian_mechanics import mass_matrix, poses
 
 import harness
 from harness.errors import InputError, UnsupportedError
+from harness.system.lowering import freed
 
 ARM = """<?xml version="1.0"?>
 <robot name="arm">
@@ -77,7 +78,10 @@ def pinocchio_comparison(path: Path, system: harness.System) -> tuple[float, flo
 
 def test_arm_is_pinocchios(tmp_path: Path) -> None:
     system = load_text(tmp_path, ARM)
-    assert max(pinocchio_comparison(tmp_path / "robot.urdf", system)) < 1e-13
+    # Pinocchio reads a mimicking joint as an independent one.
+    assert max(pinocchio_comparison(tmp_path / "robot.urdf", freed(system))) < 1e-13
+    assert [(joint.name, joint.mimic.joint) for joint in system.joints if joint.mimic] == [("slide", "shoulder")]
+    assert system.coordinate_names == ("shoulder", "spin")
     assert system.base == "foot"
     assert system.joint_names == ("shoulder", "slide", "spin")
     shoulder = system.joint("shoulder")
@@ -86,7 +90,7 @@ def test_arm_is_pinocchios(tmp_path: Path) -> None:
     assert (shoulder.effort, shoulder.velocity) == (10.0, 3.0)
     np.testing.assert_array_equal(system.joint("spin").axis, [1.0, 0.0, 0.0])  # the format's default
     notes = " | ".join(system.notes)
-    assert "axis of length 5" in notes and "mimics 'shoulder'" in notes and "'foot' is the fixed base" in notes
+    assert "axis of length 5" in notes and "'foot' is the fixed base" in notes
 
 
 def published_robots() -> list[Path]:
@@ -114,7 +118,7 @@ def test_published_robots_are_read_as_pinocchio_reads_them_or_refused_in_one_lin
             assert "\n" not in str(error) and path.name in str(error)
             refused.append(str(error))
             continue
-        difference, displacement = pinocchio_comparison(path, system)
+        difference, displacement = pinocchio_comparison(path, freed(system))
         assert difference < 1e-12, path
         assert displacement < 1e-12, path
         read.append(path.name)
@@ -206,10 +210,50 @@ def test_refused_in_one_line_with_its_place(tmp_path: Path, text: str, message: 
     assert str(tmp_path / "robot.urdf") in str(caught.value)
 
 
-@pytest.mark.parametrize("kind", ["floating", "planar"])
-def test_joints_that_are_not_modelled_are_named(tmp_path: Path, kind: str) -> None:
+@pytest.mark.parametrize("kind", ["ball", "screw"])
+def test_joints_of_dialects_are_named(tmp_path: Path, kind: str) -> None:
     with pytest.raises(UnsupportedError, match=rf":5: joint 'pivot': type '{kind}' is not modelled"):
         load_text(tmp_path, ROBOT.format(body() + joint(kind=kind)))
+
+
+@pytest.mark.parametrize(("kind", "degrees"), [("floating", (7, 6)), ("planar", (3, 3))])
+def test_floating_and_planar_joints_are_read(tmp_path: Path, kind: str, degrees: tuple[int, int]) -> None:
+    system = load_text(tmp_path, ROBOT.format(body() + joint(kind=kind)))
+    assert (system.nq, system.nv) == degrees
+
+
+def test_the_root_floats_on_request_as_pinocchio_lets_it(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text(ARM)
+    system = freed(harness.load(path, floating=True))
+    assert (system.base, system.joints[0].name, system.joints[0].child) == ("world", "root_joint", "foot")
+    model = pinocchio.buildModelFromUrdf(str(path), pinocchio.JointModelFreeFlyer())
+    data = model.createData()
+    q = pinocchio.randomConfiguration(model, -np.ones(model.nq), np.ones(model.nq))
+    theirs = pinocchio.crba(model, data, q)
+    theirs = np.triu(theirs) + np.triu(theirs, 1).T
+    ours = harness.Denoc(system)
+    turn = pinocchio.Quaternion(q[3:7]).matrix()
+    # w first; linear velocity in the world where Pinocchio has the child's axes; its coordinates by name.
+    position = ours.neutral
+    position[:7] = [*q[:3], q[6], *q[3:6]]
+    jacobian = np.zeros((model.nv, ours.n))
+    jacobian[:3, :3], jacobian[3:6, 3:6] = turn.T, np.eye(3)
+    for name in system.joint_names[1:]:
+        joint = model.joints[model.getJointId(name)]
+        value = q[joint.idx_q] if joint.nq == 1 else np.arctan2(q[joint.idx_q + 1], q[joint.idx_q])
+        position[system.position_names.index(name)] = value
+        jacobian[joint.idx_v, system.coordinate_names.index(name)] = 1.0
+    np.testing.assert_allclose(ours.mass_matrix(position), jacobian.T @ theirs @ jacobian, atol=1e-13)
+    with pytest.raises(InputError, match="a floating root is asked for, and the file is no URDF"):
+        (tmp_path / "x.toml").write_text("name = 'x'")
+        harness.load(tmp_path / "x.toml", floating=True)
+
+
+def test_a_mimic_of_what_is_no_joint_is_told(tmp_path: Path) -> None:
+    system = load_text(tmp_path, ARM.replace('<mimic joint="shoulder"/>', '<mimic joint="elbow"/>'))
+    assert any("mimics 'elbow', which is no joint" in note for note in system.notes)
+    assert system.simple
 
 
 def test_xacro_is_sent_to_xacro(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from harness.compare.scales import Terms, terms
 from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.system import System
+from harness.system.lowering import lower
 
 # A quantity at one state, as a flat array: (model, q, qd, qdd, tau) -> values.
 Quantity = Callable[[EngineModel, Array, Array, Array, Array], Array]
@@ -153,7 +154,7 @@ def blamed(
 
 def _explained(bench: Bench, name: str, q: Array, qd: Array, tau: Array) -> list[Explanation]:
     """Numbers of the description that the native engine seems to take otherwise."""
-    if len(bench.system.coordinate_names) > MOST_EXPLAINED or bench.system.flexible:
+    if len(bench.system.coordinate_names) > MOST_EXPLAINED or bench.system.flexible or not bench.system.simple:
         return []
     # Several checks of a case ask, and the answer is one.
     if name in bench.explained:
@@ -186,15 +187,20 @@ def summed_terms(system: System, states: States, model: EngineModel) -> dict[str
     """
     if system.flexible:
         return {}
-    joints = system.movable_joints
+    lowered = lower(system)
+    joints = lowered.system.movable_joints
     damping, stiffness = (np.array([getattr(joint, key) for joint in joints]) for key in ("damping", "stiffness"))
     rest = np.array([joint.rest_position for joint in joints])
-    at: list[Terms] = [terms(system, q, qd) for q, qd in zip(states.q, states.qd, strict=True)]
-    each = np.array([one.gravity + one.motion for one in at])
-    passive = damping * np.abs(states.qd) + stiffness * np.abs(states.q - rest)
+    # Terms of the lowered joints, at angles of balls that are zero, add up to those of what is independent.
+    local = np.array([lowered.position(q) for q in states.q])
+    rates = states.qd @ lowered.rates.T
+    at: list[Terms] = [terms(lowered.recentred(q), x, v) for q, x, v in zip(states.q, local, rates, strict=True)]
+    gathered = np.abs(lowered.rates)
+    each = np.array([one.gravity + one.motion for one in at]) @ gathered
+    passive = (damping * np.abs(rates) + stiffness * np.abs(local - rest)) @ gathered
     driven = np.array([np.abs(model.mass_matrix(q)) @ np.abs(qdd) for q, qdd in zip(states.q, states.qdd, strict=True)])
     return {
-        "gravity": np.array([one.gravity.max() for one in at]),
+        "gravity": (np.array([one.gravity for one in at]) @ gathered).max(axis=1),
         "bias": each.max(axis=1),
         "inverse_dynamics": (each + passive + driven).max(axis=1),
         "energy": np.array([one.potential for one in at]),
@@ -219,7 +225,7 @@ def difference_of(quantity: str, mass: Array | None, a: Array, b: Array, terms: 
 class States:
     """Random states: position, velocity, acceleration and force, each shape (B, n)."""
 
-    q: Array
+    q: Array  # (B, nq)
     qd: Array
     qdd: Array
     tau: Array
@@ -234,28 +240,36 @@ def random_states(bench: Bench, count: int, speed: float, effort: float, elastic
     system = bench.system
     rng = bench.rng()
     low, high, soft = [], [], []
-    joints = {joint.name: joint for joint in system.movable_joints}
-    for name in system.coordinate_names:
+    joints = {name: joint for joint in system.movable_joints for name in joint.position_names}
+    rigid = {name for joint in system.movable_joints for name in joint.velocity_names}
+    for name in system.position_names:
         joint = joints.get(name)
         soft.append(joint is None)
-        lower, upper = -np.pi, np.pi
+        least, most = -np.pi, np.pi
         if joint is not None:
-            if joint.prismatic:
-                lower, upper = -1.0, 1.0
+            # Shifts in space, and of quaternions what random directions are made of.
+            if joint.prismatic or joint.turns_in_space or name.endswith((".x", ".y")):
+                least, most = -1.0, 1.0
             if np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper:
-                lower, upper = joint.lower, joint.upper
-        low.append(lower)
-        high.append(upper)
-    n = len(low)
+                least, most = joint.lower, joint.upper
+        low.append(least)
+        high.append(most)
+    n = system.nv
     elastic_ones = np.array(soft)
+    elastic_rates = np.array([name not in rigid for name in system.coordinate_names])
     # Not up to the very limits: engines that know them as constraints would push there.
-    q = np.array(low) + (np.array(high) - np.array(low)) * rng.uniform(0.05, 0.95, (count, n))
+    q = np.array(low) + (np.array(high) - np.array(low)) * rng.uniform(0.05, 0.95, (count, len(low)))
     qd = speed * rng.standard_normal((count, n))
     qdd = effort * rng.standard_normal((count, n))
     q[:, elastic_ones] = elastic * rng.standard_normal((count, int(elastic_ones.sum())))
-    qd[:, elastic_ones] *= elastic
-    first = bench.models.get(NATIVE) or next(iter(bench.models.values()))
-    tau = np.array([first.inverse_dynamics(q[k], qd[k], qdd[k]) for k in range(count)])
+    qd[:, elastic_rates] *= elastic
+    for joint in system.joints:
+        if joint.turns_in_space:
+            first = system.position_names.index(joint.position_names[-4])
+            quaternion = rng.standard_normal((count, 4))
+            q[:, first : first + 4] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
+    asked = bench.models.get(NATIVE) or next(iter(bench.models.values()))
+    tau = np.array([asked.inverse_dynamics(q[k], qd[k], qdd[k]) for k in range(count)])
     return States(q, qd, qdd, tau)
 
 

@@ -13,6 +13,7 @@ from harness.compare.divergence_shape import by_steps, shape_of
 from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
+from harness.system.lowering import neutral_position
 
 # Engines that choose their steps by tolerance; a step asked for is meant for the others.
 ADAPTIVE = ("denoc", "pinocchio", "analytic")
@@ -126,7 +127,7 @@ class TrajectoryAgreement:
         q, qd = run.position[chosen], run.velocity[chosen]
         if not (np.isfinite(q).all() and np.isfinite(qd).all()):
             return "", {}
-        return blamed(bench, name, q, qd, np.zeros_like(q))
+        return blamed(bench, name, q, qd, np.zeros_like(qd))
 
     def _lines(self, bench: Bench, name: str, time: Array, signal: dict[str, Array]) -> Iterable[Series]:
         for key, values in signal.items():
@@ -148,10 +149,10 @@ class TrajectoryAgreement:
 
 
 def initial_state(system: System, position: dict[str, float], velocity: dict[str, float]) -> tuple[Array, Array]:
-    """Vectors of the system's coordinates from values by name; KeyError for a name the system does not have."""
-    names = list(system.coordinate_names)
-    q, qd = np.zeros(len(names)), np.zeros(len(names))
-    for vector, values in ((q, position), (qd, velocity)):
+    """Positions (nq,) and velocities (nv,) by name, others zero or the identity; KeyError for a name the system does not have."""
+    q, qd = neutral_position(system), np.zeros(system.nv)
+    for vector, values, known in ((q, position, system.position_names), (qd, velocity, system.coordinate_names)):
+        names = list(known)
         for name, value in values.items():
             if name not in names:
                 raise KeyError(name)
@@ -167,8 +168,8 @@ def step_of(engine: str, step: float | None) -> float | None:
 def pick(trajectory: Trajectory, system: System, signal: str) -> dict[str, Array]:
     """Joint positions by name, or the channels that end in ``.signal``."""
     if signal == "position":
-        names = [name for name in trajectory.names if name in system.joint_names]
-        return {name: trajectory.position[:, trajectory.names.index(name)] for name in names}
+        names = [name for joint in system.joints for name in joint.position_names if name in trajectory.position_names]
+        return {name: trajectory.position[:, trajectory.position_names.index(name)] for name in names}
     return {key: values for key, values in trajectory.channels.items() if key.endswith("." + signal)}
 
 

@@ -102,7 +102,7 @@ def _mimic(system: System, element: Any) -> Ignored:
         "mimic",
         name,
         f"{factor:g} · {followed} + {offset:g}",
-        readers(IGNORED, "ignored unless mimic=True is asked for", "acts, as a soft equality"),
+        readers(ACTS, "ignored unless mimic=True is asked for", "acts, as a soft equality"),
         None,
         apart,
         "how far a free run departs from the law",

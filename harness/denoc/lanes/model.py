@@ -58,6 +58,7 @@ from harness.denoc.lanes.tree import (
 from harness.errors import InputError, UnsupportedError
 from harness.system import Link, System
 from harness.system.inertia import about_origin
+from harness.system.lowering import one_degree
 
 Array = NDArray[np.float64]
 
@@ -156,12 +157,13 @@ class LaneModel:
     every joint whose ``user_scale`` slot is not zero.
     planar: whether a mechanism that moves in one plane is computed as such, which is faster and the same to rounding;
     plane says that it is, and what plane.
-    Raises UnsupportedError for links that bend in two planes or twist.
+    Raises UnsupportedError for links that bend in two planes or twist, and for joints that turn in space or follow others.
     """
 
     def __init__(self, system: System, *, law: Callable[..., float] | None = None, planar: bool = True) -> None:
         if not system.coordinate_names:
             raise InputError(f"{system.name}: nothing moves", mend="give at least one revolute or prismatic joint")
+        system = one_degree(system, "a computation of many copies at once")
         for link in system.links:
             if link.beam is not None and (link.beam.bending2 or link.beam.torsion_modes):
                 raise UnsupportedError(

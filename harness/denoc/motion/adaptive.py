@@ -20,6 +20,7 @@ from scipy.integrate import DOP853
 
 from harness.denoc.compiling.compiled import internal, stepper
 from harness.denoc.motion.fixed_step import DIVERGED, copy_from, force_at
+from harness.denoc.recursion.binding import RATES, SETTLE, header_at
 from harness.denoc.recursion.dynamics_call import call
 from harness.denoc.recursion.rows import ARMATURE
 
@@ -60,19 +61,25 @@ def rates(
 ) -> int:
     """dy/dt of y = (q, v): friction of sliding joints acts, resting joints do not move."""
     n = len(applied)
+    nq = len(y) - n
     for i in range(n):
         force[i] = applied[i] - mode[i] * limit[i] if mode[i] != RESTING else applied[i]
     at = y.ctypes.data
-    status = call(function, model, at, at + 8 * n, force.ctypes.data, dy.ctypes.data + 8 * n)
-    for i in range(n):
-        dy[i] = y[n + i] if mode[i] != RESTING else 0.0
+    status = call(function, model, at, at + 8 * nq, force.ctypes.data, dy.ctypes.data + 8 * nq)
+    positions = header_at(model)[RATES]
+    if positions != 0:
+        # Positions on a manifold have rates of their own; a resting joint's velocity is zero.
+        call(positions, model, at, at + 8 * nq, 0, dy.ctypes.data)
+    else:
+        for i in range(n):
+            dy[i] = y[nq + i] if mode[i] != RESTING else 0.0
     return status
 
 
 @internal
 def needed(mode: Vector, dy: Vector, i: int) -> float:
     """Force that a resting joint would move with, and that friction has to balance."""
-    return dy[len(mode) + i] * LOCK
+    return dy[len(dy) - len(mode) + i] * LOCK
 
 
 @internal
@@ -98,8 +105,9 @@ def sort_resting(
 ) -> int:
     """Decide for every joint with friction and velocity zero whether it rests, slides on or slides back."""
     n = len(mode)
+    nq = len(y) - n
     for i in range(n):
-        if limit[i] > 0.0 and y[n + i] == 0.0:
+        if limit[i] > 0.0 and y[nq + i] == 0.0:
             hold(rows, row_of, armature, mode, i, RESTING)
     for _ in range(100 * (n + 1)):
         status = rates(function, model, rows, row_of, mode, limit, y, applied, force, dy)
@@ -107,7 +115,7 @@ def sort_resting(
             return status
         settled = True
         for i in range(n):
-            if not (limit[i] > 0.0 and y[n + i] == 0.0):
+            if not (limit[i] > 0.0 and y[nq + i] == 0.0):
                 continue
             if mode[i] == RESTING:
                 short = needed(mode, dy, i)
@@ -115,7 +123,7 @@ def sort_resting(
                     hold(rows, row_of, armature, mode, i, SLIDING_ON if short > 0.0 else SLIDING_BACK)
                     settled = False
                     break
-            elif dy[n + i] * mode[i] < 0.0:
+            elif dy[nq + i] * mode[i] < 0.0:
                 hold(rows, row_of, armature, mode, i, RESTING)
                 settled = False
                 break
@@ -165,23 +173,26 @@ def dormand_prince8(
 ) -> int:
     """Integrate from position[0], velocity[0] over ``time``; forces given at samples are never stepped across.
 
+    position (T, nq), velocity (T, n).
     row_of, armature, limit (n,): row and armature of each joint coordinate, and its dry friction (0: none).
     acceleration (T, n): with friction, as it is then; without, left alone. counts: steps, rejected steps, events.
     """
-    n = position.shape[1]
-    n2 = 2 * n
+    nq, n = position.shape[1], velocity.shape[1]
+    n2 = nq + n
+    settle = header_at(model)[SETTLE]
     y, new, probe = np.zeros(n2), np.zeros(n2), np.zeros(n2)
     stages = np.zeros((16, n2))
     dense = np.zeros((7, n2))
     applied, force, scratch = np.zeros(n), np.zeros(n), np.zeros(n2)
     mode = np.zeros(n, dtype=np.int64)
     friction = False
+    copy_from(position[0], 0, y[:nq])
+    copy_from(velocity[0], 0, y[nq:])
     for i in range(n):
-        y[i], y[n + i] = position[0, i], velocity[0, i]
         if limit[i] > 0.0:
             friction = True
-            if y[n + i] != 0.0:
-                mode[i] = SLIDING_ON if y[n + i] > 0.0 else SLIDING_BACK
+            if y[nq + i] != 0.0:
+                mode[i] = SLIDING_ON if y[nq + i] > 0.0 else SLIDING_BACK
     driven = len(tau) > 0
     force_at(tau, linear, 0, 0.0, applied)
     status = 0
@@ -191,7 +202,7 @@ def dormand_prince8(
     last_sample = len(time) - 1
     now = time[0]
     if friction:
-        copy_from(scratch, n, acceleration[0])
+        copy_from(scratch, nq, acceleration[0])
     h = 0.0
     known = False
     while sample <= last_sample and status == 0:
@@ -297,12 +308,14 @@ def dormand_prince8(
                 interpolate(dense, y, (time[sample] - now) / step, probe)
             else:
                 copy_from(new, 0, probe)
-            for i in range(n):
-                position[sample, i], velocity[sample, i] = probe[i], probe[n + i]
+            if settle != 0:
+                status = call(settle, model, probe.ctypes.data, probe.ctypes.data + 8 * nq, 0, 0)
+            copy_from(probe, 0, position[sample])
+            copy_from(probe, nq, velocity[sample])
             if friction:
                 force_at(tau, linear, interval, (time[sample] - time[interval]) / width, applied)
                 status = rates(function, model, rows, row_of, mode, limit, probe, applied, force, scratch)
-                copy_from(scratch, n, acceleration[sample])
+                copy_from(scratch, nq, acceleration[sample])
             sample += 1
         if happened >= 0:
             counts[2] += 1
@@ -313,7 +326,7 @@ def dormand_prince8(
                 interpolate(dense, y, share, new)
             for i in range(n):
                 if mode[i] == RESTING or i == happened:
-                    new[n + i] = 0.0
+                    new[nq + i] = 0.0
             copy_from(new, 0, y)
             now = after
             share = (now - time[interval]) / width
@@ -322,12 +335,14 @@ def dormand_prince8(
             known = False
             h = max(0.1 * step, 1e-6 * h)
             while sample <= last_sample and time[sample] <= now:
-                for i in range(n):
-                    position[sample, i], velocity[sample, i] = y[i], y[n + i]
-                copy_from(scratch, n, acceleration[sample])
+                copy_from(y, 0, position[sample])
+                copy_from(y, nq, velocity[sample])
+                copy_from(scratch, nq, acceleration[sample])
                 sample += 1
             continue
         copy_from(new, 0, y)
+        if settle != 0:
+            status = call(settle, model, y.ctypes.data, y.ctypes.data + 8 * nq, 0, 0)
         now = after
         h = step * grow if not lands else max(h, step * grow)
         if driven and lands:
@@ -336,7 +351,7 @@ def dormand_prince8(
             if friction and sample <= last_sample:
                 force_at(tau, linear, sample - 1, 0.0, applied)
                 status = sort_resting(function, model, rows, row_of, armature, mode, limit, y, applied, force, scratch)
-                copy_from(scratch, n, acceleration[sample - 1])
+                copy_from(scratch, nq, acceleration[sample - 1])
         else:
             copy_from(stages[STAGES], 0, stages[0])
         finite = 0.0
@@ -354,11 +369,12 @@ def dormand_prince8(
 def _stalled(mode: Vector, y: Vector, stages: Matrix) -> bool:
     """Bring to rest the joints that have come to a stop within rounding and are still slowing down."""
     n = len(mode)
+    nq = len(y) - n
     found = False
     for i in range(n):
         sliding = mode[i] == SLIDING_ON or mode[i] == SLIDING_BACK
-        if sliding and y[n + i] * mode[i] <= 0.0 and stages[0, n + i] * mode[i] < 0.0:
-            y[n + i] = 0.0
+        if sliding and y[nq + i] * mode[i] <= 0.0 and stages[0, nq + i] * mode[i] < 0.0:
+            y[nq + i] = 0.0
             found = True
     return found
 
@@ -425,6 +441,7 @@ def _first_event(
 ) -> tuple[float, int, int]:
     """Share of the step at which the first joint comes to rest or breaks loose, that joint (-1: none), and a status."""
     n = len(mode)
+    nq = len(y) - n
     first, who = 1.0, -1
     for i in range(n):
         direction = mode[i]
@@ -433,14 +450,14 @@ def _first_event(
         low = -1.0
         for k in range(_PARTS + 1):
             here = k / _PARTS
-            v = y[n + i] if k == 0 else new[n + i] if k == _PARTS else velocity_at(dense, y, here, n + i)
+            v = y[nq + i] if k == 0 else new[nq + i] if k == _PARTS else velocity_at(dense, y, here, nq + i)
             if v * direction > 0.0:
                 low = here
             elif low >= 0.0:
                 high = here
                 for _ in range(60):
                     middle = 0.5 * (low + high)
-                    if velocity_at(dense, y, middle, n + i) * direction > 0.0:
+                    if velocity_at(dense, y, middle, nq + i) * direction > 0.0:
                         low = middle
                     else:
                         high = middle

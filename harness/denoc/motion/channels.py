@@ -25,7 +25,8 @@ def channels(model: Mechanism, position: Array, velocity: Array, acceleration: A
     found: dict[str, Array] = {}
     for body, data in model.beams.items():
         first = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
-        b = position[:, first : first + data.coordinates]
+        place = model.position_place(first)
+        b = position[:, place : place + data.coordinates]
         bends = data.plane == BENDING
         rest = left_out(model.system, data)
         motion = spin, angular, linear = _root_motion(model, body, position, velocity, acceleration)
@@ -65,7 +66,9 @@ def _tip_acceleration(
     data = model.beams[body]
     spin, angular, linear = motion
     first = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
-    b, bd, bdd = (x[:, first : first + data.coordinates] for x in (position, velocity, acceleration))
+    at = model.position_place(first)
+    b = position[:, at : at + data.coordinates]
+    bd, bdd = (x[:, first : first + data.coordinates] for x in (velocity, acceleration))
     s, slope = data.tip.s, data.tip.slope
     one, two, twist = (data.plane == kind for kind in (BENDING, BENDING2, TORSION))
     shapes = np.column_stack([np.zeros(len(s)), s * one, s * two])

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from harness.denoc.compiling.compiled import allocating, internal, stepper
+from harness.denoc.recursion.binding import RATES, SETTLE, header_at
 from harness.denoc.recursion.dynamics_call import call
 
 Vector = Any
@@ -48,20 +49,21 @@ def runge_kutta4(
     velocity: Matrix,
 ) -> int:
     """Classical fourth order; position[0], velocity[0] hold the initial state."""
-    n = position.shape[1]
-    work = np.zeros((9, n))
-    q, v, force = work[0], work[1], work[2]
-    q1, v1, a = work[3], work[4], work[5]
-    dq, dv = work[6], work[7]
+    nq, n = position.shape[1], velocity.shape[1]
+    work = np.zeros((10, max(nq, n)))
+    q, q1, dq, rate = work[0, :nq], work[1, :nq], work[2, :nq], work[3, :nq]
+    v, v1, dv, a, force = work[4, :n], work[5, :n], work[6, :n], work[7, :n], work[8, :n]
+    rates, settle = header_at(model)[RATES], header_at(model)[SETTLE]
     copy_from(position[0], 0, q)
     copy_from(velocity[0], 0, v)
     for k in range(len(time) - 1):
         steps = max(1, int(np.ceil((time[k + 1] - time[k]) / step * (1.0 - 1e-12))))
         h = (time[k + 1] - time[k]) / steps
         for s in range(steps):
+            for i in range(nq):
+                q1[i], dq[i] = q[i], 0.0
             for i in range(n):
-                q1[i], v1[i] = q[i], v[i]
-                dq[i], dv[i] = 0.0, 0.0
+                v1[i], dv[i] = v[i], 0.0
             for stage in range(4):
                 c = 0.0 if stage == 0 else 1.0 if stage == 3 else 0.5
                 weight = h / 6.0 if stage == 0 or stage == 3 else h / 3.0
@@ -71,19 +73,33 @@ def runge_kutta4(
                 status = call(function, model, q1.ctypes.data, v1.ctypes.data, force.ctypes.data, a.ctypes.data)
                 if status != 0:
                     return status
+                if rates == 0:
+                    copy_from(v1, 0, rate)
+                else:
+                    call(rates, model, q1.ctypes.data, v1.ctypes.data, 0, rate.ctypes.data)
+                for i in range(nq):
+                    dq[i] += weight * rate[i]
+                    q1[i] = q[i] + ahead * rate[i]
                 for i in range(n):
-                    rate, change = v1[i], a[i]
-                    dq[i] += weight * rate
+                    change = a[i]
                     dv[i] += weight * change
-                    q1[i] = q[i] + ahead * rate
                     v1[i] = v[i] + ahead * change
-            for i in range(n):
+            for i in range(nq):
                 q[i] += dq[i]
+            for i in range(n):
                 v[i] += dv[i]
-        for i in range(n):
-            if not np.isfinite(q[i]) or not np.isfinite(v[i]):
+            if settle != 0:
+                status = call(settle, model, q.ctypes.data, v.ctypes.data, 0, 0)
+                if status != 0:
+                    return status
+        for i in range(nq):
+            if not np.isfinite(q[i]):
                 return DIVERGED
-            position[k + 1, i], velocity[k + 1, i] = q[i], v[i]
+            position[k + 1, i] = q[i]
+        for i in range(n):
+            if not np.isfinite(v[i]):
+                return DIVERGED
+            velocity[k + 1, i] = v[i]
     return 0
 
 

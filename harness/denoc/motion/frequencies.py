@@ -32,7 +32,7 @@ def frequencies(model: Mechanism, q: ArrayLike, qd: ArrayLike | None = None) -> 
     speed (a rotor in steady rotation) and take no part in the vibration.
     Raises InputError for wrong sizes and what is not finite.
     """
-    state = model.vector("q", q)
+    state = model.position("q", q)
     speed = np.zeros(model.n) if qd is None else model.vector("qd", qd)
     mass = model.mass_matrix(state)
     stiffness = tangent_stiffness(model, state, speed)
@@ -63,7 +63,8 @@ def tangent_stiffness(model: Mechanism, q: Array, qd: Array) -> Array:
         shift = np.zeros(model.n)
         shift[k] = step
         result[:, k] = sum(
-            weight * (model.bias(q + times * shift, qd) - model.bias(q - times * shift, qd))
+            weight
+            * (model.bias(model.integrate(q, times * shift), qd) - model.bias(model.integrate(q, -times * shift), qd))
             for times, weight in CENTRAL
         )
         result[:, k] /= step
@@ -80,7 +81,8 @@ def coordinate_steps(model: Mechanism) -> Array:
     """Changes of the coordinates [rad, m or modal] that turn or shift what they move by about 0.02, shape (n,)."""
     steps = np.full(model.n, _STEP)
     for body, data in model.beams.items():
-        first = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
+        own = int(model.tree.topology[body, FIRST] + (model.tree.topology[body, KIND] != FIXED))
+        first, _ = model.velocity_share(own)
         size = np.maximum(np.abs(data.slope).max(axis=0), np.abs(data.s).max(axis=0) / data.length)
         steps[first : first + data.coordinates] = _STEP / size
     return steps

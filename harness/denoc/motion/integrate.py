@@ -44,7 +44,7 @@ def simulate(
     events: Sequence[Event] = (),
 ) -> Trajectory:
     """Motion from (q0, qd0) at time[0], sampled at ``time``; see ``Denoc.simulate``."""
-    start, speed = model.vector("q0", q0), model.vector("qd0", qd0)
+    start, speed = model.position("q0", q0), model.vector("qd0", qd0)
     times = _times(time)
     forces = _forces(model, times, tau)
     if hold not in ("zero", "linear"):
@@ -67,9 +67,14 @@ def simulate(
         raise InputError(f"step {step} is not positive", mend="give a step in seconds, such as 0.001")
     if not (rtol > 0.0 and atol > 0.0):
         raise InputError(f"rtol {rtol} and atol {atol} must be positive", mend="1e-10 and 1e-12 are usual")
-    position, velocity = np.empty((len(times), model.n)), np.empty((len(times), model.n))
+    if chosen == "gauss" and len(start) != model.n:
+        raise UnsupportedError(
+            f"method {chosen!r} has no quaternions among the positions, joints that turn in space have",
+            mend="leave method out, or take 'dop853'",
+        )
+    position, velocity = np.empty((len(times), len(start))), np.empty((len(times), model.n))
     position[0], velocity[0] = start, speed
-    acceleration = np.empty_like(position)
+    acceleration = np.empty_like(velocity)
     found: dict[str, Array] = {}
     said = METHODS[chosen]
     linear = hold == "linear"
@@ -105,7 +110,7 @@ def simulate(
         if not friction.any() or len(times) == 1:
             acceleration = model.accelerations(position, velocity, forces[: len(position)])
         signals = channels(model, position, velocity, acceleration)
-    return Trajectory(times, model.names, position, velocity, signals, energy, said, found)
+    return Trajectory(times, model.names, position, velocity, signals, energy, said, found, model.position_names)
 
 
 def _integrate(
@@ -180,7 +185,7 @@ def _integrate(
 
 def _choose(model: Mechanism, q: Array, friction: Array) -> str:
     """The method for a system: event-located with dry friction, implicit where a mode is stiff, adaptive else."""
-    if friction.any() or not model.beams:
+    if friction.any() or not model.beams or len(q) != model.n:
         return "dop853"
     stiffness, _ = model.linear_passive()
     fastest = np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(model.mass_matrix(q), stiffness))).max())
@@ -218,8 +223,11 @@ def _friction(model: Mechanism) -> tuple[Array, Any, Array]:
     row_of = np.zeros(model.n, dtype=np.int64)
     for body, joint in enumerate(tree.joints, start=1):
         if tree.topology[body, KIND] != FIXED:
-            own = tree.topology[body, FIRST]
-            friction[own], armature[own], row_of[own] = joint.friction, joint.armature, body
+            own, share = model.velocity_share(int(tree.topology[body, FIRST]))
+            # A joint that follows another rubs at that one, by as much more as it moves further.
+            friction[own] += abs(share) * joint.friction
+            if abs(share) == 1.0:
+                armature[own], row_of[own] = joint.armature, body
     if (friction < 0.0).any():
         name = model.names[int(np.argmax(friction < 0.0))]
         raise InputError(f"joint {name!r} has negative friction", mend="give zero or a positive torque")
@@ -238,7 +246,7 @@ def _with_events(
     velocity: Array,
 ) -> dict[str, Array]:
     """Events located by SciPy's driver; each is a function (t, q, qd) with optional ``terminal`` and ``direction``."""
-    n = model.n
+    n = len(position[0])
 
     def rates(t: float, y: Array) -> Array:
         force = None
@@ -246,7 +254,7 @@ def _with_events(
             k = min(int(np.searchsorted(times, t, side="right")) - 1, len(times) - 2)
             share = (t - times[k]) / (times[k + 1] - times[k]) if linear else 0.0
             force = forces[k] + share * (forces[k + 1] - forces[k])
-        return np.concatenate([y[n:], model.forward_dynamics(y[:n], y[n:], force)])
+        return np.concatenate([model.position_rates(y[:n], y[n:]), model.forward_dynamics(y[:n], y[n:], force)])
 
     def wrap(event: Event) -> Any:
         def function(t: float, y: Array) -> float:

@@ -27,11 +27,14 @@ Array = NDArray[np.float64]
 # Words of the header that stands for a model on the way in.
 # FORWARD and INVERSE: addresses of the dynamics. RECURSION: of the forward dynamics that read the bodies' rows at every call.
 # BARE: not 0 where inverse dynamics leave passive forces out.
+# Of models whose positions and velocities are not those of their joints of one degree of freedom (``harness.denoc.chart``):
+# POSITIONS: number of positions, COORDINATES being that of velocities. INNER: header of the lowered model. PLACES, NUMBERS: the
+# chart's tables. RATES, SETTLE: addresses of the positions' rates and of what puts a state back on its manifold, 0 for none.
 (
     BODIES, COORDINATES, ROWS, TOPOLOGY, ELASTIC, ELASTIC_SIZE, ARRAY_TYPE, FLOAT_TYPE, FORWARD, INVERSE, RECURSION, CHAIN,
-    BARE,
-) = range(13)  # fmt: skip
-HEADER_SIZE = 13
+    BARE, POSITIONS, INNER, PLACES, NUMBERS, RATES, SETTLE,
+) = range(19)  # fmt: skip
+HEADER_SIZE = 19
 
 #: What an entry returns besides 0 and the row of a body without inertia.
 NOT_PLAIN, NOT_FINITE = -1, -2
@@ -120,8 +123,18 @@ def elastic_of(header: Any) -> Any:
 
 
 @compiled
+def words_at(address: int, n: int) -> Any:
+    return carray(_words(address), n)
+
+
+@compiled
 def vector_at(address: int, n: int) -> Any:
     return carray(_floats(address), n)
+
+
+@compiled
+def matrix_at(address: int, rows: int, columns: int) -> Any:
+    return carray(_floats(address), (rows, columns))
 
 
 @compiled
@@ -144,7 +157,7 @@ def make_header(
 ) -> NDArray[np.int64]:
     """Header of a model with the addresses of its dynamics; whoever holds it must hold the arrays as well."""
     header = np.zeros(HEADER_SIZE, dtype=np.int64)
-    header[BODIES], header[COORDINATES] = bodies, n
+    header[BODIES], header[COORDINATES], header[POSITIONS] = bodies, n, n
     header[ROWS], header[TOPOLOGY] = rows.ctypes.data, topology.ctypes.data
     header[ELASTIC], header[ELASTIC_SIZE] = elastic.ctypes.data, len(elastic)
     header[FORWARD], header[INVERSE], header[RECURSION] = forward, inverse, forward

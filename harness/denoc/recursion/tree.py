@@ -36,6 +36,7 @@ from harness.denoc.recursion.rows import (
 from harness.errors import InputError
 from harness.system import Joint, JointType, Link, System
 from harness.system.inertia import about_origin
+from harness.system.rotation import along_z
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -77,6 +78,7 @@ class Tree:
 def compile_tree(system: System) -> Tree:
     """Flat arrays of a system.
 
+    Every joint has one independent degree of freedom, or none: others are lowered before (``harness.system.lowering``).
     Raises InputError naming joint or link if a number is not finite or an axis has no direction.
     """
     count = sum(joint.movable or link.flexible for joint, link in zip(system.joints, system.links, strict=True))
@@ -105,7 +107,7 @@ def compile_tree(system: System) -> Tree:
             continue
         body += 1
         carriers.append(joint)
-        axes = np.eye(3) if joint.type is JointType.FIXED else axes_along(np.asarray(joint.axis))
+        axes = np.eye(3) if joint.type is JointType.FIXED else along_z(np.asarray(joint.axis))
         seats[link.name] = Seat(body, axes.T, np.zeros(3))
         row = rows[body]
         row[PLACE : PLACE + 9] = (rotation @ axes).ravel()
@@ -142,17 +144,6 @@ def _find_runs(topology: Integers) -> None:
             topology[body, [RUN, SLOT]] = first, topology[before, SLOT]
         else:
             topology[body, [RUN, SLOT]] = body, topology[before, SLOT] + (before > 0)
-
-
-def axes_along(axis: Array) -> Array:
-    """A rotation whose third column is ``axis``: near the identity for an axis near z, shape (3, 3)."""
-    x, y, z = axis / np.linalg.norm(axis)
-    if z >= 0.0:
-        h = 1.0 / (1.0 + z)
-        return np.array([[1.0 - h * x * x, -h * x * y, x], [-h * x * y, 1.0 - h * y * y, y], [-x, -y, z]])
-    # Turned over first, so that an axis near -z does not divide by something small.
-    h = 1.0 / (1.0 - z)
-    return np.array([[1.0 - h * x * x, h * x * y, x], [-h * x * y, h * y * y - 1.0, y], [x, -y, z]])
 
 
 def _add_inertia(row: Array, link: Link, rotation: Array, origin: Array) -> None:

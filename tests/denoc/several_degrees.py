@@ -1,0 +1,75 @@
+"""Mechanisms with joints of several degrees of freedom, for tests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from harness.system import Joint, JointType, Link, Mimic, System
+from harness.system.description import Array, constant
+from harness.system.rotation import from_quaternion
+
+
+def link(name: str, rng: np.random.Generator) -> Link:
+    """A body of random mass, centre and possible inertia."""
+    points = rng.standard_normal((3, 6))
+    spread = points @ points.T * 0.01
+    return Link(
+        name,
+        mass=float(rng.uniform(0.5, 2.0)),
+        com=constant(0.2 * rng.standard_normal(3)),
+        inertia=constant(np.trace(spread) * np.eye(3) - spread),
+    )
+
+
+def joint(name: str, kind: JointType, parent: str, child: str, rng: np.random.Generator, **more: Any) -> Joint:
+    """A joint at a random place."""
+    axis, axis2 = rng.standard_normal((2, 3))
+    axis /= np.linalg.norm(axis)
+    axis2 = np.cross(axis, axis2)
+    return Joint(
+        name,
+        kind,
+        parent,
+        child,
+        xyz=constant(0.3 * rng.standard_normal(3)),
+        rotation=constant(from_quaternion(rng.standard_normal(4))),
+        axis=constant(axis),
+        axis2=constant(axis2 / np.linalg.norm(axis2)),
+        **more,
+    )
+
+
+def in_space(seed: int = 1) -> System:
+    """A free body that carries a ball, a planar and a universal joint, and a revolute one with spring and armature."""
+    rng = np.random.default_rng(seed)
+    joints = (
+        Joint("root", JointType.FREE, "base", "a", armature=0.1),
+        joint("hip", JointType.BALL, "a", "b", rng, armature=0.3, damping=0.2),
+        joint("knee", JointType.REVOLUTE, "b", "c", rng, stiffness=3.0, rest_position=0.2, armature=0.05),
+        joint("table", JointType.PLANAR, "a", "d", rng, damping=0.1),
+        joint("cardan", JointType.UNIVERSAL, "d", "e", rng),
+    )
+    return System("in space", joints, tuple(link(name, rng) for name in "abcde"))
+
+
+def following(seed: int = 2) -> System:
+    """A ball that carries a helical joint, and joints that follow others, one before what it follows."""
+    rng = np.random.default_rng(seed)
+    joints = (
+        joint("ball", JointType.BALL, "base", "a", rng),
+        joint("screw", JointType.HELICAL, "a", "b", rng, pitch=0.1, damping=0.3, armature=0.02),
+        joint("finger", JointType.PRISMATIC, "a", "c", rng, mimic=Mimic("thumb", -0.5, 0.2)),
+        joint("thumb", JointType.REVOLUTE, "b", "d", rng, armature=0.1),
+        joint("tip", JointType.HELICAL, "d", "e", rng, pitch=0.3, mimic=Mimic("finger", 2.0, -0.1)),
+    )
+    return System("following", joints, tuple(link(name, rng) for name in "abcde"))
+
+
+def random_position(system: System, rng: np.random.Generator) -> Array:
+    """Positions away from the neutral ones, quaternions unit."""
+    from harness.denoc import Denoc
+
+    model = Denoc(system)
+    return model.integrate(model.neutral, rng.standard_normal(model.n))
