@@ -11,6 +11,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.system.description import Array, Joint, Link, System, constant
 from harness.system.inertia import about_origin, impossible, rounded_away
+from harness.system.magnitudes import check_magnitudes
 from harness.system.rotation import about_axis, skew
 
 # Below this share of the body's inertia, what is left about an axis is rounding.
@@ -110,6 +111,7 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
     Raises InputError naming the joint if it is not positive in any, or negative in one.
     """
     check_finite(system, lines=lines)
+    check_magnitudes(system, lines=lines)
     if not system.coordinate_names:
         raise InputError(
             "nothing can move: there is no movable joint and no flexible link",
