@@ -193,6 +193,13 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
         said = " ".join(filter(None, [error.what, error.mend and f"({error.mend})"]))
         rows.append(bench.skipped("all", (NATIVE,), said))
         return Outcome(case.name, case.title, tuple(rows), (), perf_counter() - start)
+    except Exception as error:
+        # What the suite's own reader refuses has passed before: a failure of this case, and none of the others'.
+        bench = Bench(case, System(case.name, (), ()), {})
+        what = "the readers refuse this case's own model: " if isinstance(error, InputError) else ""
+        row = _broken(bench, "all", (NATIVE,), error)
+        rows.append(replace(row, note=what + row.note))
+        return Outcome(case.name, case.title, tuple(rows), (), perf_counter() - start)
     models: dict[str, EngineModel] = {}
     refusals: dict[str, str] = {}
     reason: str | None
