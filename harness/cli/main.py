@@ -127,6 +127,10 @@ def status_of(arguments: list[str] | None = None) -> int:
         absent = missing_package(error) if isinstance(error, ImportError) else None
         if absent is not None:
             return _say(str(absent), UNUSABLE)
+        if isinstance(error, OSError) and error.errno is not None:
+            # Of the machine, not of the code: a full disk, rights, too many open files.
+            where = "" if error.filename is None else f"{error.filename}: "
+            return _say(one_line(f"{where}{error.strerror} (make room, or name another place)"), UNUSABLE)
         text = one_line(str(error)) or "no message"
         return _say(f"a defect in denoc: {type(error).__name__}: {text} (DENOC_TRACEBACK=1 shows where)", UNUSABLE)
 
