@@ -58,18 +58,27 @@ def test_a_case_is_the_same_after_it_was_kept() -> None:
     assert repr(again) == repr(outcome)
 
 
-def test_cases_that_ended_are_not_run_again(tmp_path: Path) -> None:
-    tasks = [Task(case, ("denoc", "mujoco")) for case in ("rotor", "file_toml_flexible_pendulum")]
+def test_cases_that_ended_are_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ran: list[str] = []
+
+    def run_one(task: Task) -> Outcome:
+        ran.append(task.case)
+        return Outcome(task.case, "title", (Row(task.case, "q", ("denoc",), 1e-9, 1e-8, "rad", "", "pass"),), (), 0.1)
+
+    monkeypatch.setattr("harness.cases.run.run_task", run_one)
+    tasks = [Task(case, ("denoc", "mujoco")) for case in ("rotor", "chain_2", "tree_2")]
     path = tmp_path / "unfinished.jsonl"
     told: list[tuple[int, int, str]] = []
     first = run(tasks, workers=1, journal=Journal(path, OF))
     lines = path.read_text().splitlines(keepends=True)
     path.write_text("".join(lines[:2]) + lines[2][:30])  # killed while the second was written
+    ended, ran[:] = ran[0], []
     again = run(tasks, workers=1, journal=Journal(path, OF), progress=lambda *step: told.append(step))
-    assert [row.key for row in again.rows] == [row.key for row in first.rows]
-    assert [row.difference for row in again.rows] == [row.difference for row in first.rows]
-    assert len(told) == 1
-    assert told[0][:2] == (2, 2)
+    assert again.rows == first.rows
+    assert [row.case for row in again.rows] == ["rotor", "chain_2", "tree_2"]
+    assert ended not in ran
+    assert len(ran) == 2
+    assert [step[:2] for step in told] == [(2, 3), (3, 3)]
 
 
 def test_benchmarks_that_ended_are_not_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -106,7 +115,7 @@ def test_only_interrupted_runs_are_resumed(tmp_path: Path, capsys: pytest.Captur
 def test_a_full_disk_is_one_line(
     place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """At each kind of write of what goes to --out."""
+    """At each kind of write of what goes to --out, and of --json."""
     results = tmp_path / "results.json"
     row = {
         "case": "c", "quantity": "q", "engines": ["denoc", "mujoco"], "difference": 1e-9, "allowed": 1e-8, "unit": "rad",
@@ -123,7 +132,8 @@ def test_a_full_disk_is_one_line(
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, place, full)
-        status = status_of(["report", str(results), "--out", str(out)])
+        wanted = ["--json", str(out / "answer.json")] if place == "write_text" else ["--out", str(out)]
+        status = status_of(["report", str(results), *wanted])
     told = capsys.readouterr().err
     assert status == 2
     assert told.count("\n") == 1
