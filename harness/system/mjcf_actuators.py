@@ -3,6 +3,9 @@
 Whatever an actuator's kind, its force is asked of the compiled model: at rest, moved, moving and commanded. What is affine in those
 becomes an ``Actuator``; all else (activations, muscles, delays, tendons, sites) is told. Armature and damping of an actuator act
 whether it is commanded or not, and belong to its joint. Source: MuJoCo's documentation, Computation: actuation model.
+
+An actuator has any number of commands and of forces, so that ``nu`` does not count the actuators: ``ctrl`` and what goes with it
+begin at ``actuator_ctrladr``, gears and forces at ``actuator_outadr``.
 """
 
 from __future__ import annotations
@@ -34,7 +37,7 @@ def reflected(model: Any, k: int) -> Reflected:
     """
     armature, damping = 0.0, np.zeros(3)
     for i in _at_joint(model, k):
-        gear = float(model.actuator_gear[i, 0])
+        gear = _gear(model, i)
         armature += gear**2 * float(model.actuator_armature[i])
         damping += gear**2 * np.array([model.actuator_damping[i], *model.actuator_dampingpoly[i]])
     return Reflected(armature, (float(damping[0]), float(damping[1]), float(damping[2])))
@@ -45,8 +48,14 @@ def _at_joint(model: Any, k: int) -> list[int]:
 
     kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     return [
-        i for i in range(model.nu) if int(model.actuator_trntype[i]) in kinds and int(model.actuator_trnid[i, 0]) == k
+        i
+        for i in range(model.nactuator)
+        if int(model.actuator_trntype[i]) in kinds and int(model.actuator_trnid[i, 0]) == k
     ]
+
+
+def _gear(model: Any, i: int) -> float:
+    return float(model.actuator_gear[int(model.actuator_outadr[i]), 0])
 
 
 def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple[str, ...]]:
@@ -56,14 +65,15 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
     """
     import mujoco
 
-    if not model.nu or model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION):
-        return (), (f"{model.nu} actuator(s) left out; actuation is disabled",) if model.nu else ()
+    count = int(model.nactuator)
+    if not count or model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION):
+        return (), (f"{count} actuator(s) left out; actuation is disabled",) if count else ()
     data = mujoco.MjData(model)
     found, notes, silent = [], [], []
-    for i in range(model.nu):
+    for i in range(count):
         name = model.actuator(i).name or f"actuator{i + 1}"
         k = next((k for k in range(model.njnt) if i in _at_joint(model, k)), None)
-        if k is None or model.actuator_actnum[i] or _delayed(model, i):
+        if k is None or model.actuator_actnum[i] or model.actuator_ctrlnum[i] > 1 or _delayed(model, i):
             notes.append(f"actuator {name!r} left out: {_why(model, i, k)}")
             continue
         actuator = _affine(mujoco, model, data, i, name, k, names[k])
@@ -85,30 +95,30 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
 
 
 def _delayed(model: Any, i: int) -> bool:
-    return bool(np.any(np.asarray(getattr(model, "actuator_delay", np.zeros(model.nu))[i]) != 0.0))
+    return bool(np.any(np.asarray(getattr(model, "actuator_delay", np.zeros(model.nactuator))[i]) != 0.0))
 
 
 def _why(model: Any, i: int, k: int | None) -> str:
     if k is None:
         return "it acts on no joint alone (a tendon, site or body)"
-    return (
-        "it has a delay"
-        if _delayed(model, i)
-        else "it has a state of its own (activation, filter, current, integrator)"
-    )
+    if _delayed(model, i):
+        return "it has a delay"
+    if model.actuator_actnum[i]:
+        return "it has a state of its own (activation, filter, current, integrator)"
+    return f"it takes {int(model.actuator_ctrlnum[i])} commands at once"
 
 
 def _affine(mujoco: Any, model: Any, data: Any, i: int, name: str, k: int, joint: str) -> Actuator | None:
     dof, coordinate = int(model.jnt_dofadr[k]), int(model.jnt_qposadr[k])
-    gear = float(model.actuator_gear[i, 0])
+    gear, output, commands = _gear(model, i), int(model.actuator_outadr[i]), _commands(model, i)
     at = _unbounded(model, i)
 
     def force(position: float = 0.0, velocity: float = 0.0, command: float = 0.0) -> float:
         mujoco.mj_resetData(at, data)
         data.qpos[coordinate], data.qvel[dof] = position, velocity
-        data.ctrl[int(at.actuator_ctrladr[i])] = command
+        data.ctrl[commands] = command
         mujoco.mj_forward(at, data)
-        return gear * float(data.actuator_force[i])
+        return gear * float(data.actuator_force[output])
 
     offset = force()
     slopes = []
@@ -125,13 +135,19 @@ def _affine(mujoco: Any, model: Any, data: Any, i: int, name: str, k: int, joint
     return Actuator(name, joint, slopes[2], offset, -slopes[0], -slopes[1], lower, upper)
 
 
+def _commands(model: Any, i: int) -> slice:
+    """Where actuator i has its commands in ``ctrl``; empty for a passive one."""
+    first = int(model.actuator_ctrladr[i])
+    return slice(first, first + int(model.actuator_ctrlnum[i]))
+
+
 def _unbounded(model: Any, i: int) -> Any:
     """A copy of the model whose actuator has no range of force or command, nor its joints one of force."""
     import copy
 
     free = copy.copy(model)
     free.actuator_forcelimited[i] = 0
-    free.actuator_ctrllimited[i] = 0
+    free.actuator_ctrllimited[_commands(model, i)] = 0
     free.jnt_actfrclimited[:] = 0
     return free
 

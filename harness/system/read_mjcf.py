@@ -210,13 +210,17 @@ def _limits(model: Any, joints: list[str]) -> tuple[Stops, ...]:
 
 def _keyframes(model: Any, joints: list[str]) -> tuple[Keyframe, ...]:
     """The states that the file names (``key1``, … where it names none), by joint and actuator, and ``qpos0`` last."""
-    drives = [model.actuator(a).name or f"actuator{a + 1}" for a in range(model.nu)]
+    drives = {
+        model.actuator(a).name or f"actuator{a + 1}": int(model.actuator_ctrladr[a])
+        for a in range(model.nactuator)
+        if model.actuator_ctrlnum[a] == 1
+    }
     named = tuple(
         Keyframe(
             model.key(i).name or f"key{i + 1}",
             {name: float(model.key_qpos[i, model.jnt_qposadr[k]]) for k, name in enumerate(joints)},
             {name: float(model.key_qvel[i, model.jnt_dofadr[k]]) for k, name in enumerate(joints)},
-            {name: float(model.key_ctrl[i, model.actuator_ctrladr[a]]) for a, name in enumerate(drives)},
+            {name: float(model.key_ctrl[i, at]) for name, at in drives.items()},
         )
         for i in range(model.nkey)
     )

@@ -232,6 +232,33 @@ def test_packed_numbers_of_netcdf(tmp_path):
     check_unpacked(read_recording(file))
 
 
+@pytest.mark.parametrize("classic", [True, False], ids=["netcdf", "hdf5"])
+def test_unsigned_numbers_in_signed_columns(tmp_path, classic):
+    # NetCDF User's Guide, _Unsigned: the bits are those of an unsigned number, and the fill value's too. All of 16 bits occur:
+    # ANGLE moves about mid-scale, where the signed number jumps from 32767 to -32768.
+    file = tmp_path / "run.nc"
+    scale, offset = 1e-4, -3.2768
+    counts = np.round((ANGLE - offset) / scale).astype(np.uint16)
+    assert counts.min() < 32768 < counts.max()
+    stored = counts.view(np.int16)
+    stored[17] = -1
+    attributes = {"scale_factor": scale, "add_offset": offset, "_FillValue": np.int16(-1)}
+    if classic:
+        with netcdf_file(file, "w") as out:
+            out.createDimension("time", len(TIME))
+            out.createVariable("time", "f8", ("time",))[:] = TIME
+            angle = out.createVariable("pivot.position", "i2", ("time",))
+            angle[:] = stored
+            for key, value in {**attributes, "_Unsigned": b"true", "units": b"rad"}.items():
+                setattr(angle, key, value)
+    else:
+        with h5py.File(file, "w") as out:
+            out["time"] = TIME
+            data = out.create_dataset("pivot/position", data=stored)
+            data.attrs.update({**attributes, "_Unsigned": "true", "units": "rad"})
+    check_unpacked(read_recording(file))
+
+
 def test_numpy_files(tmp_path):
     file = tmp_path / "run.npz"
     np.savez(file, time=TIME, theta=ANGLE, note=np.array("a swing"))

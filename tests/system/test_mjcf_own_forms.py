@@ -108,3 +108,41 @@ def test_keyframes_are_kept_by_name(tmp_path: Path) -> None:
     assert (start.name, start.position) == ("qpos0", {"h": 0.0})
     assert (up.name, up.position, up.velocity, up.command) == ("up", {"h": 1.5}, {"h": 0.2}, {"a": 0.7})
     assert (second.name, second.position) == ("key2", {"h": 0.1})
+
+
+# A motor shorted by having no command, one of two commands, one of one: three actuators, three commands, of other actuators.
+MIXED = """<actuator><dcmotor name="brake" joint="h" motorconst="0.5" resistance="2" gear="3" input="none"/>
+    <pid name="two" joint="h" kp="3" kv="1" input="pos vel"/>
+    <position name="one" joint="h" kp="4" gear="2" ctrlrange="-9 9"/></actuator>
+    <keyframe><key name="home" ctrl="0.1 0.2 0.7"/></keyframe>"""
+
+
+def test_actuators_are_not_counted_by_their_commands(tmp_path: Path) -> None:
+    system, theirs = load(tmp_path, rest=MIXED)
+    assert (theirs.nactuator, theirs.nu) == (3, 3)
+    brake, one = system.actuators
+    # K²/R times the gear squared, and kp times the gear, and times its square.
+    assert (brake.name, brake.gain, brake.damping) == ("brake", 0.0, pytest.approx(0.5**2 / 2 * 3**2))
+    assert (one.name, one.gain, one.stiffness) == ("one", pytest.approx(4 * 2), pytest.approx(4 * 2**2))
+    assert any("actuator 'two' left out: it takes 2 commands at once" in note for note in system.notes)
+    assert system.keyframes[0].command == {"one": 0.7}
+
+
+@pytest.mark.parametrize(
+    ("rest", "names"),
+    [
+        ('<actuator><pid name="a" joint="h" kp="3" input="pos vel"/><motor name="b" joint="h"/></actuator>', ["b"]),
+        (
+            '<actuator><dcmotor name="a" joint="h" motorconst="1" resistance="1" input="none"/>'
+            '<motor name="b" joint="h" gear="5"/></actuator>',
+            ["a", "b"],
+        ),
+        ('<actuator><dcmotor name="a" joint="h" motorconst="1" resistance="1" input="none"/></actuator>', ["a"]),
+    ],
+    ids=["more commands than actuators", "fewer", "none"],
+)
+def test_a_command_more_or_less_loses_no_actuator(tmp_path: Path, rest: str, names: list[str]) -> None:
+    system, theirs = load(tmp_path, rest=rest)
+    assert theirs.nu != theirs.nactuator
+    assert [actuator.name for actuator in system.actuators] == names
+    assert any("'a'" in note for note in system.notes)

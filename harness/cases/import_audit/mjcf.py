@@ -116,9 +116,9 @@ def _kinds(model: Any, system: System) -> Iterator[Kind]:
     if model.ntendon:
         fields = ("tendon_stiffness", "tendon_damping", "tendon_frictionloss", "tendon_armature", "tendon_limited")
         yield Kind("tendon", f"{model.ntendon}", zero(*fields))
-    if model.nu and not disabled(model, "ACTUATION"):
+    if model.nactuator and not disabled(model, "ACTUATION"):
         acts = "in single runs alone" if system.actuators else IGNORED
-        yield Kind("actuator, no command", f"{model.nu}", flag("ACTUATION"), acts)
+        yield Kind("actuator, no command", f"{model.nactuator}", flag("ACTUATION"), acts)
         if largest(model.actuator_armature):
             yield Kind(
                 "actuator armature", f"up to {largest(model.actuator_armature):g}", zero("actuator_armature"), ACTS

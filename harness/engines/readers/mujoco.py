@@ -104,7 +104,7 @@ class MujocoReading:
             at = int(model.jnt_dofadr[k])
             values = {"stiffness": float(model.jnt_stiffness[k]) if springs else 0.0}
             # Drives add armature and damping of their own, which belong to the joint here.
-            if not model.nu:
+            if not model.nactuator:
                 values["armature"] = float(model.dof_armature[at])
                 values["damping"] = float(model.dof_damping[at]) if dampers else 0.0
             values["friction"] = float(model.dof_frictionloss[at]) if dry else 0.0

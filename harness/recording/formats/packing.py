@@ -1,6 +1,7 @@
 """How netCDF and HDF5 files store numbers in few bits: a scale, an offset, and a value that stands for none.
 
-NetCDF Climate and Forecast conventions 1.11, sections 2.5.1 (missing data) and 8.1 (packed data).
+NetCDF Climate and Forecast conventions 1.11, sections 2.5.1 (missing data) and 8.1 (packed data). NetCDF User's Guide, attribute
+conventions: ``_Unsigned``, for the classic format, which has signed integers alone.
 """
 
 from __future__ import annotations
@@ -24,6 +25,9 @@ def unpacked(
     stored = np.asarray(values)
     if stored.dtype.kind not in "biuf":
         return None, ()
+    unsigned = stored.dtype.kind == "i" and _text(attribute("_Unsigned")).lower() == "true"
+    if unsigned:
+        stored = stored.view(stored.dtype.str.replace("i", "u"))
     marks = [_scalars(attribute(key)) for key in ABSENT]
     scale, offset = _scalars(attribute("scale_factor")), _scalars(attribute("add_offset"))
     missing = np.zeros(stored.shape, dtype=bool)
@@ -31,12 +35,14 @@ def unpacked(
         for value in mark:
             # Absent values are told in what is stored, before it is unpacked.
             missing |= stored == np.asarray(value).astype(stored.dtype)
-    if not len(scale) and not len(offset) and not missing.any():
+    if not len(scale) and not len(offset) and not missing.any() and not unsigned:
         return stored, ()
     factor = float(scale[0]) if len(scale) else 1.0
     shift = float(offset[0]) if len(offset) else 0.0
     meant = np.where(missing, np.nan, stored.astype(np.float64) * factor + shift)
     notes = []
+    if unsigned:
+        notes.append(QualityNote("packed", name, "is stored unsigned", "read as such", int(stored.size)))
     if len(scale) or len(offset):
         notes.append(
             QualityNote("packed", name, f"is stored as (value − {shift:g}) / {factor:g}", "unpacked", int(stored.size))
@@ -56,12 +62,17 @@ def unit_of(attribute: Callable[[str], Any]) -> str:
         stated = attribute(key)
         if stated is None:
             continue
-        if isinstance(stated, np.ndarray) and stated.size == 1:
-            stated = stated.reshape(-1)[0]
-        text = stated.decode("utf-8", "replace") if isinstance(stated, bytes) else str(stated)
-        match = SINCE.match(text.strip())
-        return match["unit"] if match else text.strip()
+        text = _text(stated)
+        match = SINCE.match(text)
+        return match["unit"] if match else text
     return ""
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.reshape(-1)[0]
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    return text.strip()
 
 
 def _scalars(value: Any) -> np.ndarray:
