@@ -52,7 +52,13 @@ def table(rows: list[dict[str, Any]], plain: dict[str, dict[str, Any]]) -> str:
 
 def section(row: dict[str, Any]) -> str:
     """What is said of one rig."""
-    lines = [f"### {row['rig']}", "", f"`{row['command']}`", "", row["summary"], ""]
+    lines = [f"### {row['rig']}", "", f"`{row['command']}`", ""]
+    if "explained_share" not in row:
+        return "\n".join([*lines, "Not made again with this version; the errors in the table are of an earlier one."])
+    lines += [row["summary"], ""]
+    if "predictive" in row:
+        what = ", ".join(f"`{name}`" for name in row["predictive"]["effects"])
+        lines += [f"Predicts best, by cross-validation within the training recordings: {what}.", ""]
     if row["findings"]:
         lines += ["| grade | effect | numbers (95 %) | cannot be told from |", "| -- | -- | -- | -- |"]
         for finding in row["findings"]:
