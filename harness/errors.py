@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+LONGEST = 1000  # letters of a message; names out of a damaged file know no end
+
 
 class InputError(ValueError):
     """Unusable input; commands print it as one line and end with exit status 2.
@@ -43,7 +45,14 @@ class InputError(ValueError):
         text = f"{place}{self.what}"
         if self.mend:
             text += f" ({self.mend})"
-        return " ".join(text.split())
+        return one_line(text)
+
+
+def one_line(text: str) -> str:
+    """A text as one line of letters that a terminal shows; what is too long for anybody to read is cut in the middle."""
+    text = " ".join(text.split())
+    text = "".join(letter if letter.isprintable() else "�" for letter in text)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} … {text[-LONGEST // 2 :]}"
 
 
 class UnsupportedError(InputError):
@@ -73,6 +82,7 @@ class MissingPackageError(UnsupportedError):
 
     def __init__(self, package: str, extra: str, *, what: str = "", source: str | Path | None = None) -> None:
         need = f"{what} needs" if what else "this needs"
+        self.package, self.extra, self.need = package, extra, what
         super().__init__(f"{need} the package {package}, which is not installed", mend=install(extra), source=source)
 
 

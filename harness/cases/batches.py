@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from functools import partial
 
+from harness.cases.beams import alternating_chain
 from harness.cases.case import Case, Check
 from harness.cases.checks.batch import BATCHES, BatchAgreement
+from harness.cases.checks.batch_straight import BatchStraight
 from harness.cases.users import state_checks
 from harness.system import System, random_chain, random_tree
 
@@ -49,6 +51,19 @@ CASES = (
         1e-11,
     ),
     _batch("long", "Seventy joints, many states at once", partial(random_chain, 70, seed=51, prismatic=0.1), 1e-9),
+    Case(
+        name="batch_flexible",
+        title="A chain of rigid and flexible links, many states at once, held straight",
+        source="the integrals of a straight beam are those of a slender rod: engines of rigid bodies",
+        system=partial(alternating_chain, 4, 2),
+        checks=(
+            BatchStraight("acceleration", 1e-10, "rounding times the condition number, which the beams' modes raise"),
+            BatchStraight("inverse_dynamics", 1e-12, "rounding of double precision"),
+            BatchStraight("mass_matrix", 1e-12, "rounding of double precision"),
+        ),
+        group="flexible",
+        engines=ENGINES,
+    ),
     *(
         Case(
             name=f"hinges_{n}",

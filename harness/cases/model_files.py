@@ -62,7 +62,8 @@ MJCF = """<mujoco model="general">
         <body name="plate" pos="0.05 0.06 -0.07" xyaxes="0.8 0.6 0 -0.6 0.8 0">
           <inertial pos="0.01 0.02 0.03" mass="0.4" diaginertia="0.004 0.005 0.006"/>
           <body name="three" pos="0.2 0.3 -0.1" axisangle="0.36 0.48 0.8 50">
-            <joint name="third" class="geared" type="hinge" axis="-0.36 0.48 0.8" range="-40 109" stiffness="0.9"/>
+            <joint name="third" class="geared" type="hinge" axis="-0.36 0.48 0.8" pos="0.04 -0.03 0.02"
+              range="-40 109" stiffness="0.9"/>
             <inertial pos="0.02 -0.03 0.08" mass="0.5" diaginertia="0.005 0.007 0.004"/>
           </body>
         </body>
@@ -194,6 +195,22 @@ def _strip(bench: Bench) -> Iterable[Row | Series]:
     )
 
 
+def _surface(bench: Bench) -> Iterable[Row | Series]:
+    """Half the thickness that the TOML file states, where a gauge would sit."""
+    beam = bench.system.links[0].beam
+    assert beam is not None
+    apart = abs(beam.half_depth - 0.0005) / 0.0005  # 1 mm thick
+    yield bench.row(
+        "file_half_depth",
+        (NATIVE, "analytic"),
+        apart,
+        1e-12,
+        why="one division",
+        note="" if apart <= 1e-12 else "the reader of TOML takes the surface of a strip to be elsewhere",
+        source="a rectangle's surface is half its thickness from its middle",
+    )
+
+
 def _case(name: str, title: str, build: Any, *checks: Measured) -> Case:
     return Case(
         name=name,
@@ -240,7 +257,7 @@ CASES = (
         title="models/toml/flexible_pendulum.toml",
         source="the numbers of the file in the closed form of a strip pinned with hub inertia",
         system=partial(_shipped, "toml/flexible_pendulum.toml"),
-        checks=(Measured("file_frequency", _strip),),
+        checks=(Measured("file_frequency", _strip), Measured("file_half_depth", _surface)),
         group="flexible",
         engines=(NATIVE,),
     ),

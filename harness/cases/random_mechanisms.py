@@ -23,4 +23,12 @@ def _case(kind: str, draw: Callable[..., System], n: int) -> Case:
     )
 
 
-CASES = tuple(_case(kind, draw, n) for kind, draw in KINDS for n in SIZES)
+WELDED = Case(
+    name="welded_tree",
+    title="Random tree of seven joints with links welded to others",
+    source="agreement of independent engines at random states",
+    system=partial(random_tree, 7, seed=17, fixed=0.4, armature=True, damping=True),
+    checks=state_checks(7),
+    group="scale",
+)
+CASES = (*(_case(kind, draw, n) for kind, draw in KINDS for n in SIZES), WELDED)

@@ -9,15 +9,17 @@ from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from harness.cases.case import NATIVE, Bench, Case, Doubt, Row, Series
 from harness.cases.checks.as_read import told
 from harness.cases.discover import built_in, select
-from harness.cases.results import Results
+from harness.cases.results import Results, from_dict
 from harness.compare.descriptions import TOLERANCE
 from harness.engines import registry
 from harness.engines.protocol import Engine, EngineModel
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
+from harness.journal import Journal
 from harness.parallel import parallel_map
 from harness.system import System
 from harness.system.suggest import did_you_mean
@@ -71,6 +73,7 @@ def validate(
     allow: Sequence[str | Path] = (),
     floating: bool = False,
     progress: Progress | None = None,
+    journal: Journal | None = None,
 ) -> Results:
     """Compare the native dynamics with the other engines: on the built-in suite, or on models of the user's own.
 
@@ -81,13 +84,14 @@ def validate(
     different mechanisms, and are not held against one another.
     allow: folders beside a model's own that it may name includes and meshes in.
     floating: let the root links of URDF models float on a free joint.
-    progress: called with (done, total, name of the case that ended).
+    progress: called with (done, total, name of the case that ended). journal: where each case is kept as it ends; cases that
+    it has already are not run again.
     Raises InputError for an unreadable model and an unknown case or engine.
     """
     if models is None:
         # Engines of other packages have no accepted figures here: they take part in the suite only where they are named.
         chosen = engine_names(engines or [name for name in registry.names() if name not in registry.own_names()])
-        return run([Task(case.name, chosen) for case in select(cases)], workers, dask, progress)
+        return run([Task(case.name, chosen) for case in select(cases)], workers, dask, progress, journal)
     paths = [Path(models)] if isinstance(models, str | Path) else [Path(model) for model in models]
     if not paths:
         raise InputError("the list of models is empty", mend="name at least one model, or pass None for the suite")
@@ -112,7 +116,7 @@ def validate(
             Task(f"{a} against {b}", (), files[a].resolve(), physical, (a, b, files[b].resolve()), tolerance, folders)
             for a, b in pairs_of(systems)
         ]
-    return run(tasks, workers, dask, progress)
+    return run(tasks, workers, dask, progress, journal)
 
 
 def engine_names(chosen: Sequence[str] | None) -> tuple[str, ...]:
@@ -130,21 +134,27 @@ def run(
     workers: int | None = None,
     dask: str | None = None,
     progress: Progress | None = None,
+    journal: Journal | None = None,
 ) -> Results:
-    """Run tasks in parallel; rows come in the order of the tasks, whatever the number of workers."""
+    """Run tasks in parallel; rows come in the order of the tasks, whatever the number of workers; journal: as in ``validate``."""
     start = perf_counter()
+    known = {} if journal is None else journal.found
+    ended = {k: kept_outcome(known[task.case], journal) for k, task in enumerate(tasks) if task.case in known}
     # The longest first, so that no core ends alone on a long one; the order of the rows stays that of the tasks.
-    order = sorted(range(len(tasks)), key=lambda k: -_cost(tasks[k]))
-    count = 0
+    order = sorted((k for k in range(len(tasks)) if k not in ended), key=lambda k: -_cost(tasks[k]))
+    count = len(ended)
 
     def done(index: int, outcome: Outcome) -> None:
         nonlocal count
         count += 1
+        if journal is not None:
+            journal.add(outcome.case, outcome_as_dict(outcome))
         if progress is not None:
             progress(count, len(tasks), outcome.case)
 
     ran = parallel_map(run_task, [tasks[k] for k in order], workers=workers, dask=dask, done=done)
-    outcomes = [outcome for _, outcome in sorted(zip(order, ran, strict=True), key=lambda pair: pair[0])]
+    ended |= dict(zip(order, ran, strict=True))
+    outcomes = [ended[k] for k in range(len(tasks))]
     return Results(
         rows=tuple(row for outcome in outcomes for row in outcome.rows),
         series=tuple(series for outcome in outcomes for series in outcome.series),
@@ -155,6 +165,33 @@ def run(
         case_seconds={outcome.case: outcome.seconds for outcome in outcomes},
         doubts=tuple(doubt for outcome in outcomes for doubt in outcome.doubts),
         notes={outcome.case: outcome.notes for outcome in outcomes if outcome.notes},
+    )
+
+
+def outcome_as_dict(outcome: Outcome) -> dict[str, Any]:
+    """An outcome as the document ``denoc.results/1``, which has all that it holds."""
+    return Results(
+        outcome.rows,
+        outcome.series,
+        titles={outcome.case: outcome.title},
+        case_seconds={outcome.case: outcome.seconds},
+        doubts=outcome.doubts,
+        notes={outcome.case: outcome.notes},
+    ).to_json()
+
+
+def kept_outcome(document: object, journal: Journal | None) -> Outcome:
+    """The same read again."""
+    results = from_dict(document, None if journal is None else journal.path)
+    (case,) = results.titles
+    return Outcome(
+        case,
+        results.titles[case],
+        results.rows,
+        results.series,
+        results.case_seconds.get(case, 0.0),
+        results.doubts,
+        results.notes.get(case, ()),
     )
 
 
@@ -198,6 +235,13 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
         bench = Bench(case, System(case.name, (), ()), {})
         said = " ".join(filter(None, [error.what, error.mend and f"({error.mend})"]))
         rows.append(bench.skipped("all", (NATIVE,), said))
+        return Outcome(case.name, case.title, tuple(rows), (), perf_counter() - start)
+    except Exception as error:
+        # What the suite's own reader refuses has passed before: a failure of this case, and none of the others'.
+        bench = Bench(case, System(case.name, (), ()), {})
+        what = "the readers refuse this case's own model: " if isinstance(error, InputError) else ""
+        row = _broken(bench, "all", (NATIVE,), error)
+        rows.append(replace(row, note=what + row.note))
         return Outcome(case.name, case.title, tuple(rows), (), perf_counter() - start)
     models: dict[str, EngineModel] = {}
     refusals: dict[str, str] = {}

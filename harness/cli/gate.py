@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from harness.cli.interrupt import Interrupted
 from harness.cli.options import console, output_options, progress, say_notes, wide_options, write_json
 
 if TYPE_CHECKING:
     from harness.cases.gate import Accepted
     from harness.cases.results import Results
+    from harness.journal import Journal
 
 SUITE_REFERENCE = "reference/accepted.json"
+UNFINISHED = "unfinished.jsonl"
 
 
 @click.command()
@@ -49,6 +55,12 @@ SUITE_REFERENCE = "reference/accepted.json"
 @click.option("--summary", metavar="FILE", help="Append what changed and why as Markdown (for $GITHUB_STEP_SUMMARY).")
 @click.option("--sarif", metavar="FILE", help="Write what closes the gate as SARIF, with file and line of the model.")
 @click.option("--annotate", is_flag=True, help="Print it as annotations of GitHub Actions too.")
+@click.option(
+    "--resume",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Go on with a run with --out DIR that was interrupted, with the same options.",
+)
 @output_options("Write results.json, junit.xml and the other reports of the run there.")
 @wide_options
 def gate(
@@ -65,6 +77,7 @@ def gate(
     summary: str | None,
     sarif: str | None,
     annotate: bool,
+    resume: Path | None,
     out: Path | None,
     json_file: str | None,
     workers: int | None,
@@ -83,6 +96,8 @@ def gate(
       denoc gate --accept --why "adaptive integrator of higher order: trajectories are closer"
       denoc gate robot.urdf --reference robot.accepted.json --accept --new --why "as delivered"
       denoc gate robot.urdf --reference robot.accepted.json --out results
+      denoc gate --self-test full --out results
+      denoc gate --self-test full --resume results
     """
     from harness.cases import gate as gates
     from harness.cases.users import names_of
@@ -100,6 +115,10 @@ def gate(
         raise InputError("models need their own accepted figures", mend="add --reference robot.accepted.json")
     if self_test is not None and no_self_test:
         raise InputError("--self-test and --no-self-test do not go together", mend="leave one out")
+    held = {model: sha256(Path(model).read_bytes()).hexdigest() for model in models if Path(model).is_file()}
+    out, journal = _journal(
+        out, resume, {"models": held, "engines": list(engines)}, results_file is None and not accept
+    )
     path = Path(reference or SUITE_REFERENCE)
     before = None
     if accept and new:
@@ -107,15 +126,16 @@ def gate(
             raise InputError("exists already", source=path, mend="leave --new out to accept changes to it")
     else:
         before = gates.read_accepted(path)
-    results, robots = _results(models, results_file, engines, before, accept, workers, dask)
+    with _resumable(out if journal is not None else None):
+        results, robots = _results(models, results_file, engines, before, accept, workers, dask, journal)
     if models:
         say_notes(results.told)
     trials = None
     if self_test is None and not models and not no_self_test:
         self_test = "quick"
     if self_test is not None:
-        with progress("planted defects") as step:
-            trials = gates.self_test(full=self_test == "full", workers=workers, progress=step)
+        with progress("planted defects") as step, _resumable(out if journal is not None else None):
+            trials = gates.self_test(full=self_test == "full", workers=workers, progress=step, journal=journal)
     judgement = None if before is None else gates.judge(results, before)
     screen = console(json_file)
     if judgement is not None or trials is not None:
@@ -129,6 +149,8 @@ def gate(
         from harness.report.write import write_reports
 
         write_reports(results, out, judgement=judgement)
+        if journal is not None:
+            journal.remove()
     write_json(said.as_dict(results, judgement, trials), json_file)
     if sarif is not None:
         write_whole(sarif, said.sarif(judgement, files))
@@ -147,6 +169,37 @@ def gate(
     return 0 if judgement is not None and judgement.ok else 1
 
 
+def _journal(
+    out: Path | None, resume: Path | None, of: dict[str, Any], long: bool
+) -> tuple[Path | None, Journal | None]:
+    """The folder of the run, and what keeps its results until they are written there whole."""
+    from harness.errors import InputError
+    from harness.journal import Journal
+
+    if resume is not None:
+        if out is not None and out != resume:
+            raise InputError("--resume and --out name different folders", mend="give the one or the other")
+        if not (resume / UNFINISHED).exists():
+            raise InputError("holds no interrupted run", source=resume, mend="give the --out of one")
+        out = resume
+    if out is None or not long:
+        return out, None
+    if resume is None:
+        (out / UNFINISHED).unlink(missing_ok=True)
+    return out, Journal(out / UNFINISHED, of)
+
+
+@contextmanager
+def _resumable(folder: Path | None) -> Iterator[None]:
+    """Ctrl-C says how to go on, where there is something to go on with."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if folder is None:
+            raise
+        raise Interrupted(f"stopped; `denoc gate --resume {folder}` with the same options goes on from here") from None
+
+
 def _results(
     models: tuple[str, ...],
     results_file: str | None,
@@ -155,6 +208,7 @@ def _results(
     accept: bool,
     workers: int | None,
     dask: str | None,
+    journal: Journal | None,
 ) -> tuple[Results, dict[str, Any]]:
     """The run to be judged, and what is to be recorded of models if it is accepted."""
     from harness.cases.gate import robot
@@ -177,7 +231,9 @@ def _results(
 
         ahead.everything()
     with progress("gate") as step:
-        results = validate(models or None, engines=engines or None, workers=workers, dask=dask, progress=step)
+        results = validate(
+            models or None, engines=engines or None, workers=workers, dask=dask, progress=step, journal=journal
+        )
     if not models:
         return results, {}
     recorded: dict[str, Any] = {}

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 import click
 
 from harness.cli.interrupt import Interrupted, hear_at_once, swallowed
-from harness.errors import EngineUnavailableError, InputError, missing_package
+from harness.errors import EngineUnavailableError, InputError, missing_package, one_line
 
 # Verb to its one line of help; the verb's own module is imported when it is run.
 VERBS = {
@@ -102,9 +102,9 @@ def status_of(arguments: list[str] | None = None) -> int:
         return _say(f"name a verb, for example `{error.ctx.command_path} validate`" if error.ctx else "", UNUSABLE)
     except click.UsageError as error:
         hint = f" (see `{error.ctx.command_path} --help`)" if error.ctx else ""
-        return _say(_one_line(error.format_message()) + hint, UNUSABLE)
+        return _say(one_line(error.format_message()) + hint, UNUSABLE)
     except click.ClickException as error:
-        return _say(_one_line(error.format_message()), UNUSABLE)
+        return _say(one_line(error.format_message()), UNUSABLE)
     except click.exceptions.Exit as error:
         return error.exit_code
     except (KeyboardInterrupt, click.Abort):
@@ -127,7 +127,11 @@ def status_of(arguments: list[str] | None = None) -> int:
         absent = missing_package(error) if isinstance(error, ImportError) else None
         if absent is not None:
             return _say(str(absent), UNUSABLE)
-        text = _one_line(str(error)) or "no message"
+        if isinstance(error, OSError) and error.errno is not None:
+            # Of the machine, not of the code: a full disk, rights, too many open files.
+            where = "" if error.filename is None else f"{error.filename}: "
+            return _say(one_line(f"{where}{error.strerror} (make room, or name another place)"), UNUSABLE)
+        text = one_line(str(error)) or "no message"
         return _say(f"a defect in denoc: {type(error).__name__}: {text} (DENOC_TRACEBACK=1 shows where)", UNUSABLE)
 
 
@@ -135,7 +139,3 @@ def _say(text: str, status: int) -> int:
     sys.stdout.flush()
     print(f"denoc: {text}", file=sys.stderr)
     return status
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())

@@ -97,7 +97,7 @@ def prove(
             raise InputError("--resume and --out name different folders", mend="give the one or the other")
         if not (folder / "plan.json").exists():
             raise InputError("holds no proof to go on with", source=folder, mend="give the folder of an earlier --out")
-    elif folder.exists() and any(folder.iterdir()):
+    elif folder.exists() and any(path.suffix != ".partial" for path in folder.iterdir()):
         raise InputError("is not empty", source=folder, mend=f"give another --out, or go on with --resume {folder}")
     counts = QUICK if quick else FULL if cases is None else scaled(cases)
     if export is not None:

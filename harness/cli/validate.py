@@ -89,6 +89,8 @@ def validate(
         from harness.denoc.compiling import ahead
 
         ahead.everything()
+    from harness.compare.descriptions import TOLERANCE
+
     with progress("validate") as step:
         results = run(
             chosen,
@@ -98,7 +100,7 @@ def validate(
             dask=dask,
             physical=not (allow_unphysical or all_robots),
             separate=separate or all_robots,
-            **({} if tolerance is None else {"tolerance": tolerance}),
+            tolerance=TOLERANCE if tolerance is None else tolerance,
             allow=allow,
             floating=floating,
             progress=step,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -12,6 +11,7 @@ from pathlib import Path
 from harness.errors import InputError
 from harness.recording.recording import JOINT_QUANTITIES, LINK_QUANTITIES, QUANTITIES
 from harness.system import System
+from harness.system.read_toml import parse_toml
 from harness.system.suggest import did_you_mean
 
 INDEX = re.compile(r"\S\[\d+\]$")  # /strain/data[0]: of an array, no unit
@@ -109,9 +109,11 @@ def rules_beside(path: Path) -> tuple[Rule, ...]:
         if file == path or not file.is_file():
             continue
         try:
-            content = tomllib.loads(file.read_text(encoding="utf-8"))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as failure:
+            content = parse_toml(file.read_text(encoding="utf-8"), file)
+        except UnicodeDecodeError as failure:
             raise InputError(f"not valid TOML: {failure}", mend="mend the file", source=file) from None
+        except OSError as failure:
+            raise InputError(f"cannot be read: {failure.strerror}", mend="check its rights", source=file) from None
         table = content.get("columns")
         if table is None:
             if must:

@@ -20,6 +20,7 @@ from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_b
 from harness.recording.folded import unfold
 from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
+from harness.recording.magnitudes import LEAST, without_absurd
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
 from harness.recording.stale import find_stale
@@ -115,7 +116,7 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
     notes += dropped
     first = float(time[0])
     _refuse_short(len(time), file)
-    moving = [c for c in channels if float(np.ptp(c.values[np.isfinite(c.values)])) > 0.0]
+    moving = [c for c in channels if float(np.ptp(c.values[np.isfinite(c.values)])) > LEAST]
     if not moving:
         raise InputError(
             "nothing moves: every channel is constant", mend="check the columns and the cable", source=file
@@ -202,7 +203,7 @@ def _channel(
     )
     factor *= column.sign
     rows = _finite(table.columns[column.header] + table.origins.get(column.header, 0.0)) * factor
-    notes: list[QualityNote] = []
+    rows, notes = without_absurd(column.name, unit, rows, column.header, table.lines, file)
     values = grouped_mean(rows, timing.groups, len(timing.time))
     if column.quantity == "position":
         # Made continuous in the file's own samples: the mean of two of them across a jump would be neither.

@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import InputError
+from harness.recording.magnitudes import check_span
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
 UNORDERED_SHARE = 0.05  # of the samples; more is no jitter but two recordings in one, or the wrong column
 REPEATED_SHARE = 0.1  # of the samples; more is a rounded clock
 GAP_FACTOR = 5.0  # interval over the median one, and over twice the 99th percentile
+SAME = 1e-9  # of the median interval; stamps closer than that are one
 UNEVEN = 0.01  # relative deviation of an interval from the median one that is worth a word
 
 
@@ -43,9 +45,10 @@ def mend_time(stamps: Array, lines: tuple[int, ...] | None, source: Path) -> Tim
     if lost:
         notes.append(QualityNote("missing", "time", f"{lost} rows have no time", "left out", lost))
     rows = np.flatnonzero(usable)
-    if len(rows) < 2 or float(np.ptp(stamps[rows])) == 0.0:
+    if len(rows) < 2 or np.all(stamps[rows] == stamps[rows[0]]):
         raise InputError("time does not pass", mend="check the column and its unit", source=source, column="time")
     time = stamps[rows]
+    check_span(time, rows, lines, source)
     steps = np.diff(time)
     if np.all(steps < 0.0):
         raise InputError(
@@ -103,6 +106,11 @@ def _join(
 ) -> tuple[Array, NDArray[np.intp]]:
     """Samples with one stamp become one, unless the clock is merely rounded."""
     groups = np.full(count, -1, dtype=np.intp)
+    steps = np.diff(time)
+    if np.any(steps > 0.0):
+        # Closer than any clock tells apart: rates of change there would be noise magnified, or overflow.
+        for k in np.flatnonzero((steps > 0.0) & (steps < SAME * float(np.median(steps[steps > 0.0])))):
+            time[k + 1] = time[k]
     repeated = np.diff(time) == 0.0
     share = float(repeated.mean())
     if share <= REPEATED_SHARE:

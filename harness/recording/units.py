@@ -50,8 +50,13 @@ TORQUES = (
 )
 COUNTED = re.compile(r"(?i)\b(counts?|cts|ticks?|pulses?|steps?|lsbs?|incs?|increments?|samples?|frames?|digits?)\b")
 SIGNS = str.maketrans({"·": "*", "⋅": "*", "×": "*", "•": "*", "²": "**2", "³": "**3", "^": "**", "μ": "µ", "º": "°"})
-POWER = re.compile(r"(?<=[A-Za-z°])(-?[23])(?![A-Za-z0-9.])")  # m/s2
+POWER = re.compile(r"(?<=[A-Za-z°])(?<!\d[eE])(-?[23])(?![A-Za-z0-9.])")  # m/s2
 VOLTS = re.compile(r"(?<![A-Za-zµ])[mµu]?(V|volts?)(?![A-Za-z])")
+# A unit is evaluated, and a tower of powers would be for ever.
+LONGEST, MOST_POWERS, MOST_DIGITS = 80, 6, 20
+DIGITS = re.compile(r"\d+")
+EXPONENT = re.compile(r"\*\*\s*(?:[+-]?\d{1,2}(?:\.\d+)?|\(\s*[+-]?\d{1,2}(?:\.\d+)?\s*\))(?![\w.])(?!\s*\*\*)")
+POWER_OF_BRACKET = re.compile(r"\)\s*\*\*")
 PURE_STRAIN = ("percent", "ppm", "strain", "microstrain")
 
 
@@ -123,6 +128,18 @@ def factor_to_si(
     )
 
 
+def _is_sane(text: str) -> bool:
+    """Whether a text can be evaluated at once: powers are small numbers, of what is no power itself, and few."""
+    powers = text.count("**")
+    return (
+        len(text) <= LONGEST
+        and max((len(digits) for digits in DIGITS.findall(text)), default=0) <= MOST_DIGITS
+        and powers <= MOST_POWERS
+        and len(EXPONENT.findall(text)) == powers
+        and len(POWER_OF_BRACKET.findall(text)) <= 1
+    )
+
+
 def _parsed(text: str, quantity: str, prismatic: bool | None) -> Any:
     """A ``pint`` quantity, or None if the text is none."""
     spelt = text.translate(SIGNS)
@@ -133,6 +150,8 @@ def _parsed(text: str, quantity: str, prismatic: bool | None) -> Any:
         for pattern, replacement in TORQUES:
             spelt = pattern.sub(replacement, spelt)
     spelt = POWER.sub(r"**(\1)", spelt).replace("%", "percent")
+    if not _is_sane(spelt):
+        return None
     registry = _registry()
     # "Seconds", "DEG": capitals are tried as such first, for they part milli from mega.
     for attempt in (spelt, spelt.lower()):

@@ -9,10 +9,12 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from harness.cases.gate import Judgement
 from harness.cases.results import Results
 from harness.report.figures.canvas import titled
 from harness.report.figures.kinds import KINDS, kind_of
 from harness.report.sections.distances import Distances
+from harness.report.sections.gate import Gate
 from harness.report.sections.notes import Notes
 from harness.report.sections.section import Section
 from harness.report.sections.story import Story
@@ -29,9 +31,12 @@ def sections_for(results: Results) -> list[Section]:
     return [Summary(), Distances(), *(Story(kind) for kind in kinds), Notes(), Table(), Versions()]
 
 
-def html(results: Results, title: str = "DeNOC validation") -> str:
-    """The page: styles, pictures and figures inlined, no script needed, every text escaped."""
-    return page(title, results, sections_for(results), results.created)
+def html(results: Results, title: str = "DeNOC validation", *, judgement: Judgement | None = None) -> str:
+    """The page: styles, pictures and figures inlined, no script needed, every text escaped; judgement: of a gate, goes first."""
+    sections = sections_for(results)
+    if judgement is not None:
+        title, sections = "DeNOC gate", [Gate(judgement), *sections]
+    return page(title, results, sections, results.created)
 
 
 def page(title: str, subject: Any, sections: Sequence[Section], created: str = "") -> str:

@@ -55,20 +55,26 @@ def write_reports(
 ) -> list[Path]:
     """Write the formats asked for (all by default) into a folder; returns their paths.
 
-    judgement: of a gate, for what it has to say in JUnit XML, and in gate.md besides.
+    judgement: of a gate, for what it has to say in JUnit XML, first on the page, and in gate.md besides.
     Raises InputError for an unknown format or a folder that cannot be written to.
     """
     for name in formats or ():
         if name not in FILES and name != PICTURES:
             raise InputError(f"no format is named {name!r}", mend=did_you_mean(name, (*FILES, PICTURES)))
     chosen = {name: FILES[name] for name in (formats or FILES) if name != PICTURES}
-    files: dict[str, str | bytes] = {file: render(results) for file, render in chosen.values()}
+    files: dict[str, str | bytes] = {
+        file: render(results) if judgement is None or file != "report.html" else "" for file, render in chosen.values()
+    }
     if judgement is not None:
         from harness.report.gate import markdown
         from harness.report.junit import junit
 
         files["junit.xml"] = junit(results, judgement)
         files["gate.md"] = markdown(results, judgement, None)
+        if "report.html" in files:
+            from harness.report.html import html
+
+            files["report.html"] = html(results, judgement=judgement)
     if PICTURES in (formats or ()):
         from harness.report.pictures import pictures
 

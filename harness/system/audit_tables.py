@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from harness.errors import InputError
 from harness.system.audit_findings import Finding
 from harness.system.description import Link, System
 from harness.system.load import load
-from harness.system.read_toml import read_toml
+from harness.system.read_toml import parse_toml, read_toml
 
 LENGTHS = ("length", "width", "thickness")
 
@@ -34,8 +33,8 @@ def gather(
     text = ""
     try:
         text = path.read_bytes().decode("utf-8-sig")
-        raw = None if text.lstrip().startswith("<") else tomllib.loads(text)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        raw = None if text.lstrip().startswith("<") else parse_toml(text)
+    except (OSError, UnicodeDecodeError, InputError):
         pass  # `load` below says what is wrong, and where
     if raw is None:
         loaded = load(path, physical=False)

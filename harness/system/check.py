@@ -12,6 +12,7 @@ from harness.errors import InputError
 from harness.system.description import Array, Joint, Link, System, constant
 from harness.system.inertia import about_origin, impossible, rounded_away
 from harness.system.lowering import followed, lower
+from harness.system.magnitudes import check_magnitudes
 from harness.system.rotation import about_axis, skew
 
 # Below this share of the body's inertia, what is left about an axis is rounding.
@@ -122,6 +123,7 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
     Raises InputError naming the joint if it is not positive in any, or negative in one.
     """
     check_finite(system, lines=lines)
+    check_magnitudes(system, lines=lines)
     if not system.simple:
         # Balls too, as three turns: what moves no inertia does not in any pose.
         system = lower(system).system

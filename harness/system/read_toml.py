@@ -36,7 +36,7 @@ _SYNONYMS = {"floating": "free", "spherical": "ball", "screw": "helical", "hinge
 def parse_toml(text: str, source: Path | None = None) -> dict[str, Any]:
     """The raw tables of a TOML text. Raises InputError with line and column."""
     try:
-        return tomllib.loads(text)
+        tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         message = str(error)
         line = _number_after(message, "at line ")
@@ -47,6 +47,31 @@ def parse_toml(text: str, source: Path | None = None) -> dict[str, Any]:
         raise InputError(
             f"not valid TOML: {what}", mend="mend the syntax", source=source, line=line, column=column
         ) from None
+    except RecursionError:
+        raise InputError("not valid TOML: nested too deeply", mend="mend the syntax", source=source) from None
+    except ValueError as error:  # of Python: a whole number of thousands of digits
+        raise InputError(f"not valid TOML: {error}", mend="mend the number", source=source) from None
+    _refuse_long_numbers(tables, text, source)
+    return tables
+
+
+def _refuse_long_numbers(tables: dict[str, Any], text: str, source: Path | None) -> None:
+    """TOML's whole numbers have 64 bits; Python reads longer ones, and stumbles over them later."""
+    waiting: list[tuple[str, Any]] = list(tables.items())
+    while waiting:
+        key, value = waiting.pop()
+        if isinstance(value, dict):
+            waiting += value.items()
+        elif isinstance(value, list):
+            waiting += [(key, item) for item in value]
+        elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+            line = text[: text.find(str(value))].count("\n") + 1 if str(value) in text else None
+            raise InputError(
+                f"not valid TOML: {key!r} is a whole number beyond 64 bits",
+                mend="check the number, or write it as 1e20",
+                source=source,
+                line=line,
+            )
 
 
 def _number_after(message: str, word: str) -> int | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from harness.system.description import Array
 
@@ -25,6 +24,8 @@ def strip_frequencies(
     EI w‴ = -ω² m_p w with the payload m_p [kg].
     Source: L. Meirovitch, Fundamentals of Vibrations, 2001, ch. 8 (separation of variables, boundary conditions).
     """
+    from scipy.optimize import brentq  # a third of a second, which only audits need
+
     hub = hub_inertia / (mass * length**2)
     tip = payload / mass
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.system.description import Array, constant
+from harness.system.magnitudes import NUMBER
 from harness.system.suggest import did_you_mean
 
 
@@ -91,6 +92,8 @@ class TableReader:
         value = self._finite(key, self._get(key, mend or f"add {key} = …"), infinite)
         if positive and value <= 0.0:
             self.refuse(f"{key!r} must be positive, not {value:g}", key=key)
+        if positive and value < 1.0 / NUMBER:
+            self.refuse(f"{key!r} is {value:.3g}, beyond any mechanism", "check the number and its unit", key)
         if non_negative and value < 0.0:
             self.refuse(f"{key!r} must not be negative, but is {value:g}", key=key)
         return value
@@ -99,6 +102,8 @@ class TableReader:
         if isinstance(value, bool) or not isinstance(value, int | float):
             self.refuse(f"{key!r} must be a number, not {value!r}", key=key)
         number = float(value)
+        if math.isfinite(number) and abs(number) > NUMBER:
+            self.refuse(f"{key!r} is {number:.3g}, beyond any mechanism", "check the number and its unit", key)
         if math.isnan(number) or (math.isinf(number) and not infinite):
             self.refuse(f"{key!r} must be a finite number, not {value!r}", key=key)
         return number

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 
 import numpy as np
 from lxml import etree
-from scipy.spatial.transform import Rotation
 
 from harness.errors import UnsupportedError
 from harness.system.description import Array, Joint, JointType, Link, System
@@ -198,6 +197,8 @@ def _body(parent: etree._Element, joints: list[Joint], link: Link, system: Syste
 
 
 def _quaternion(rotation: Array) -> Array:
+    from scipy.spatial.transform import Rotation  # slow to import, and most systems are only read
+
     x, y, z, w = Rotation.from_matrix(rotation).as_quat()
     return np.array([w, x, y, z])
 

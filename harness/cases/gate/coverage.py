@@ -46,9 +46,15 @@ PATHS: dict[str, tuple[str, ...]] = {
     "Denoc.frequencies": ("frequencies_*/frequency/*", "rigid_pendulum/frequency/*"),
     "Denoc.hub_motion": ("beam_paths/tip_acceleration*",),
     # Many states.
-    "Denoc.forward_dynamics_batch": ("batch_*/forward_dynamics_batch/*",),
-    "Denoc.inverse_dynamics_batch": ("batch_*/inverse_dynamics_batch/*",),
-    "Denoc.mass_matrix_batch": ("batch_*/mass_matrix_batch/*",),
+    "Denoc.forward_dynamics_batch": (
+        "batch_*/forward_dynamics_batch/*",
+        "batch_flexible/forward_dynamics_batch_straight/*",
+    ),
+    "Denoc.inverse_dynamics_batch": (
+        "batch_*/inverse_dynamics_batch/*",
+        "batch_flexible/inverse_dynamics_batch_straight/*",
+    ),
+    "Denoc.mass_matrix_batch": ("batch_*/mass_matrix_batch/*", "batch_flexible/mass_matrix_batch_straight/*"),
     "Denoc.accelerations": ("batch_chain/forward_dynamics_batch/*",),
     "BatchModel.forward_dynamics": ("batch_tree/forward_dynamics_batch/*",),
     "BatchModel.inverse_dynamics": ("batch_tree/inverse_dynamics_batch/*",),
@@ -89,7 +95,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     "kernel lanes": ("lanes_chain/*", "lanes_flexible_pendulum/*"),
     "kernel exponential": ("lanes_flexible_pendulum/lanes_exponential_*",),
     # What a description says of a joint.
-    "joint type": ("chain_*/acceleration/*",),
+    "joint type": ("chain_*/acceleration/*", "welded_tree/acceleration/*"),
     "joint xyz": ("spatial_quantities/link_pose/*",),
     "joint rotation": ("spatial_quantities/link_pose/*", "file_urdf_general/file_mass_matrix/*"),
     "joint axis": ("spatial_quantities/link_pose/*",),
@@ -116,7 +122,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     "beam torsional_stiffness": ("beam_paths/torsion_frequency/*",),
     "beam polar_inertia": ("beam_paths/torsion_frequency/*",),
     "beam torsion_modes": ("beam_paths/torsion_frequency/*",),
-    "beam half_depth": ("beam_paths/root_strain/*",),
+    "beam half_depth": ("beam_paths/root_strain/*", "file_toml_*/file_half_depth/*"),
     "beam material_damping": ("beam_paths/material_damping_decay/*",),
     "beam modal_damping": ("beam_paths/modal_damping_decay/*",),
     "beam modes": ("frequencies_clamped_free/frequency/*",),

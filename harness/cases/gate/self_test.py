@@ -16,6 +16,7 @@ from harness.compare.attribution import attribute
 from harness.engines import registry
 from harness.engines.protocol import Engine
 from harness.errors import EngineUnavailableError, InputError
+from harness.journal import Journal
 from harness.system import System, random_chain
 
 # Of the faults of the full self-test; what two sites explain alike is named by either.
@@ -82,11 +83,17 @@ class SelfTest:
         }
 
 
-def self_test(*, full: bool = False, workers: int | None = None, progress: Progress | None = None) -> SelfTest:
+def self_test(
+    *,
+    full: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    journal: Journal | None = None,
+) -> SelfTest:
     """Plant every defect in turn; raises InputError if no engine is installed that could notice.
 
     full: also every fault of ``harness.cases.gate.planted`` (some minutes: kernels are compiled with faults in them), and
-    runs without one, which must not close the gate.
+    runs without one, which must not close the gate. journal: keeps each as it ends, so that an interrupted one goes on.
     """
     native, judge = registry.engine(NATIVE), _independent()
     clean = all(row.verdict != "fail" for row in _rows(native, judge))
@@ -95,7 +102,7 @@ def self_test(*, full: bool = False, workers: int | None = None, progress: Progr
         return SelfTest(clean, tuple(trials))
     from harness.cases.gate.planted.full import full_trials
 
-    planted, runs = full_trials(workers=workers, progress=progress)
+    planted, runs = full_trials(workers=workers, progress=progress, journal=journal)
     trials += [Trial(fate.fault, fate.closed, fate.named, fate.said) for fate in planted]
     return SelfTest(clean and not any(fate.closed for fate in runs), tuple(trials), ENOUGH_NAMED, len(runs) + 1)
 

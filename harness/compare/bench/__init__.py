@@ -6,14 +6,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
 from importlib import import_module
+
+import msgspec
 
 from harness.compare.bench.measure import machine
 from harness.compare.bench.peers import Options
 from harness.compare.bench.row import Row, document
 from harness.errors import InputError
+from harness.journal import Journal
 from harness.system.suggest import did_you_mean
 
 
@@ -99,11 +102,23 @@ def select(wanted: Sequence[str] | None = None) -> dict[str, tuple[str, ...]]:
     return {key: chosen[key] for key in BENCHMARKS if key in chosen}
 
 
-def run(wanted: Sequence[str] | None = None, options: Options | None = None) -> Iterator[Row]:
-    """Rows as they are measured; ``wanted`` as in ``select``, which raises before anything runs."""
+def run(
+    wanted: Sequence[str] | None = None, options: Options | None = None, journal: Journal | None = None
+) -> Iterator[Row]:
+    """Rows as they are measured; ``wanted`` as in ``select``, which raises before anything runs.
+
+    journal: keeps the rows of each benchmark once all of them are measured; those that it has are not measured again.
+    """
     chosen = options or Options()
     for name, rows in select(wanted).items():
+        if journal is not None and name in journal.found:
+            yield from (msgspec.convert(row, Row) for row in journal.found[name])
+            continue
         chosen.tell(f"{name}: {BENCHMARKS[name].title}")
+        measured = []
         for row in import_module(f"harness.compare.bench.{name}").run(chosen):
             if row.what in rows:
+                measured.append(row)
                 yield row
+        if journal is not None:
+            journal.add(name, [asdict(row) for row in measured])

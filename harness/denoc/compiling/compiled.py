@@ -11,6 +11,7 @@ from numba import njit
 
 from harness.denoc.compiling.known_types import remember
 from harness.denoc.compiling.pipeline import Kernel, Part, ShortLoops
+from harness.kept_kernels import Kept, forgive
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -58,8 +59,11 @@ def inlined(function: F) -> F:
 
 
 def cache_folder(room: Path) -> Path:
-    """Where numba keeps what is compiled of the files in a folder."""
-    locator = compiled(cache_folder)._cache._impl.locator  # type: ignore[attr-defined]
+    """Where numba keeps what is compiled of the files in a folder; raises OSError where it keeps nothing."""
+    kept = getattr(compiled(cache_folder), "_cache", None)
+    if not isinstance(kept, Kept):
+        raise FileNotFoundError("no place to keep compiled kernels in")
+    locator = kept._impl.locator
     return Path(type(locator)(cache_folder, str(room / "kernel.py")).get_cache_path())
 
 
@@ -86,5 +90,6 @@ def _drop_stale_cache() -> None:
         stamp.write_text(now)
 
 
+forgive()
 _drop_stale_cache()
 remember()

@@ -78,25 +78,40 @@ def compare_peers(
         if missing:
             count = len(chosen) - len(missing)
 
-            def tick(index: int, found: dict[str, Any], peer: str = peer) -> None:
+            def tick(
+                index: int,
+                found: dict[str, Any],
+                *,
+                peer: str = peer,
+                saved: Path = saved,
+                said: dict[str, Any] = said,
+                missing: Sequence[str] = missing,
+            ) -> None:
                 nonlocal count
                 count += 1
+                said[missing[index]] = found
+                _save(saved, peer, said)
                 if progress is not None:
                     progress(peer, count, len(chosen))
 
-            rows = parallel_map(
+            parallel_map(
                 partial(ask, peer=peer),
                 [out / "cases" / name for name in missing],
                 workers=workers,
                 dask=dask,
                 done=tick,
             )
-            said |= dict(zip(missing, rows, strict=True))
-            saved.parent.mkdir(parents=True, exist_ok=True)
-            saved.write_text(
-                json.dumps({"schema": "denoc.claims/1", "entrant": peer, "cases": said}, indent=1), encoding="utf-8"
-            )
         # Answers are opened only now that everything has been said.
         answers = {s.name: unseal(s.name, out / "sealed", digests[s.name]) for s in chosen}
         result[peer] = tally(score_claims(said, answers), said, answers)
     return result
+
+
+def _save(path: Path, peer: str, said: dict[str, Any]) -> None:
+    """Whole or not at all, after every case: each takes minutes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_suffix(".partial")
+    partial.write_text(
+        json.dumps({"schema": "denoc.claims/1", "entrant": peer, "cases": said}, indent=1), encoding="utf-8"
+    )
+    partial.replace(path)

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import bz2
+import errno
 import gzip
 import lzma
 import tempfile
+import zlib
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from harness.errors import InputError
+from harness.recording.formats.apart import most_memory, read_apart
 from harness.recording.formats.csv import read_text
 from harness.recording.formats.table import Table
 
-PACKED: dict[bytes, Callable[[bytes], bytes]] = {
-    b"\x1f\x8b": gzip.decompress,
-    b"BZh": bz2.decompress,
-    b"\xfd7zXZ\x00": lzma.decompress,
+PACKED: dict[bytes, tuple[str, Callable[..., Any]]] = {
+    b"\x1f\x8b": ("gzip file", gzip.open),
+    b"BZh": ("archive", bz2.open),
+    b"\xfd7zXZ\x00": ("archive", lzma.open),
 }
 # Readers bring heavy packages along, so each is loaded when a file asks for it. MATLAB 7.3 is HDF5 behind 512 bytes of text.
 READERS = (
@@ -52,7 +55,7 @@ def read_table(path: Path) -> Table:
     """
     if path.is_dir():
         if (path / "metadata.yaml").is_file():
-            return _read("rosbag", "read_ros2_folder", path, path)
+            return read_apart("rosbag", "read_ros2_folder", path, path)
         raise InputError("is a directory", mend="name the recording file in it", source=path)
     return _read_file(path, path)
 
@@ -68,33 +71,46 @@ def _read_file(path: Path, file: Path) -> Table:
         raise InputError(f"cannot be read: {failure.strerror}", mend="check its rights", source=path) from None
     if not head:
         raise InputError("the file is empty", mend="record again or name another file", source=path)
-    for magic, unpack in PACKED.items():
+    for magic, (kind, opened) in PACKED.items():
         if head.startswith(magic):
-            return _unpacked(path, file, unpack)
+            return _unpacked(path, file, kind, opened)
     for magic, module, reader in READERS:
         if head.startswith(magic):
-            return _read(module, reader, path, file)
+            return read_apart(module, reader, path, file)
     for magic, kind in OTHERS.items():
         if head.startswith(magic):
             raise InputError(f"is {kind}, not a recording", mend=f"export it as {READABLE}", source=path)
     return read_text(path, file.read_bytes(), READABLE)
 
 
-def _read(module: str, reader: str, path: Path, file: Path) -> Table:
-    table: Table = getattr(import_module(f"harness.recording.formats.{module}"), reader)(path, file)
-    return table
-
-
-def _unpacked(path: Path, file: Path, unpack: Callable[[bytes], bytes]) -> Table:
-    try:
-        content = unpack(file.read_bytes())
-    except (OSError, EOFError, ValueError, lzma.LZMAError) as failure:
-        raise InputError(
-            f"damaged {'gzip file' if unpack is gzip.decompress else 'archive'}: {failure}",
-            mend="copy or pack it again",
-            source=path,
-        ) from None
+def _unpacked(path: Path, file: Path, kind: str, opened: Callable[..., Any]) -> Table:
+    most = most_memory(file.stat().st_size)
     with tempfile.TemporaryDirectory() as folder:
         inner = Path(folder) / "unpacked"
-        inner.write_bytes(content)
+        try:
+            with opened(file) as packed, inner.open("wb") as plain:
+                size = 0
+                while part := packed.read(1 << 20):
+                    size += len(part)
+                    if size > most:
+                        raise InputError(
+                            f"unpacks to more than {most / 2**30:.3g} GiB",
+                            mend="unpack it yourself if that is what it holds",
+                            source=path,
+                        )
+                    plain.write(part)
+        except OSError as failure:
+            if failure.errno == errno.ENOSPC:
+                raise InputError(
+                    f"there is no room to unpack it in {folder}", mend="point TMPDIR to a larger disk", source=path
+                ) from None
+            raise _damaged(path, kind, failure) from None
+        except (EOFError, ValueError, lzma.LZMAError, zlib.error) as failure:
+            if isinstance(failure, InputError):
+                raise
+            raise _damaged(path, kind, failure) from None
         return _read_file(path, inner)
+
+
+def _damaged(path: Path, kind: str, failure: Exception) -> InputError:
+    return InputError(f"damaged {kind}: {failure}", mend="copy or pack it again", source=path)

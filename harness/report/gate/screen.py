@@ -18,14 +18,16 @@ def print_judgement(judgement: Judgement | None, trials: SelfTest | None, consol
         if judgement.reference:
             advice = "compare it with version control; `denoc gate --accept --why …` accepts it as it is"
             console.print(Text(f"The reference {judgement.reference} ({advice}).", style="bold red"))
-        if judgement.failed:
-            heads = ("case", "quantity", "engines", figures("accepted"), figures("now"), "why the gate closes")
-            print_table(console, heads, [_cells(judged) for judged in judgement.failed])
         count = len(judgement.failed)
         text = f"All {len(judgement.rows)} rows hold."
         if count or not judgement.rows:
             text = f"{count} of {len(judgement.rows)} rows close the gate." if count else "There is no row to judge."
         console.print(Text(text, style="bold green" if judgement.rows and not count else "bold red"))
+        if judgement.failed:
+            heads = (
+                "what changed", "case", "quantity", "engines", figures("accepted"), figures("now"), "where and when", "why",
+            )  # fmt: skip
+            print_table(console, heads, [_cells(judged) for judged in judgement.failed])
         for name, (before, now) in judgement.versions_changed.items():
             console.print(Text(f"{name}: accepted with {before}, run with {now}", style="dim"))
     if trials is not None:
@@ -60,9 +62,11 @@ def print_change(change: Change, path: Path, console: Console) -> None:
 def _cells(judged: Judged) -> tuple[Text, ...]:
     case, quantity, engines = judged.key.rsplit("/", 2)
     row = judged.row
-    reason = why(judged)
+    where = "" if row is None else words.divergence(row)
+    note = "" if row is None or row.verdict == "pass" else row.note
     now = "missing" if row is None else words.figure(row.difference, verdict=row.verdict)
-    cells = (case, words.quantity(quantity), engines.replace("+", " · "), words.figure(judged.accepted), now, reason)
+    quantity, engines = words.quantity(quantity), engines.replace("+", " · ")
+    cells = (judged.reason, case, quantity, engines, words.figure(judged.accepted), now, where, note)
     return tuple(Text(cell) for cell in cells)
 
 

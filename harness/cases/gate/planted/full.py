@@ -25,6 +25,7 @@ from harness.cases.run import Progress, run_case
 from harness.compare.parameters import Group, groups, moved
 from harness.engines import registry
 from harness.errors import InputError
+from harness.journal import Journal
 from harness.parallel import parallel_map
 from harness.system import System, random_chain, random_tree
 
@@ -83,9 +84,9 @@ def _seen(system: System, group: Group) -> bool:
 
 
 def full_trials(
-    *, workers: int | None = None, progress: Progress | None = None, only: str = ""
+    *, workers: int | None = None, progress: Progress | None = None, only: str = "", journal: Journal | None = None
 ) -> tuple[list[Fate], list[Fate]]:
-    """Every fault tried, and the clean runs; only: those whose name contains it.
+    """Every fault tried, and the clean runs; only: those whose name contains it; journal: where each is kept as it ends.
 
     Raises InputError without Pinocchio, which is what the native engine is held against here, and without the accepted
     figures of the suite.
@@ -95,15 +96,21 @@ def full_trials(
     registry.engine("pinocchio").version()
     planted = [fault for fault in faults() if only in fault.name]
     clean = [] if only else [Fault(f"clean {seed}", seed=seed) for seed in range(CLEAN)]
-    count = 0
+    known = {} if journal is None else journal.found
+    ended = {fault.name: Fate(**known[key]) for fault in (*planted, *clean) if (key := f"fault {fault.name}") in known}
+    count = len(ended)
 
     def done(_: int, fate: Fate) -> None:
         nonlocal count
         count += 1
+        if journal is not None:
+            journal.add(f"fault {fate.fault}", vars(fate))
         if progress is not None:
             progress(count, len(planted) + len(clean), fate.fault)
 
-    fates = parallel_map(try_fault, [*planted, *clean], workers=workers, done=done)
+    left = [fault for fault in (*planted, *clean) if fault.name not in ended]
+    ended |= {fate.fault: fate for fate in parallel_map(try_fault, left, workers=workers, done=done)}
+    fates = [ended[fault.name] for fault in (*planted, *clean)]
     return fates[: len(planted)], fates[len(planted) :]
 
 

@@ -79,7 +79,10 @@ READERS = (
     ),
     *_of(
         "flexible_link.py", "file_toml_flexible_pendulum",
-        ("half the thickness twice", "self.half_depth = self.thickness / 2.0", "self.thickness *= 1.01", "file_frequency"),
+        ("half the thickness forgotten to be half", "self.half_depth = self.thickness / 2.0", "self.half_depth = self.thickness",
+         "file_half_depth"),
+        ("a hundredth more thickness", "self.area, second, second2 = w * t, w * t**3 / 12.0, t * w**3 / 12.0",
+         "self.area, second, second2 = w * t, w * (1.01 * t) ** 3 / 12.0, t * w**3 / 12.0", "file_frequency"),
         ("a thousandth more stiffness", "self.stiffness = self.youngs_modulus * second",
          "self.stiffness = 1.001 * self.youngs_modulus * second", "file_frequency"),
     ),
@@ -129,7 +132,8 @@ ADAPTERS = (
     ),
     *_of(
         "exudyn_rigid.py", "chain_7",
-        ("damping a hundredth too strong", "return -self.damping * qd", "return -1.01 * self.damping * qd", "exudyn"),
+        ("damping a hundredth too strong", "jointDControlVector=np.array([joint.damping for",
+         "jointDControlVector=np.array([1.01 * joint.damping for", "damping; exudyn"),
         ("inverse dynamics with a sign wrong", "return mass @ qdd - right", "return mass @ qdd + right",
          "inverse_dynamics; exudyn"),
     ),
@@ -170,9 +174,23 @@ NATIVE = (
          "seats[link.name] = Seat(body, axes, np.zeros(3))", "link_pose"),
     ),
     *_of(
-        "tree.py", "batch_tree",
+        "tree.py", "welded_tree",
         ("welded bodies turned the other way", "_add_inertia(rows[seat.body], link, rotation, origin)",
-         "_add_inertia(rows[seat.body], link, rotation.T, origin)", "batch"),
+         "_add_inertia(rows[seat.body], link, rotation.T, origin)", "mass; denoc"),
+    ),
+    *_of(
+        "lanes/rows.py", "batch_tree",
+        ("welded bodies turned in the other order", "_multiply(turn[up], placed, whole)", "_multiply(placed, turn[up], whole)",
+         "batch"),
+    ),
+    *_of(
+        "dynamics_call.py", "batch_flexible",
+        ("every row under the first row's forces",
+         "call(function, model, q[k].ctypes.data, qd[k].ctypes.data, third[k].ctypes.data, out[k].ctypes.data)",
+         "call(function, model, q[k].ctypes.data, qd[k].ctypes.data, third[0].ctypes.data, out[k].ctypes.data)", "batch_straight"),
+        ("every row at the first row's speed",
+         "call(function, model, q[k].ctypes.data, qd[k].ctypes.data, third[k].ctypes.data, out[k].ctypes.data)",
+         "call(function, model, q[k].ctypes.data, qd[0].ctypes.data, third[k].ctypes.data, out[k].ctypes.data)", "batch_straight"),
     ),
     *_of(
         "model.py", "spatial_quantities",

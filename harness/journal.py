@@ -1,0 +1,88 @@
+"""What a long run has found so far, a line for each result, so that a run killed at any moment goes on behind the last of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from harness.errors import InputError
+
+SCHEMA = "denoc.journal/1"
+
+
+class Journal:
+    """Results by key in a file of JSON lines; the first line says of what run they are.
+
+    A line that was cut off, as by a kill or a full disk, counts for nothing. Raises InputError where the file is of another run,
+    or of another version of the code.
+    """
+
+    def __init__(self, path: str | Path, of: dict[str, Any]) -> None:
+        self.path = Path(path)
+        self.found: dict[str, Any] = {}
+        head = {"schema": SCHEMA, "of": json.loads(json.dumps(of)), "code": code_digest()}
+        lines = _whole_lines(self.path)
+        if lines:
+            was = lines[0]
+            if not isinstance(was, dict) or was.get("schema") != SCHEMA:
+                raise InputError("is no record of an interrupted run", source=self.path, mend="name another folder")
+            if was.get("code") != head["code"]:
+                raise InputError(
+                    "is of another version of the code", source=self.path, mend="remove it, and run from the start"
+                )
+            if was != head:
+                raise InputError(
+                    "is of a run with other options", source=self.path, mend="give the same ones, or another folder"
+                )
+            self.found = {line["key"]: line["value"] for line in lines[1:] if isinstance(line, dict) and "key" in line}
+            # What stands behind the last whole line would spoil the next one.
+            self._write(lines)
+        else:
+            self._write([head])
+
+    def add(self, key: str, value: Any) -> None:
+        """Keep a result; it is on the disk when this returns."""
+        self.found[key] = value
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps({"key": key, "value": value}) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+
+    def remove(self) -> None:
+        """Once the run has ended, and written what it found elsewhere."""
+        self.path.unlink(missing_ok=True)
+
+    def _write(self, lines: list[Any]) -> None:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        partial = self.path.with_name(f".{self.path.name}.partial")
+        partial.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+        partial.replace(self.path)
+
+
+def _whole_lines(path: Path) -> list[Any]:
+    """The lines that can be read, up to the first that cannot."""
+    try:
+        text = path.read_bytes().decode("utf-8", "replace")
+    except FileNotFoundError:
+        return []
+    lines: list[Any] = []
+    for line in text.split("\n")[:-1]:
+        try:
+            lines.append(json.loads(line))
+        except (ValueError, RecursionError):
+            break
+    return lines
+
+
+@cache
+def code_digest() -> str:
+    """SHA-256 over the sources of this package."""
+    home = Path(__file__).parent
+    total = hashlib.sha256()
+    for path in sorted(home.rglob("*.py")):
+        total.update(path.relative_to(home).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return total.hexdigest()

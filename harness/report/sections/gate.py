@@ -1,0 +1,50 @@
+"""What closes the gate, first on its page: what changed, then where and when, then why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.cases.gate import Judgement
+from harness.cases.results import Results
+from harness.report import words
+
+
+@dataclass(frozen=True)
+class Gate:
+    """judgement: of the run that the page is about."""
+
+    judgement: Judgement
+    anchor: str = "gate"
+    title: str = "Gate"
+    template: str = "gate.html"
+
+    def content(self, results: Results) -> Mapping[str, Any]:
+        failed = self.judgement.failed
+        count, of = len(failed), len(self.judgement.rows)
+        headline = f"Closed: {count} of {of} rows." if count else f"Open: all {of} rows hold."
+        if self.judgement.reference:
+            headline = f"Closed: the reference {self.judgement.reference}."
+        rows = []
+        for judged in failed:
+            case, quantity, engines = judged.key.rsplit("/", 2)
+            row = judged.row
+            rows.append(
+                (
+                    judged.reason,
+                    case,
+                    words.quantity(quantity),
+                    engines.replace("+", " · "),
+                    words.figure(judged.accepted),
+                    "missing" if row is None else words.figure(row.difference, verdict=row.verdict),
+                    "" if row is None else words.divergence(row),
+                    "" if row is None else row.note,
+                )
+            )
+        return {
+            "headline": headline,
+            "ok": self.judgement.ok,
+            "rows": rows,
+            "versions": self.judgement.versions_changed,
+        }
