@@ -30,10 +30,7 @@ from harness.diagnose.problem.windows import Window, contains
 Array = NDArray[np.float64]
 
 MOST_KNOTS = 180  # of a window's forces, all joints together: bounds the work
-FINEST = 16.0  # knots in the period of the slowest swing at most: what is faster is louder noise
-# Of a period, that a force keeps for at least: what a law gets wrong goes with the motion. A faster one stands for errors of
-# readings (rounding, stamps), and would be random at every knot, which makes joints drift off and leaves nothing for laws.
-SHORTEST = 0.125
+FINEST = 40.0  # knots in the period of the slowest swing at most: what is faster moves no joint
 LONGEST = 8.0  # periods of the slowest swing: a force that lasts longer is a constant one
 IMMATERIAL = 1e-4  # variance in units of the sensor's, below which a direction is left as it is
 CHANCE = 1e-6  # of the gain in likelihood under sensor noise alone, below which there is such a force
@@ -267,8 +264,7 @@ def estimate(
     if not pieces:
         return None
     n = len(joints)
-    finest = float(np.median([p.knots[1] - p.knots[0] for p in pieces]))
-    shortest = max(finest, SHORTEST * found.period, 1e-9)
+    shortest = max(float(np.median([p.knots[1] - p.knots[0] for p in pieces])), 1e-9)
     bounds = [(np.log(SMALLEST), np.log(LARGEST))] * n + [(np.log(shortest), np.log(LONGEST * found.period))]
     bounds.append((0.0, np.log(LOUDEST)))
 
@@ -277,7 +273,7 @@ def estimate(
         return -value, -slope
 
     best: tuple[float, Array] | None = None
-    for memory in (1.2 * shortest, 4.0 * shortest):
+    for memory in (2.0 * shortest, 0.25 * found.period):
         louder = sum(p.outside for p in pieces) / max(sum(p.count for p in pieces), 1)
         start = np.log(np.array([*np.full(n, _first_size(pieces, n, memory)), memory, max(louder, 1.0)]))
         start = np.clip(start, *np.array(bounds).T)

@@ -206,10 +206,7 @@ def _search(
         usual = ordinary_by_way_of_shorter(study)
         early = None
         if usual is not None:
-            early = begun_ordinary(
-                long_study, usual, period, effort, progress, structure, reached,
-                lambda fitted: colours_from(problem, likelihood, fitted, predictor, motion_hz),
-            )  # fmt: skip
+            early = begun_ordinary(long_study, usual, period, effort, progress, structure, reached)
         if early is not None and early[0].likelihood.discrepancy is not None:
             return early
         seeds += [long_study.fit(f.hypothesis, [f.x], f) for f in early[1]] if early else []

@@ -23,7 +23,6 @@ from harness.diagnose.estimation.discrepancy import (
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise
-from harness.diagnose.estimation.noise_colour import Colour
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -104,13 +103,12 @@ def begun_ordinary(
     progress: Callable[[str], None],
     structure: Structure,
     reached: list[Study],
-    noise: Callable[[Fit], tuple[Colour, ...]],
 ) -> tuple[Study, list[Fit]] | None:
     """The same at once where ordinary dissipation is most of the answer, and still leaves far more than noise; None elsewhere.
 
     The noise would there have a search among ever stranger sets, each of them far more than significant. As laws are found the
     force shrinks, and more of them show beside it (a graduated search; Blake and Zisserman, Visual Reconstruction (1987)).
-    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys. noise: of every channel, behind a fit.
+    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys.
     """
     empty, usual = study.empty(), everywhere(study, short)
     if usual is None:
@@ -121,13 +119,7 @@ def begun_ordinary(
     before, after = (_cost_under(rough, study, fitted) for fitted in (empty, usual))
     if after > MOSTLY**2 * before or after < LOUD**2 * rough.samples(study.windows):
         return None
-    behind = Study(
-        study.problem, study.predictor, replace(study.likelihood, colours=noise(usual)), study.candidates, study.windows,
-        first_states=study.first_states, swing=study.swing,
-    )  # fmt: skip
-    behind.fit(Hypothesis(), [empty.x], empty)
-    usual = behind.fit(usual.hypothesis, [usual.x], usual)
-    return under_model_error(behind, [usual, behind.empty()], period, effort, progress, structure, reached, early=True)
+    return under_model_error(study, [usual, empty], period, effort, progress, structure, reached, early=True)
 
 
 def _cost_under(likelihood: Likelihood, study: Study, fitted: Fit) -> float:
@@ -208,13 +200,11 @@ def _shapeless(study: Study, value: float, structure: Structure, best: Fit | Non
     an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves far
     less beside some laws of a set than all of them do: those then only stand in for it. best: such a set.
     """
+    lowest = min(fitted.score for fitted in study.fits.values())
     for fitted in _best_of_each_size(study):
         worth = structure(study, fitted)
-        if (
-            best is not None
-            and fitted.hypothesis.identity < best.hypothesis.identity
-            and fitted.score - worth < best.score
-        ):
+        fewer = best is not None and len(fitted.hypothesis.members) < len(best.hypothesis.members)
+        if fewer and fitted.score - worth < lowest / FAR_LESS:
             return False
         explained = fitted.score - worth < HOPELESS * study.samples
         if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
