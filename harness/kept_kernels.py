@@ -27,7 +27,13 @@ class Kept(FunctionCache):
 
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
-            super().save_overload(sig, data)
+            try:
+                super().save_overload(sig, data)
+            except OSError:
+                raise
+            except Exception:  # the list of what is kept was cut off or overwritten: begun anew
+                self.flush()
+                super().save_overload(sig, data)
         except OSError as error:
             _tell(f"compiled kernels could not be kept in {self.cache_path}: {error.strerror or error}")
 

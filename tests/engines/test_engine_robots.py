@@ -34,7 +34,7 @@ def test_robots() -> None:
         except InputError:
             continue
         models = {name: registry.engine(name).build(system) for name in ("pinocchio", "denoc", "mujoco", "exudyn")}
-        n = len(system.joint_names)
+        n = system.nv
         q, qd, qdd = np.random.default_rng(n).normal(size=(3, n))
         reference = models.pop("pinocchio")
         tau = reference.inverse_dynamics(q, qd, qdd)

@@ -16,6 +16,7 @@ import sys
 import threading
 from functools import lru_cache
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -35,6 +36,7 @@ KINDS = {
     "mcap": "MCAP file",
     "rosbag": "ROS bag",
 }
+OPTIONAL = {"parquet": (("pyarrow", "parquet", "a Parquet file"),)}  # what a plain installation does not bring
 AGAIN = {"mcap": "record or convert it again", "rosbag": "record or convert it again", "matlab": "save it again"}
 LEAST_TIME, SLOWEST = 60.0, 1e6  # [s], [bytes/s]: messages of a log are unpacked one by one in Python
 LEAST_MEMORY, SWOLLEN = 4 * 2**30, 32  # [bytes], and what a packed byte may become
@@ -62,6 +64,7 @@ def read_apart(module: str, reader: str, path: Path, file: Path) -> Table:
     path: as the user knows it. file: where its bytes are. Raises what the reader raises, and InputError where the library
     crashes, takes too long or too much memory.
     """
+    _ask_for_package(module)
     size = file.stat().st_size if file.is_file() else sum(f.stat().st_size for f in file.rglob("*") if f.is_file())
     process = _process(os.getpid())
     with process.lock:
@@ -85,6 +88,17 @@ def read_apart(module: str, reader: str, path: Path, file: Path) -> Table:
     if "error" in head:
         _raise(head["error"], path)
     return _table(head, numbers)
+
+
+def _ask_for_package(module: str) -> None:
+    """Raises MissingPackageError where the library that reads such a file is not installed, before a process is begun for it."""
+    for package, extra, what in OPTIONAL.get(module, ()):
+        try:
+            found = find_spec(package) is not None
+        except (ImportError, ValueError):
+            found = False
+        if not found:
+            raise MissingPackageError(package, extra, what=what)
 
 
 def _tell_end(process: ReaderProcess, module: str, path: Path, request: dict[str, Any]) -> NoReturn:
