@@ -16,6 +16,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.investigation import Outcome
 
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
+VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,8 @@ def grade(
     Where noise is all that is left: established. Beside a force that is left out: possible, if it was chosen among many places (one
     of them always fits some of what something else makes), if it may as well be absent, or if it explains not much more than what
     is left and has a shape over the state (a law that nobody has named may be pieced together from several); likely, if there are
-    too few recordings to say whether it repeats, or leaving one out takes it away; else established.
+    too few recordings to say whether it repeats, leaving one out takes it away, or its size is not known to a factor of ten; else
+    established.
 
     values: its parameters; rows: see ``repeatability``.
     """
@@ -102,7 +104,8 @@ def grade(
         or not _holds(first.neutral, *row["parameters"][first.name]["ci95"])
         for row in rows
     ]
-    return ESTABLISHED if stands and all(stands) else LIKELY
+    vague = first is not None and values[first.name].high > VAGUE * abs(values[first.name].value)
+    return ESTABLISHED if stands and all(stands) and not vague else LIKELY
 
 
 def _holds(neutral: float, low: float, high: float) -> bool:
