@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from simulated_recordings import nominal, recording
 
-from harness.diagnose.answer.findings import rivals_in_words
+from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.claims.conclude import _adding_up
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -47,4 +47,4 @@ def test_rivals_keep_the_spelling_of_their_sites_in_a_sentence() -> None:
         "indistinguishable_from": ["late_release", "sensor_gain@joint_1.position"],
         "only_beside": {"late_release": ["base_tilt@base"]},
     }
-    assert rivals_in_words(found) == ["late release (beside base tilt at base)", "sensor gain at joint_1.position"]
+    assert rivals_of(found, in_words) == ["late release (beside base tilt at base)", "sensor gain at joint_1.position"]

@@ -21,7 +21,7 @@ from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.dissipation_starts import everywhere
-from harness.diagnose.selection.short_window_starts import ordinary_by_way_of_shorter
+from harness.diagnose.selection.short_window_starts import ordinary_by_way_of_shorter, very_short
 from harness.diagnose.selection.study import Study
 
 MASS, VISCOUS, DRY, OFFSET = 95.0, 203.0, 20.4, -3.2
@@ -70,7 +70,7 @@ def test_the_mass_alone_is_far_off_even_bent_beyond_its_tolerance(study: Study) 
 
 
 def test_friction_and_offset_are_found_from_there(study: Study) -> None:
-    found = ordinary_by_way_of_shorter(study)
+    found = ordinary_by_way_of_shorter(study, very_short(study))
     assert found is not None
     sizes = {
         member.effect.name: study.predictor.effect_values(found.hypothesis, k, found.x)[0]

@@ -12,7 +12,7 @@ from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis
 from harness.diagnose.answer.explain import NO_FINDING, finding_words, number, plainest, summary, untried
-from harness.diagnose.answer.findings import rivals_in_words
+from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.predictive import Predictive, predictive
 from harness.diagnose.answer.replay import LONGEST, Opening
@@ -264,7 +264,7 @@ def _summary(
     ]
     rivals = [
         f"{c.candidate.effect.title.capitalize()} cannot be told here from "
-        + ", ".join(rivals_in_words(_rivals(c)))
+        + ", ".join(rivals_of(_rivals(c), in_words))
         + "."
         for c in conclusion.claims
         if c.rivals and grades[c.candidate.key] != POSSIBLE

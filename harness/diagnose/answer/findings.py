@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from harness.diagnose.answer.significant_digits import ends, resolved, width_of
@@ -27,11 +27,14 @@ def numbers_of(finding: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     return {**finding["parameters"], **zeros}
 
 
-def rivals_of(finding: Mapping[str, Any]) -> list[str]:
-    """What a finding cannot be told from, with what would have to stand beside it if it could only so."""
+def rivals_of(finding: Mapping[str, Any], spelled: Callable[[str], str] = str) -> list[str]:
+    """What a finding cannot be told from, with what would have to stand beside it if it could only so.
+
+    spelled: how an effect's key is written, such as ``in_words``.
+    """
     beside = finding.get("only_beside", {})
     return [
-        f"{rival} (beside {' or '.join(beside[rival])})" if rival in beside else str(rival)
+        spelled(rival) + (f" (beside {' or '.join(map(spelled, beside[rival]))})" if rival in beside else "")
         for rival in finding.get("indistinguishable_from", ())
     ]
 
@@ -40,15 +43,6 @@ def in_words(key: str) -> str:
     """An effect's key as a sentence has it: ``base_tilt@base`` is base tilt at base; the site keeps its own spelling."""
     name, _, at = key.partition("@")
     return name.replace("_", " ") + (f" at {at}" if at else "")
-
-
-def rivals_in_words(finding: Mapping[str, Any]) -> list[str]:
-    """``rivals_of`` as a sentence has them."""
-    beside = finding.get("only_beside", {})
-    return [
-        in_words(rival) + (f" (beside {' or '.join(map(in_words, beside[rival]))})" if rival in beside else "")
-        for rival in finding.get("indistinguishable_from", ())
-    ]
 
 
 HEADS = ("effect", "at", "parameter", "value", "95 % interval", "unit", "cannot be told from")

@@ -19,15 +19,14 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.objective import Objective
-from harness.diagnose.estimation.window_states import measured_state
-from harness.diagnose.prediction.coordinates import to_internal
-from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
+from harness.diagnose.prediction.coordinates import start_vector
+from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window, equal_parts
+from harness.diagnose.selection.dissipation_starts import plain_set
 from harness.diagnose.selection.investigation import Outcome
-from harness.diagnose.selection.score_tests import carry_state
 from harness.system import System
 
-ORDINARY = ("viscous_damping", "coulomb_friction", "quadratic_drag", "added_inertia", "sensor_offset")
+ZERO = "sensor_offset"  # of the ordinary set
 NEAREST = 3  # sets of the search beside the one claimed
 MOST_FOLDS = 3
 MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
@@ -86,18 +85,11 @@ def _ordinary(outcome: Outcome) -> tuple[Hypothesis, NDArray[np.float64]] | None
     """The ordinary dissipation of every joint, an inertia and a zero: what a plain least-squares fit has."""
     if len(outcome.problem.system.movable_joints) > MOST_JOINTS:
         return None
-    hypothesis = Hypothesis()
-    parts = [np.zeros(len(outcome.predictor.nominal))]
-    for candidate in outcome.study.candidates:
-        if candidate.effect.name in ORDINARY and compatible(hypothesis, candidate):
-            hypothesis = hypothesis.with_(candidate)
-            parts.append(_first(candidate))
-    return (hypothesis, np.concatenate(parts)) if hypothesis.members else None
-
-
-def _first(candidate: Candidate) -> NDArray[np.float64]:
-    values = [parameter.start_values(candidate.references)[0] for parameter in candidate.effect.parameters]
-    return np.asarray(to_internal(candidate, np.array(values)))
+    hypothesis = plain_set(outcome.study.candidates, ZERO)
+    if not hypothesis.members:
+        return None
+    nominal = np.zeros(len(outcome.predictor.nominal))
+    return hypothesis, np.concatenate([nominal, *map(start_vector, hypothesis.members)])
 
 
 def _objective(outcome: Outcome, hypothesis: Hypothesis) -> Objective:
@@ -106,12 +98,7 @@ def _objective(outcome: Outcome, hypothesis: Hypothesis) -> Objective:
 
 def _states(outcome: Outcome, hypothesis: Hypothesis, windows: Sequence[Window]) -> dict[Window, NDArray[np.float64]]:
     every = outcome.study.states_for(hypothesis)
-
-    def read(window: Window) -> NDArray[np.float64]:
-        there = measured_state(outcome.problem, outcome.predictor, window)
-        return carry_state(outcome.predictor, Hypothesis(), hypothesis, there)
-
-    return {w: every[w] if w in every else read(w) for w in windows}
+    return {w: every[w] if w in every else outcome.study.read_off(hypothesis, w) for w in windows}
 
 
 def _free_run(outcome: Outcome, own: Fit, windows: Sequence[Window]) -> Fit:

@@ -70,6 +70,10 @@ class Discrepancy:
         directions, shrink = self._filter(window)
         return np.asarray(white - ((white @ directions) * shrink) @ directions.T)
 
+    def fainter(self, share: float) -> Discrepancy:
+        """The same force at a share of its size."""
+        return replace(self, sizes=tuple(share * size for size in self.sizes), _filters={})
+
     def _filter(self, window: Window) -> tuple[Array, Array]:
         if window not in self._filters:
             forced = self.responses.of(window)
@@ -180,33 +184,41 @@ class _Piece:
     count: int
 
 
-def without_states(here: Linearisation) -> list[Array]:
-    """Residuals of a linear view (M,) per window, less what other initial states would make of them."""
+@dataclass(frozen=True, eq=False)
+class Profiled:
+    """A window's residual (M,) less what other initial states would make of it, what those make (M, S) orthonormal, and how many
+    samples count."""
+
+    residual: Array
+    states: Array
+    samples: int
+
+
+def profiled(here: Linearisation) -> list[Profiled]:
+    """A linear view with the initial states of every window profiled out."""
     out = []
     for residual, basis in zip(here.residuals, here.bases, strict=True):
         states = np.linalg.qr(basis)[0] if basis.shape[1] else np.zeros((len(residual), 0))
-        out.append(residual - states @ (states.T @ residual))
+        left = residual - states @ (states.T @ residual)
+        out.append(Profiled(left, states, int(np.count_nonzero(residual))))
     return out
 
 
-def _pieces(found: Responses, windows: Sequence[Window], here: Linearisation) -> list[_Piece]:
+def _pieces(found: Responses, windows: Sequence[Window], free: Sequence[Profiled]) -> list[_Piece]:
     out = []
-    for window, residual, basis, projected in zip(
-        windows, here.residuals, here.bases, without_states(here), strict=True
-    ):
+    for window, own in zip(windows, free, strict=True):
         forced = found.of(window)
         if not forced.q.shape[1]:
             continue
-        states = np.linalg.qr(basis)[0] if basis.shape[1] else np.zeros((len(residual), 0))
-        seen = states.T @ forced.q
+        seen = own.states.T @ forced.q
         # H = Q R less its part along the initial states, factorised again in the small space.
         small = np.eye(len(seen.T)) - seen.T @ seen
         values, vectors = np.linalg.eigh(small)
         kept = values > 1e-10
         root = np.sqrt(values[kept])
-        along = (vectors[:, kept].T @ (forced.q.T @ projected)) / root
-        count = max(int(np.count_nonzero(residual)) - states.shape[1] - len(along), 0)
-        outside = max(float(projected @ projected) - float(along @ along), 0.0)
+        along = (vectors[:, kept].T @ (forced.q.T @ own.residual)) / root
+        count = max(own.samples - own.states.shape[1] - len(along), 0)
+        outside = max(float(own.residual @ own.residual) - float(along @ along), 0.0)
         out.append(_Piece(along, (root[:, None] * vectors[:, kept].T) @ forced.r, forced.knots, outside, count))
     return out
 
@@ -231,10 +243,10 @@ def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float, louder: float) 
         seen = r.T @ b
         pull = (np.outer(seen, seen) / louder - r.T @ inverse @ r) / louder * covariance
         k = len(piece.knots)
+        apart = np.abs(piece.knots[:, None] - piece.knots) / max(memory, 1e-12)
         for joint in range(n):
             own = slice(joint * k, (joint + 1) * k)
             slope[joint] += 2.0 * float(np.sum(pull[own, own]))
-            apart = np.abs(piece.knots[:, None] - piece.knots) / max(memory, 1e-12)
             slope[n] += float(np.sum(pull[own, own] * apart))
         slope[n + 1] += (float(b @ b) + piece.outside) / louder - float(np.trace(inverse)) - piece.count
     return total, slope
@@ -254,13 +266,13 @@ def _inverse_root(whole: Array) -> tuple[Array, float]:
 
 
 def estimate(
-    found: Responses, windows: Sequence[Window], here: Linearisation, joints: Sequence[str]
+    found: Responses, windows: Sequence[Window], free: Sequence[Profiled], joints: Sequence[str]
 ) -> Discrepancy | None:
     """Size and memory of the force that a fit leaves out; None where sensor noise alone will do.
 
-    here: the fit's linear view in its windows under the sensors' noise alone.
+    free: the fit in its windows under the sensors' noise alone.
     """
-    pieces = _pieces(found, windows, here)
+    pieces = _pieces(found, windows, free)
     if not pieces:
         return None
     n = len(joints)

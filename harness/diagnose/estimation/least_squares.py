@@ -53,6 +53,11 @@ class Fit:
     def score(self) -> float:
         return self.linear.cost + self.prior
 
+    def beginning(self, windows: Sequence[Window]) -> Fit:
+        """The same with the initial states of those windows that begin where one of its own does, to start a fit of them from."""
+        states = {w: self.states[v] for w in windows for v in self.windows if (v.run, v.first) == (w.run, w.first)}
+        return replace(self, states=states)
+
 
 @dataclass(frozen=True)
 class Patience:

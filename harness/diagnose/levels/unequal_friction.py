@@ -21,12 +21,9 @@ from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linear_response import Response, to_channels
 from harness.diagnose.estimation.linearisation import linearise
-from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.levels.levels import SLOTS
-from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window, cut
 from harness.diagnose.selection.investigation import SWINGS
-from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.study import Study
 from harness.effects.scale import references
 
@@ -113,16 +110,13 @@ def unequal_friction(study: Study, fitted: Fit) -> Unequal | None:
 
 def _stretched(study: Study, fitted: Fit) -> Fit:
     """The same parameters over short stretches of all recordings, initial states fitted."""
-    problem, predictor = study.problem, study.predictor
+    problem = study.problem
     windows: list[Window] = []
     for k, run in enumerate(problem.runs):
         own = [w for w in fitted.windows if w.run == k]
         shortest = SWINGS * study.swing
         windows += own if len(own) >= PIECES else cut(problem.runs, [k], max(shortest, run.duration / PIECES))
-    states = {
-        w: carry_state(predictor, Hypothesis(), fitted.hypothesis, measured_state(problem, predictor, w))
-        for w in windows
-    }
+    states = {w: study.read_off(fitted.hypothesis, w) for w in windows}
     held = np.ones(len(fitted.x), dtype=bool)
     objective = study.objective(fitted.hypothesis).on(windows)
     found = fit(objective, fitted.x, states, fixed=held)

@@ -11,7 +11,7 @@ as what is left.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -392,10 +392,7 @@ def transfer(study: Study, fits: Sequence[Fit], count: int, progress: Progress) 
     out: list[Fit] = []
     for old in fits[:count]:
         hypothesis: Hypothesis = old.hypothesis
-        states_known = {
-            w: old.states[v] for w in study.windows for v in old.windows if (v.run, v.first) == (w.run, w.first)
-        }
-        near = replace(old, states=states_known)
+        near = old.beginning(study.windows)
         # What was near the best under one estimate of the noise or on other windows need not be under this one.
         within = min((f.score for f in out), default=-np.inf) + NEAR
         out.append(study.fit(hypothesis, [old.x], near, target=within))

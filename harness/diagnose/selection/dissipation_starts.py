@@ -7,7 +7,6 @@ little where the stated damping is wrong in sign or size, so a search that adds 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,19 +41,24 @@ def everywhere(study: Study, near: Fit) -> Fit | None:
     None where no joint can have dissipation. near: a fit of those members, or of the nominal model, on windows of the same
     recordings that begin where the study's do.
     """
-    states = {w: near.states[v] for w in study.windows for v in near.windows if (v.run, v.first) == (w.run, w.first)}
-    near = replace(near, states=states)
+    near = near.beginning(study.windows)
     if near.hypothesis.members:
         return study.fit(near.hypothesis, [near.x], near)
     found = []
     for zero in ZEROS:
-        hypothesis = Hypothesis()
-        for candidate in study.candidates:
-            if candidate.effect.name in (*SETS[-1], ROTOR, zero) and compatible(hypothesis, candidate):
-                hypothesis = hypothesis.with_(candidate)
+        hypothesis = plain_set(study.candidates, zero)
         if any(m.effect.name in SETS[0] for m in hypothesis.members):
             found.append(_fitted(study, hypothesis.members, near))
     return min(found, key=lambda f: f.score, default=None)
+
+
+def plain_set(candidates: Sequence[Candidate], zero: str) -> Hypothesis:
+    """Ordinary dissipation at every joint, a rotor's inertia and a zero, as far as they are among candidates and go together."""
+    hypothesis = Hypothesis()
+    for candidate in candidates:
+        if candidate.effect.name in (*SETS[-1], ROTOR, zero) and compatible(hypothesis, candidate):
+            hypothesis = hypothesis.with_(candidate)
+    return hypothesis
 
 
 def _by_site(study: Study, names: Sequence[str]) -> list[tuple[Candidate, ...]]:

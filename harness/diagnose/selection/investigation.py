@@ -16,7 +16,6 @@ from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.noise_colour import Colour, estimate_colour
 from harness.diagnose.estimation.scatter import crude_colours, quietest
 from harness.diagnose.estimation.vibration_windows import stages
-from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.deadline import Deadline, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
@@ -26,8 +25,7 @@ from harness.diagnose.selection.beam_search import Effort, grow, polish, transfe
 from harness.diagnose.selection.dissipation_starts import ordinary
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
 from harness.diagnose.selection.model_error import Structure, begun_ordinary, under_model_error
-from harness.diagnose.selection.score_tests import carry_state
-from harness.diagnose.selection.short_window_starts import begun, far_off, ordinary_by_way_of_shorter
+from harness.diagnose.selection.short_window_starts import begun, far_off, ordinary_by_way_of_shorter, very_short
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
 
 Array = NDArray[np.float64]
@@ -194,23 +192,24 @@ def _search(
             short.problem, short.predictor, short.likelihood, candidates, groups,
             first_states=first.states, swing=period, hints=short.tests,
         )  # fmt: skip
-        found = longer.fit(Hypothesis(), [first.x], _restated(first, groups, Hypothesis()))
+        found = longer.fit(Hypothesis(), [first.x], first.beginning(groups))
         reached.append(longer)
         return longer, found
 
     long_study, empty = lengthened(study)
     progress("free runs of the nominal model")
-    seeds = [empty]
+    seeds, fine = [empty], None
     if empty.score > NONLINEAR * long_study.samples:
         # Rigs are at first too damped or not enough: where that is most of it, nothing need be looked for that leads there.
-        usual = ordinary_by_way_of_shorter(study)
+        fine = very_short(study)
+        usual = ordinary_by_way_of_shorter(study, fine)
         early = None
         if usual is not None:
             early = begun_ordinary(long_study, usual, period, effort, progress, structure, reached)
         if early is not None and early[0].likelihood.discrepancy is not None:
             return early
         seeds += [long_study.fit(f.hypothesis, [f.x], f) for f in early[1]] if early else []
-    beginnings = begun(study, effort, progress) if far_off(study, first) else []
+    beginnings = begun(study, fine or very_short(study), effort, progress) if far_off(study, first) else []
     if beginnings and groups == short:
         seeds += beginnings
     if groups != short and (empty.score > NONLINEAR * long_study.samples or study.stretched(first)):
@@ -328,7 +327,7 @@ def _led_in(
         if near is not None and predictor.deadline.over and k < len(ways) - 1:
             continue
         study = Study(problem, predictor, likelihood, (), cuts, swing=period)
-        near = study.fit(Hypothesis(), [x], None if near is None else _restated(near, cuts, Hypothesis()))
+        near = study.fit(Hypothesis(), [x], None if near is None else near.beginning(cuts))
         x = near.x
     assert near is not None
     return near
@@ -340,11 +339,6 @@ def _differ(before: Sequence[Colour], after: Sequence[Colour]) -> bool:
         abs(np.log(a.std / b.std)) > SAME_NOISE or abs(np.log(a.innovation[1] / b.innovation[1])) > SAME_NOISE
         for a, b in zip(before, after, strict=True)
     )
-
-
-def _restated(fitted: Fit, windows: Sequence[Window], hypothesis: Hypothesis) -> Fit:
-    states = {w: fitted.states[v] for w in windows for v in fitted.windows if (v.run, v.first) == (w.run, w.first)}
-    return replace(fitted, states=states)
 
 
 def trained(outcome: Outcome, fitted: Fit) -> Fit:
@@ -384,8 +378,7 @@ def _judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
     for window in outcome.held_windows:
         state = fitted.states.get(window)
         if state is None:
-            base = measured_state(outcome.problem, outcome.predictor, window)
-            state = carry_state(outcome.predictor, Hypothesis(), fitted.hypothesis, base)
+            state = outcome.study.read_off(fitted.hypothesis, window)
         states[window] = state
     frozen = np.ones(len(own.x), dtype=bool)
     held = fit(outcome.study.objective(own.hypothesis).on(outcome.held_windows), own.x, states, fixed=frozen)

@@ -17,12 +17,13 @@ from harness.diagnose.estimation.discrepancy import (
     Discrepancy,
     Responses,
     estimate,
+    profiled,
     responses,
-    without_states,
 )
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise
+from harness.diagnose.estimation.objective import Objective
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -36,7 +37,7 @@ ROUNDS = 5  # of estimating the force and weighing again
 SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
 MOSTLY = (
-    0.2  # of what the nominal model leaves (RMS) that the ordinary dissipation leaves, where it is most of the answer
+    0.2  # of what the nominal model leaves (RMS) that ordinary dissipation leaves, where that is most of the answer
 )
 FAR_LESS = 10.0  # times less that one error of a known shape has to leave than a set of laws, to be what those only stand in for
 LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
@@ -62,11 +63,11 @@ def weighed(study: Study, ways: Sequence[Responses], fitted: Fit) -> Weighed:
     rows = []
     for found in ways:
         sensors = found.probe.likelihood
-        objective = replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=sensors)
         # Initial states were fitted under another likelihood: they are profiled out under this one.
-        here = linearise(objective, fitted.x, fitted.states, fixed=np.ones(len(fitted.x), dtype=bool))
-        cost = sum(float(r @ r) for r in without_states(here))
-        force = estimate(found, fitted.windows, here, found.joints)
+        frozen = np.ones(len(fitted.x), dtype=bool)
+        free = profiled(linearise(_under(sensors, study, fitted), fitted.x, fitted.states, fixed=frozen))
+        cost = sum(float(own.residual @ own.residual) for own in free)
+        force = estimate(found, fitted.windows, free, found.joints)
         gain = 0.0 if force is None else force.gain - 2.0 * (len(found.joints) + 1)
         colours = 2.0 * sum(1.0 for colour in sensors.colours if colour.coloured > 0.0)
         rows.append((cost - gain + sensors.spread(fitted.windows) + 2.0 * colours, sensors, force))
@@ -85,8 +86,7 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     torque = pull(system)
     takes = [study.likelihood.of_sensors]
     if any(colour.coloured > 0.0 for colour in study.likelihood.colours):
-        rough = replace(takes[0], colours=crude_colours(study.problem))
-        takes = [*takes, rough]
+        takes.append(replace(takes[0], colours=crude_colours(study.problem)))
     found = (responses(study.predictor, sensors, fitted, torque, period) for sensors in takes)
     return [one for one in found if one is not None]
 
@@ -116,16 +116,15 @@ def begun_ordinary(
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
-    before, after = (_cost_under(rough, study, fitted) for fitted in (empty, usual))
+    before, after = (_under(rough, study, f).residuals([(f.x, f.states)])[0][0] for f in (empty, usual))
     if after > MOSTLY**2 * before or after < LOUD**2 * rough.samples(study.windows):
         return None
     return under_model_error(study, [usual, empty], period, effort, progress, structure, reached, early=True)
 
 
-def _cost_under(likelihood: Likelihood, study: Study, fitted: Fit) -> float:
-    objective = replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=likelihood)
-    ((cost, _),) = objective.residuals([(fitted.x, fitted.states)])
-    return cost
+def _under(likelihood: Likelihood, study: Study, fitted: Fit) -> Objective:
+    """What a fit makes small in its windows, under another likelihood."""
+    return replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=likelihood)
 
 
 def under_model_error(
@@ -221,10 +220,7 @@ def _shrunk(before: Weighed, after: Weighed) -> bool:
 
 def _fainter(taken: Weighed) -> Weighed:
     """The same with a smaller force: beside one as large as all that is left, no further law is called for."""
-    force = taken.force
-    if force is None:
-        return taken
-    return replace(taken, force=replace(force, sizes=tuple(SOUGHT * size for size in force.sizes), _filters={}))
+    return replace(taken, force=taken.force and taken.force.fainter(SOUGHT))
 
 
 def _best_of_each_size(study: Study) -> list[Fit]:

@@ -13,7 +13,6 @@ import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
-from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import equal_parts
 from harness.diagnose.selection.beam_search import Effort, grow, transfer
 from harness.diagnose.selection.dissipation_starts import everywhere
@@ -47,28 +46,34 @@ def far_off(study: Study, fitted: Fit) -> bool:
     return any(float(np.median(shares)) > EXPLAINS_NOTHING for shares in left.values())
 
 
-def begun(study: Study, effort: Effort, progress: Callable[[str], None]) -> list[Fit]:
-    """Fits on a study's windows of the sets that very short windows ask for, best first."""
-    fine, empty = _very_short(study)
-    progress("very short windows")
-    ordered = grow(fine, [empty], effort, progress, to_begin_with=True)
-    found = transfer(study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
-    return sorted(found, key=study.criterion)
-
-
-def ordinary_by_way_of_shorter(study: Study) -> Fit | None:
-    """The fit of ordinary dissipation on a study's windows, by way of shorter ones, where it has no wrong valleys."""
-    fine, empty = _very_short(study)
-    found = everywhere(fine, empty)
-    return None if found is None else everywhere(study, found)
-
-
-def _very_short(study: Study) -> tuple[Study, Fit]:
-    """A study of pieces of a study's windows, and the nominal model there."""
+def very_short(study: Study) -> Study:
+    """A study of pieces of a study's windows, with the nominal model fitted there."""
     cuts = tuple(
         piece
         for window in study.windows
         for piece in equal_parts(window, int(np.clip(window.size // FEWEST_SAMPLES, 1, PARTS)))
     )
     fine = Study(study.problem, study.predictor, study.likelihood, study.candidates, cuts, swing=study.swing)
-    return fine, fine.fit(Hypothesis(), [np.zeros(len(study.predictor.nominal))], None)
+    fine.empty()
+    return fine
+
+
+def begun(study: Study, fine: Study, effort: Effort, progress: Callable[[str], None]) -> list[Fit]:
+    """Fits on a study's windows of the sets that very short windows (``very_short``) ask for, best first."""
+    progress("very short windows")
+    ordered = grow(fine, [fine.empty()], effort, progress, to_begin_with=True)
+    found = transfer(study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
+    return sorted(found, key=study.criterion)
+
+
+def ordinary_by_way_of_shorter(study: Study, fine: Study) -> Fit | None:
+    """The fit of ordinary dissipation on a study's windows, by way of very short ones, where it has no wrong valleys.
+
+    The study of those is left as it is, for a search that begins there.
+    """
+    apart = Study(
+        fine.problem, fine.predictor, fine.likelihood, fine.candidates, fine.windows,
+        fits=dict(fine.fits), swing=fine.swing,
+    )  # fmt: skip
+    found = everywhere(apart, apart.empty())
+    return None if found is None else everywhere(study, found)

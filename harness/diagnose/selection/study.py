@@ -160,7 +160,6 @@ class Study:
 
     def states_for(self, hypothesis: Hypothesis, near: Fit | None = None) -> dict[Window, Array]:
         """Initial states to start a fit from: those of a fit nearby, or read off the recording."""
-        empty = Hypothesis()
         states = {}
         for window in self.windows:
             if near is not None and window in near.states:
@@ -168,20 +167,19 @@ class Study:
                 continue
             found = self.first_states.get(window)
             if found is None:
-                found = self._measured(window, SHORTLY)
-            states[window] = carry_state(self.predictor, empty, hypothesis, found)
+                states[window] = self.read_off(hypothesis, window)
+            else:
+                states[window] = carry_state(self.predictor, Hypothesis(), hypothesis, found)
         return states
+
+    def read_off(self, hypothesis: Hypothesis, window: Window, span: float = SHORTLY) -> Array:
+        """The initial state of any window as it is read off the recording over a span [s]."""
+        return carry_state(self.predictor, Hypothesis(), hypothesis, self._measured(window, span))
 
     def others(self, hypothesis: Hypothesis) -> list[dict[Window, Array]]:
         """Initial states as they are read off the recording, sharply and smoothly, for windows whose own have gone astray."""
         spans = sorted({SHORTLY, max(SHORTLY, self.swing / SMOOTHLY)})
-        return [
-            {
-                window: carry_state(self.predictor, Hypothesis(), hypothesis, self._measured(window, span))
-                for window in self.windows
-            }
-            for span in spans
-        ]
+        return [{window: self.read_off(hypothesis, window, span) for window in self.windows} for span in spans]
 
     def _measured(self, window: Window, span: float) -> Array:
         key = (window, span)

@@ -9,7 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one
-from harness.diagnose.answer.findings import rivals_in_words
+from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.answer.significant_digits import ends, resolved, width_of
 from harness.recording.units import written
 from harness.report.diagnosis.figures import correlated, repeated
@@ -33,7 +33,7 @@ class Findings:
                 "site": finding["site"],
                 "grade": finding.get("grade"),
                 "bic": (finding.get("evidence") or {}).get("delta_bic"),
-                "rivals": ", ".join(rivals_in_words(finding)),
+                "rivals": ", ".join(rivals_of(finding, in_words)),
             }
             numbers = numbers_of(finding)
             rows += [
