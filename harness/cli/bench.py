@@ -6,10 +6,8 @@ from pathlib import Path
 
 import click
 
-from harness.cli.interrupt import Interrupted
 from harness.cli.options import console, output_options, progress, write_json
-
-UNFINISHED = "unfinished.jsonl"
+from harness.cli.resume import folder_of, journal_in, resumable
 
 
 @click.command()
@@ -44,8 +42,6 @@ def bench(
       denoc bench --resume bench
     """
     from harness.compare.bench import BENCHMARKS, Options, Row, document, machine, run, select
-    from harness.errors import InputError
-    from harness.journal import Journal
     from harness.report.bench import bench_files, print_bench
     from harness.report.json_text import json_text
 
@@ -56,33 +52,17 @@ def bench(
         return 0
     total = sum(len(names) for names in select(only).values())
     rows: list[Row] = []
-    if resume is not None:
-        if out is not None and out != resume:
-            raise InputError("--resume and --out name different folders", mend="give the one or the other")
-        if not (resume / UNFINISHED).exists():
-            raise InputError("holds no interrupted run", source=resume, mend="give the --out of one")
-        out = resume
-    journal = None
-    if out is not None:
-        if resume is None:
-            (out / UNFINISHED).unlink(missing_ok=True)
-        journal = Journal(out / UNFINISHED, {"only": list(only), "quick": quick, "machine": machine()})
-    with progress("bench") as step:
+    out = folder_of(out, resume)
+    journal = journal_in(out, {"only": list(only), "quick": quick, "machine": machine()}, anew=resume is None)
+    with progress("bench") as step, resumable("bench", out):
 
         def tell(what: str) -> None:
             done = len({r.what for r in rows})
             step(done, max(total, done), what)
 
-        try:
-            for row in run(only, Options(quick=quick, rounds=7 if quick else 15, tell=tell), journal):
-                rows.append(row)
-                tell(row.what)
-        except KeyboardInterrupt:
-            if out is None:
-                raise
-            raise Interrupted(
-                f"stopped; `denoc bench --resume {out}` with the same options goes on from here"
-            ) from None
+        for row in run(only, Options(quick=quick, rounds=7 if quick else 15, tell=tell), journal):
+            rows.append(row)
+            tell(row.what)
     answer = document(rows, machine())
     print_bench(answer, screen)
     if out is not None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -11,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.interrupt import Interrupted
 from harness.cli.options import console, output_options, progress, say_notes, wide_options, write_json
+from harness.cli.resume import folder_of, journal_in, resumable
 
 if TYPE_CHECKING:
     from harness.cases.gate import Accepted
@@ -20,7 +18,6 @@ if TYPE_CHECKING:
     from harness.journal import Journal
 
 SUITE_REFERENCE = "reference/accepted.json"
-UNFINISHED = "unfinished.jsonl"
 
 
 @click.command()
@@ -116,9 +113,10 @@ def gate(
     if self_test is not None and no_self_test:
         raise InputError("--self-test and --no-self-test do not go together", mend="leave one out")
     held = {model: sha256(Path(model).read_bytes()).hexdigest() for model in models if Path(model).is_file()}
-    out, journal = _journal(
-        out, resume, {"models": held, "engines": list(engines)}, results_file is None and not accept
-    )
+    out = folder_of(out, resume)
+    # What is read from a file, or accepted as it is, takes no time to speak of.
+    kept = out if results_file is None and not accept else None
+    journal = journal_in(kept, {"models": held, "engines": list(engines)}, anew=resume is None)
     path = Path(reference or SUITE_REFERENCE)
     before = None
     if accept and new:
@@ -126,7 +124,7 @@ def gate(
             raise InputError("exists already", source=path, mend="leave --new out to accept changes to it")
     else:
         before = gates.read_accepted(path)
-    with _resumable(out if journal is not None else None):
+    with resumable("gate", kept):
         results, robots = _results(models, results_file, engines, before, accept, workers, dask, journal)
     if models:
         say_notes(results.told)
@@ -134,7 +132,7 @@ def gate(
     if self_test is None and not models and not no_self_test:
         self_test = "quick"
     if self_test is not None:
-        with progress("planted defects") as step, _resumable(out if journal is not None else None):
+        with progress("planted defects") as step, resumable("gate", kept):
             trials = gates.self_test(full=self_test == "full", workers=workers, progress=step, journal=journal)
     judgement = None if before is None else gates.judge(results, before)
     screen = console(json_file)
@@ -167,37 +165,6 @@ def gate(
         said.print_change(change, path, screen)
         return 0
     return 0 if judgement is not None and judgement.ok else 1
-
-
-def _journal(
-    out: Path | None, resume: Path | None, of: dict[str, Any], long: bool
-) -> tuple[Path | None, Journal | None]:
-    """The folder of the run, and what keeps its results until they are written there whole."""
-    from harness.errors import InputError
-    from harness.journal import Journal
-
-    if resume is not None:
-        if out is not None and out != resume:
-            raise InputError("--resume and --out name different folders", mend="give the one or the other")
-        if not (resume / UNFINISHED).exists():
-            raise InputError("holds no interrupted run", source=resume, mend="give the --out of one")
-        out = resume
-    if out is None or not long:
-        return out, None
-    if resume is None:
-        (out / UNFINISHED).unlink(missing_ok=True)
-    return out, Journal(out / UNFINISHED, of)
-
-
-@contextmanager
-def _resumable(folder: Path | None) -> Iterator[None]:
-    """Ctrl-C says how to go on, where there is something to go on with."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        if folder is None:
-            raise
-        raise Interrupted(f"stopped; `denoc gate --resume {folder}` with the same options goes on from here") from None
 
 
 def _results(

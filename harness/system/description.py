@@ -124,18 +124,19 @@ class Joint:
     @property
     def position_names(self) -> tuple[str, ...]:
         """Names of the joint's own positions (nq); none where it mimics another."""
-        if not self.movable or self.mimic is not None:
-            return ()
-        endings = _SEVERAL.get(self.type)
-        return (self.name,) if endings is None else tuple(f"{self.name}.{ending}" for ending in endings[0])
+        return self._own_names(0)
 
     @property
     def velocity_names(self) -> tuple[str, ...]:
         """Names of the joint's own velocities (nv), accelerations and generalized forces; none where it mimics another."""
+        return self._own_names(1)
+
+    def _own_names(self, which: int) -> tuple[str, ...]:
+        """Of positions (0) or of velocities (1)."""
         if not self.movable or self.mimic is not None:
             return ()
         endings = _SEVERAL.get(self.type)
-        return (self.name,) if endings is None else tuple(f"{self.name}.{ending}" for ending in endings[1])
+        return (self.name,) if endings is None else tuple(f"{self.name}.{ending}" for ending in endings[which])
 
     @property
     def turns_in_space(self) -> bool:

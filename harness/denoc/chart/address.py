@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 from typing import Any
 
-from numba import cfunc, types
+from numba import cfunc
 
 from harness.denoc.chart.kernels import (
     add_armature,
@@ -23,9 +23,7 @@ from harness.denoc.chart.kernels import (
 from harness.denoc.chart.tables import POSITIONS
 from harness.denoc.compiling.pipeline import Kernel
 from harness.denoc.recursion.binding import COORDINATES, FORWARD, INNER, INVERSE, header_at, rows_of, vector_at
-from harness.denoc.recursion.dynamics_call import call
-
-_SIGNATURE = types.int64(*[types.int64] * 5)
+from harness.denoc.recursion.dynamics_call import SIGNATURE, call
 
 
 @functools.cache
@@ -42,7 +40,7 @@ def state_addresses() -> tuple[int, int]:
 
 @functools.cache
 def _forward() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -65,7 +63,7 @@ def _forward() -> Any:
 
 @functools.cache
 def _inverse() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -88,7 +86,7 @@ def _inverse() -> Any:
 
 @functools.cache
 def _rates() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def rates(model: int, q: int, qd: int, third: int, out: int) -> int:
         header = header_at(model)
         places = places_of(header)
@@ -101,7 +99,7 @@ def _rates() -> Any:
 
 @functools.cache
 def _settle() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def settle(model: int, q: int, qd: int, third: int, out: int) -> int:
         places = places_of(header_at(model))
         normalise(places, vector_at(q, places[POSITIONS]))

@@ -10,7 +10,7 @@ import functools
 from typing import Any
 
 import numpy as np
-from numba import cfunc, types
+from numba import cfunc
 
 from harness.denoc.chart.kernels import (
     add_armature,
@@ -34,10 +34,8 @@ from harness.denoc.recursion.binding import (
     topology_of,
     vector_at,
 )
-from harness.denoc.recursion.dynamics_call import call
+from harness.denoc.recursion.dynamics_call import SIGNATURE, call
 from harness.denoc.recursion.rigid_mass import mass_matrix
-
-_SIGNATURE = types.int64(*[types.int64] * 5)
 
 
 @functools.cache
@@ -98,7 +96,7 @@ def cholesky_solve(a: Any, b: Any) -> int:
 
 @functools.cache
 def _forward() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -156,7 +154,7 @@ def _forward() -> Any:
 
 @functools.cache
 def _inverse() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]

@@ -25,6 +25,9 @@ from harness.denoc.recursion.binding import (
     vector_data,
 )
 
+#: Of what stands at an address: (header, q, q̇, τ or q̈, result) -> status, all of them addresses.
+SIGNATURE = types.int64(*[types.int64] * 5)
+
 
 @intrinsic
 def call(context: Any, function: Any, model: Any, q: Any, qd: Any, third: Any, out: Any) -> Any:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 from typing import Any
 
-from numba import cfunc, types
+from numba import cfunc
 
 from harness.denoc.compiling.pipeline import Kernel
 from harness.denoc.recursion.binding import (
@@ -21,9 +21,8 @@ from harness.denoc.recursion.binding import (
     topology_of,
     vector_at,
 )
+from harness.denoc.recursion.dynamics_call import SIGNATURE
 from harness.denoc.recursion.flexible import forward_dynamics, inverse_dynamics, subtract_passive
-
-_SIGNATURE = types.int64(*[types.int64] * 5)
 
 
 @functools.cache
@@ -34,7 +33,7 @@ def addresses() -> tuple[int, int]:
 
 @functools.cache
 def _forward() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -47,7 +46,7 @@ def _forward() -> Any:
 
 @functools.cache
 def _inverse() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]

@@ -9,7 +9,7 @@ import functools
 from typing import Any
 
 import numpy as np
-from numba import cfunc, types
+from numba import cfunc
 
 from harness.denoc.compiling.compiled import compiled
 from harness.denoc.compiling.pipeline import Kernel
@@ -28,13 +28,11 @@ from harness.denoc.recursion.binding import (
     vector_at,
     vector_data,
 )
-from harness.denoc.recursion.dynamics_call import call
+from harness.denoc.recursion.dynamics_call import SIGNATURE, call
 from harness.denoc.recursion.rigid import forward_dynamics, inverse_dynamics, subtract_passive
 from harness.denoc.recursion.rigid_chain import SIZE as CHAIN_SIZE
 from harness.denoc.recursion.rigid_chain import forward_dynamics as chain_dynamics
 from harness.denoc.recursion.rigid_mass import mass_matrix
-
-_SIGNATURE = types.int64(*[types.int64] * 5)
 
 
 @functools.cache
@@ -70,7 +68,7 @@ def mass_entry(model: int, q: Any, mass: Any) -> int:
 
 @functools.cache
 def _forward() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -83,7 +81,7 @@ def _forward() -> Any:
 
 @functools.cache
 def _chain() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def chain(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
@@ -98,7 +96,7 @@ def _chain() -> Any:
 
 @functools.cache
 def _inverse() -> Any:
-    @cfunc(_SIGNATURE, cache=True, pipeline_class=Kernel)
+    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
