@@ -1,5 +1,6 @@
 """Failures that a user can mend: one line that names the place, what is wrong and the mend."""
 
+import re
 from pathlib import Path
 
 LONGEST = 1000  # letters of a message; names out of a damaged file know no end
@@ -94,3 +95,20 @@ def missing_package(error: ImportError) -> MissingPackageError | None:
 
 class EngineUnavailableError(RuntimeError):
     """An engine is not installed or cannot be loaded; the message says how to get it."""
+
+
+# What wheels lean on and a bare Linux lacks; the package of Debian and Ubuntu that holds it.
+SYSTEM_PACKAGES = {"libGL": "libgl1", "libgomp": "libgomp1"}
+
+
+def cannot_be_loaded(engine: str, error: ImportError, mend: str) -> EngineUnavailableError:
+    """The error of an engine whose package is not there, or is there and lacks a library of the system's.
+
+    mend: the command that brings the package.
+    """
+    lacking = re.search(r"((lib\w+)\.so\S*): cannot open shared object file", str(error))
+    if lacking is None:
+        return EngineUnavailableError(f"{engine} cannot be loaded ({error}): {mend}")
+    package = SYSTEM_PACKAGES.get(lacking[2])
+    how = f"apt install {package} on Debian or Ubuntu" if package else "the system's package manager has it"
+    return EngineUnavailableError(f"{engine} is installed, but this system lacks {lacking[1]}: {how}")

@@ -55,9 +55,11 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """difference / allowed; nan in a skipped row."""
+        """difference / allowed, 0 for no difference where none is allowed; nan in a skipped row."""
         if self.difference is None or self.allowed is None:
             return math.nan
+        if self.difference == 0.0:
+            return 0.0
         return self.difference / self.allowed if self.allowed > 0.0 else math.inf
 
 

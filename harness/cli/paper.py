@@ -39,9 +39,10 @@ def paper(what: str, quick: bool, seed: int | None, out: Path | None, json_file:
     """
     import secrets
 
+    from harness.report.columns import print_table
     from harness.report.files import write_folder
     from harness.report.json_text import json_text
-    from harness.report.paper import drawn, markdown_table, print_table, series_document
+    from harness.report.paper import drawn, markdown_table, series_document
 
     screen = console(json_file)
     heads: tuple[str, ...]
@@ -76,7 +77,7 @@ def paper(what: str, quick: bool, seed: int | None, out: Path | None, json_file:
             study = links(quick=quick, progress=step)
         tables, series, numbers = dict(study.tables), study.series, dict(study.numbers)
     for name, (heads, rows) in tables.items():
-        print_table(name.replace("_", " "), heads, rows, screen)
+        print_table(screen, heads, rows, title=name.replace("_", " "))
     document = json_text(
         {
             "schema": "denoc.paper/1",

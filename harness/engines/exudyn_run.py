@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from harness.engines.protocol import Array, EngineError
-from harness.errors import EngineUnavailableError, install
+from harness.errors import cannot_be_loaded, install
 
 _RENAMED = {
     "mass",
@@ -31,7 +31,7 @@ def exudyn_package() -> Any:
         import exudyn.itemInterface
         import exudyn.solver
     except ImportError as error:
-        raise EngineUnavailableError(f"Exudyn cannot be loaded ({error}): {install('engines')}") from None
+        raise cannot_be_loaded("Exudyn", error, install("engines")) from None
     return exudyn
 
 

@@ -34,7 +34,7 @@ from harness.engines.mujoco_constraints import bound as bound_both
 from harness.engines.mujoco_constraints import limit, soften
 from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
-from harness.errors import EngineUnavailableError, UnsupportedError
+from harness.errors import UnsupportedError, cannot_be_loaded
 from harness.system import JointType, System, Trajectory
 from harness.system.lowering import chained, position_of_rate
 from harness.system.soft_constraints import soft_friction, soft_stops
@@ -57,7 +57,7 @@ def _mujoco() -> Any:
     try:
         import mujoco
     except ImportError as error:
-        raise EngineUnavailableError(f"MuJoCo cannot be loaded ({error}): pip install mujoco") from None
+        raise cannot_be_loaded("MuJoCo", error, "pip install mujoco") from None
     return mujoco
 
 

@@ -27,7 +27,7 @@ from harness.engines.expressed import JointForces, bends, express, refusal
 from harness.engines.march import march
 from harness.engines.protocol import Array
 from harness.engines.small_motion import frequencies, jacobian
-from harness.errors import EngineUnavailableError, UnsupportedError, install
+from harness.errors import UnsupportedError, cannot_be_loaded, install
 from harness.system import Joint, JointType, Link, System, Trajectory
 from harness.system.lowering import chained, position_of_rate
 from harness.system.rotation import from_quaternion
@@ -40,7 +40,7 @@ def _pinocchio() -> Any:
     try:
         import pinocchio
     except ImportError as error:
-        raise EngineUnavailableError(f"Pinocchio cannot be loaded ({error}): {install('engines')}") from None
+        raise cannot_be_loaded("Pinocchio", error, install("engines")) from None
     return pinocchio
 
 

@@ -6,25 +6,11 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
 from harness.cases.case import Series
 from harness.report.figures.lines import lines
 from harness.report.pictures import alone
 
 Rows = Sequence[Sequence[str]]
-
-
-def print_table(title: str, heads: Sequence[str], rows: Rows, console: Console) -> None:
-    """A table on the terminal."""
-    table = Table(box=None, header_style="bold", pad_edge=False, title=title, title_justify="left")
-    for head in heads:
-        table.add_column(Text(head), overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    console.print(table)
 
 
 def markdown_table(heads: Sequence[str], rows: Rows) -> str:

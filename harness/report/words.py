@@ -74,4 +74,4 @@ def headline(passed: int, failed: int, skipped: int) -> str:
         text = f"all {passed} comparisons are within what is allowed"
     else:
         text = "nothing could be compared"
-    return text + (f"; {skipped} were not possible" if skipped else "")
+    return text + (f"; {skipped} {'was' if skipped == 1 else 'were'} not possible" if skipped else "")

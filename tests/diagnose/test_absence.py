@@ -69,7 +69,7 @@ def test_an_interval_wider_than_its_deviation_is_told_itself() -> None:
     units = {"mass": "kg"}
     lopsided = {"mass": Estimate(0.0182, 0.015, 2e-6, 169.0)}
     assert finding_words("compliant base", "base", lopsided, units) == (
-        "compliant base at base (mass 0.0182 (95 %: 2e-06 … 1.7e+02) kg)"
+        "compliant base at base (mass 2e-06 … 170 kg (95 %), best 0.0182)"
     )
     even = {"mass": Estimate(0.5, 0.01, 0.48, 0.52)}
-    assert finding_words("payload", "rod", even, units) == "payload at rod (mass 0.5 ± 0.01 kg)"
+    assert finding_words("payload", "rod", even, units) == "payload at rod (mass 0.500 ± 0.01 kg)"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.diagnose.answer.significant_digits import ends, resolved, spread
+from harness.diagnose.answer.significant_digits import best, digits, ends, estimate, resolved
 
 
 @pytest.mark.parametrize(
@@ -16,7 +16,9 @@ from harness.diagnose.answer.significant_digits import ends, resolved, spread
         (0.0, 0.1, "0.00"),
         (1234.5, 3.0, "1234.5"),
         (1234.5, 8.0, "1234"),
-        (1234.0, 400.0, "1.23e+03"),
+        (1234.0, 400.0, "1230"),
+        (5570110.0, 3e4, "5570000"),
+        (2.1e11, 3e9, "2.100e+11"),
         (12.0, 50.0, "12.0"),
         (2.5e-5, 0.026, "0.000"),
         (-2.5e-5, 0.026, "0.000"),
@@ -38,20 +40,45 @@ def test_an_end_that_is_not_known_is_a_dash() -> None:
     assert ends(None) == ""
 
 
+def test_ends_that_lie_decades_apart_are_each_read_by_themselves() -> None:
+    """0 … 39.0 would say that nothing at all is as likely."""
+    assert ends([0.005, 39.0]) == "0.005 … 39"
+    assert ends([-1234.0, -2e-6]) == "-1200 … -2e-06"
+    assert ends([0.0, 39.0]) == "0.00 … 39.0"
+    assert ends([-0.004, 39.0]) == "0 … 39.0"
+    assert best(0.4, [0.005, 39.0]) == "0.400"
+    assert best(0.001, [-0.5, 0.5]) == "0.0"
+    assert best(0.25, None) == "0.250"
+
+
 @pytest.mark.parametrize(
-    ("value", "std", "interval", "text"),
+    ("value", "std", "interval", "unit", "text"),
     [
-        (0.5, 0.01, (0.48, 0.52), " ± 0.01"),
-        (0.5, 0.01, (0.47, 0.53), " ± 0.01"),
-        # Farther to one side than twice what the deviation says: another valley, or a number that only one side bounds.
-        (0.0182, 0.085, (2e-6, 169.0), " (95 %: 2e-06 … 1.7e+02)"),
-        (24.0, 9e-16, (24.0, 24.0), ""),
-        (0.3, None, (0.0, 0.3), ""),
-        (0.3, 0.01, None, " ± 0.01"),
-        (0.3, 0.01, (None, 0.32), " ± 0.01"),
+        (0.5, 0.01, (0.48, 0.52), "kg", "0.500 ± 0.01 kg"),
+        (0.04833, 0.022, (0.0052, 0.0915), "N·m", "0.0483 ± 0.022 N·m"),
+        (5570110.0, 31000.0, (5.51e6, 5.63e6), "N/m", "5570000 ± 31000 N/m"),
+        # Lopsided: one end twice as far as the other.
+        (0.4, 10.0, (0.005, 39.0), "N·m", "0.005 … 39 N·m (95 %), best 0.400"),
+        (0.0182, 0.085, (2e-6, 169.0), "kg", "2e-06 … 170 kg (95 %), best 0.0182"),
+        (1.01, 0.02, (1.0, 1.05), "s", "1.00 … 1.05 s (95 %), best 1.010"),
+        # Wider than its estimate: 0.3 ± 0.2 would hide that nothing is as likely.
+        (0.3, 0.2, (-0.092, 0.692), "", "-0.0920 … 0.692 (95 %), best 0.300"),
+        (-0.3, 0.2, (-0.692, 0.092), "", "-0.692 … 0.0920 (95 %), best -0.300"),
+        # At the end of where it was searched.
+        (0.3, None, (0.1, 0.3), "m", "0.100 … 0.300 m (95 %), best 0.300 (at its bound)"),
+        (24.0, 9e-16, (24.0, 24.0), "1/rev", "24.0 1/rev"),
+        (0.3, None, None, "rad", "0.300 rad"),
+        (0.3, 0.01, None, "", "0.300 ± 0.01"),
+        (0.3, 0.01, (None, 0.32), "", "0.300 ± 0.01"),
     ],
 )
-def test_a_deviation_is_told_where_it_says_how_far_the_interval_reaches(
-    value: float, std: float | None, interval: tuple[float | None, float] | None, text: str
+def test_an_estimate_tells_what_is_known_of_it(
+    value: float, std: float | None, interval: tuple[float | None, float] | None, unit: str, text: str
 ) -> None:
-    assert spread(value, std, interval) == text
+    assert estimate(value, std, interval, unit) == text
+
+
+def test_digits_are_written_out_up_to_a_thousand_million() -> None:
+    assert digits(1234567.0, 3) == "1230000"
+    assert digits(1234.0, 4) == "1234"
+    assert digits(0.00001234, 3) == "1.23e-05"

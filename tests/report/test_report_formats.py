@@ -161,7 +161,7 @@ def test_terminal_shows_a_line_a_group_then_what_failed_and_what_could_not_be():
     ]  # fmt: skip
     lines = shown(PASSED, close, FAILED, SKIPPED)
     assert any("2.0e-03" in line and NASTY in line and "3.25" in line for line in lines)
-    assert lines[-1] == "1 of 3 comparisons failed; 1 were not possible."
+    assert lines[-1] == "1 of 3 comparisons failed; 1 was not possible."
     assert sum("swing" in line for line in shown(PASSED, close, FAILED, SKIPPED, every_row=True)) == 3
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -21,6 +23,7 @@ from harness.cli.main import status_of
 from harness.report import words
 from harness.report.bench import cells, print_bench
 from harness.report.columns import figures, print_table
+from harness.report.decay import print_bands, print_decay
 from harness.report.diagnosis import print_diagnosis
 from harness.report.gate import print_judgement
 from harness.report.proof import print_proof
@@ -66,6 +69,17 @@ def test_results_are_whole(width):
     assert_whole(short, "2.1e+09 times", "not finite", "arm:", NOTE)
 
 
+def test_no_difference_is_no_share_of_nothing():
+    """What is counted is allowed no difference at all: none is 0 %, and does not hide who takes most of what is allowed."""
+    counted = Row("paper_rigid", "named", ("as_printed", "mujoco"), 0.0, 0.0, "1", "each misprint", "pass")
+    near = Row("rigid_pendulum", "energy", ("denoc", "mujoco"), 2.5e-9, 1e-8, "1", "rounding", "pass")
+    text = printed(lambda screen: print_results(Results((counted, near)), screen), 120)
+    assert "25 %" in text
+    assert "rigid_pendulum: energy" in text
+    assert words.share(counted) == "0 %"
+    assert words.share(replace(counted, difference=1.0, verdict="fail")) == "more than none"
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_gate_is_whole(width):
     judged = tuple(Judged(row.key, row, 1.2e-11, 3.4, NOTE) for row in ROWS[:4])
@@ -106,7 +120,7 @@ def test_a_diagnosis_is_whole(width):
         "levelled_rmse": 0.00789,
     }  # fmt: skip
     parameters = {
-        name: {"value": value, "std": value / 50, "ci95": [0.9 * value, 1.1 * value], "unit": "N*m*s/rad"}
+        name: {"value": value, "std": value / 100, "ci95": [0.98 * value, 1.02 * value], "unit": "N*m*s/rad"}
         for name, value in (("coulomb_torque", 0.01182), ("static_torque", 0.02345), ("stribeck_velocity", 0.6543))
     }
     finding = {
@@ -152,6 +166,39 @@ def test_tables_of_the_other_verbs_are_whole(width, capfd, monkeypatch, tmp_path
         text = said("doctor")
         for engine in examine():
             assert_whole(text, engine.name, engine.version or "–", engine.said)
+
+
+LAW = {"value": 1.5034e-3, "std": 1.1e-5, "ci95": [1.481e-3, 1.525e-3], "unit": "N*m*s/rad"}
+LOPSIDED = {"value": 0.4, "std": 10.0, "ci95": [0.005, 39.0], "unit": "N*m"}
+DECAY: dict[str, Any] = {
+    "channel": "pivot.position", "half_swings": 14, "from": 0.0123, "to": 7.98, "rest": 0.0012, "restoring": "sine",
+    "frequency": {"small": 0.91234, "first": 0.8123}, "amplitude": {"first": 1.5, "last": 0.31},
+    "decrement": {"value": 0.0812, "std": 0.0021, "damping_ratio": 0.01292, "printed": {"value": 1.234e-4}, "viscous": LAW},
+    **{
+        name: {"viscous": LAW, "dry": LOPSIDED, "quadratic": LAW, "rms": 1.234e-3, "noise": 1.2e-3, "memory": 0.0}
+        for name in ("envelope", "linear", "likelihood")
+    },
+    "tried": [], "departure": None,
+}  # fmt: skip
+DECAY["likelihood"]["laws"] = ["viscous", "dry"]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_decay_is_whole(width):
+    text = printed(lambda screen: print_decay(DECAY, screen), width)
+    for cell in ("0.001503 ± 1.1e-05", "0.005 … 39 (95 %), best 0.400", "0.000123", "0.00123"):
+        assert any(cell in line for line in text.splitlines()), f"{cell!r} is broken in\n{text}"
+    whole = {"value": 1.23456, "ci95": [1.23411, 1.23501]}
+    band = {"band": "swing", "line": 12.34, **dict.fromkeys(("frequency", "amplitude", "rate", "damping_ratio"), whole)}
+    text = printed(lambda screen: print_bands([band], "rad", screen), width)
+    assert any("1.2346 (1.2341 … 1.2350)" in line for line in text.splitlines()), text
+    assert_whole(text, "12.34")
+
+
+def test_tables_are_made_in_one_place():
+    """What cuts nothing is ``report/columns.py``; a table made beside it breaks figures where there is little room."""
+    made = [path for path in (ROOT / "harness").rglob("*.py") if "rich.table" in path.read_text(encoding="utf-8")]
+    assert made == [ROOT / "harness" / "report" / "columns.py"]
 
 
 WORDS = st.text("abc.µ漢-1234567890", min_size=1, max_size=12)

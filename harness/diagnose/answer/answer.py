@@ -11,11 +11,12 @@ from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis
-from harness.diagnose.answer.explain import NO_FINDING, finding_words, number, plainest, summary, untried
+from harness.diagnose.answer.explain import NO_FINDING, finding_words, plainest, summary, untried
 from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.predictive import Predictive, predictive
 from harness.diagnose.answer.replay import LONGEST, Opening
+from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.answer.zeros import Zero, zeros_of
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.claims.grades import POSSIBLE, grade, loosened, repeatability, repeated
@@ -257,7 +258,7 @@ def _summary(
             c.candidate.site,
             values[c.candidate.key],
             _units(outcome, c),
-            [f"{z['recording']} {number(z['zero'])} {written(z['unit'])}" for z in zeros[c.candidate.key]],
+            [f"{z['recording']} {estimate(z['zero'], None, None, written(z['unit']))}" for z in zeros[c.candidate.key]],
         )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
         if grades[c.candidate.key] != POSSIBLE

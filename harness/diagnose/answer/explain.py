@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from harness.diagnose.answer.left_out import LeftOut
-from harness.diagnose.answer.significant_digits import resolved, spread
+from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED, UNSEARCHED
 from harness.diagnose.criticism.creep import WHERE_HELD
@@ -35,28 +35,14 @@ CUT_SHORT = {
 NO_FINDING = "nothing of what was found"  # that what was not tried may change
 
 
-def number(value: float) -> str:
-    # As findings are told: plain digits up to a thousand million.
-    return f"{value:.4g}" if abs(value) < 1e4 or abs(value) >= 1e9 else f"{float(f'{value:.4g}'):.0f}"
-
-
 def finding_words(
     title: str, site: str, values: dict[str, Estimate], units: dict[str, str], further: Sequence[str] = ()
 ) -> str:
     """One finding with its parameters and further numbers in words."""
     parts = list(further)
     for name, e in values.items():
-        parts.append(f"{name.replace('_', ' ')} {_value(e)}{_spread(e)} {written(units[name])}".strip())
+        parts.append(f"{name.replace('_', ' ')} {estimate(e.value, e.std, (e.low, e.high), written(units[name]))}")
     return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
-
-
-def _value(e: Estimate) -> str:
-    """Four digits, or 0 if the value is far less than its spread."""
-    return resolved(e.value, e.std) if e.std is not None and abs(e.value) < e.std else number(e.value)
-
-
-def _spread(e: Estimate) -> str:
-    return " (at its bound)" if e.std is None else spread(e.value, e.std, (e.low, e.high))
 
 
 # Share of the greatest gain that a test must have to be told instead, because it says more.

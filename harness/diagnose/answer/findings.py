@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from harness.diagnose.answer.significant_digits import ends, resolved, width_of
+from harness.diagnose.answer.significant_digits import best, ends
 from harness.notebook import frame, html_table, text_table
 from harness.recording.units import written
 
@@ -83,7 +83,7 @@ class Findings(list[Mapping[str, Any]]):
         return [
             (
                 row["effect"], row["site"], row["parameter"],
-                "" if row["value"] is None else resolved(row["value"], width_of((row["low"], row["high"]))),
+                "" if row["value"] is None else best(row["value"], (row["low"], row["high"])),
                 "" if row["low"] is None or row["high"] is None else ends((row["low"], row["high"])),
                 written(row["unit"]), row["indistinguishable_from"],
             )

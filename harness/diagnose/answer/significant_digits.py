@@ -1,4 +1,4 @@
-"""Numbers with as many digits as their uncertainty leaves them."""
+"""Numbers with as many digits as their uncertainty leaves them, and how an estimate is told with it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,21 @@ import math
 from collections.abc import Sequence
 
 _FEWEST, _MOST = 3, 9  # digits
+_PLAIN = 1e9  # up to which all digits are written, since 5570000 and 5.57e+06 would look like two figures
+_DECADE = 10.0  # between the ends of an interval, beyond which either is read by itself
 EXACTLY = 1e-9  # relative standard deviation of what is counted, not measured
-FARTHER = 2.0  # times as far as its standard deviation says, beyond which an interval itself is told
+FARTHER = (
+    2.0  # times as far as its standard deviation says, or as its other end, beyond which an interval itself is told
+)
 TWO_SIDED = 1.96  # standard deviations to either end of a normal distribution's 95 %
+
+Interval = Sequence[float | None] | None
+
+
+def digits(value: float, count: int) -> str:
+    """The value with so many significant digits, without an exponent below a thousand million."""
+    text = f"{value:#.{count}g}".rstrip(".")
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
 
 
 def resolved(value: float | None, width: float | None) -> str:
@@ -18,32 +30,65 @@ def resolved(value: float | None, width: float | None) -> str:
     """
     if value is None:
         return "–"
-    digits = _FEWEST
+    count = _FEWEST
     if width and value and width > EXACTLY * abs(value):
         decimals = math.ceil(-math.log10(width / 5.0))
         if decimals <= _MOST and abs(value) < 0.5 * 10.0**-decimals:
             return f"{0.0:.{max(decimals, 0)}f}"
-        digits = min(max(math.floor(math.log10(abs(value))) + 1 + decimals, _FEWEST), _MOST)
-    return f"{value:#.{digits}g}".rstrip(".")
+        count = min(max(math.floor(math.log10(abs(value))) + 1 + decimals, _FEWEST), _MOST)
+    return digits(value, count)
 
 
-def width_of(interval: Sequence[float | None] | None) -> float | None:
+def ends(interval: Interval) -> str:
+    """``low … high``, as many digits each as part the two, or as it needs itself if they lie decades apart; nothing for none."""
+    low, high = interval or (None, None)
+    if low is not None and high is not None and low * high > 0.0:
+        near, far = sorted((abs(low), abs(high)))
+        if far > _DECADE * near:
+            return f"{_short(low)} … {_short(high)}"
+    return " … ".join(resolved(end, _width(interval)) for end in interval or ())
+
+
+def best(value: float | None, interval: Interval) -> str:
+    """The value beside its interval: as many digits as the nearer end leaves it."""
+    low, high = interval or (None, None)
+    if value is None or low is None or high is None or not low < value < high:
+        return resolved(value, _width(interval))
+    return resolved(value, 2.0 * min(value - low, high - value))
+
+
+def estimate(value: float, std: float | None, interval: Interval, unit: str = "") -> str:
+    """An estimate as a person reads it: ``0.0118 ± 0.0002 N·m``, one standard deviation.
+
+    Where the 95 % interval is lopsided, wider than the value or wider than the deviation says, that is told:
+    ``0.005 … 39 N·m (95 %), best 0.400``. So it is for what lies at an end of where it was searched (no deviation). A value
+    without either is told alone, as what is counted is.
+    unit: as people write it, or nothing.
+    """
+    after = f" {unit}" if unit else ""
+    low, high = interval or (None, None)
+    known = low is not None and high is not None
+    if std is None and known and low != high:
+        return f"{ends(interval)}{after} (95 %), best {best(value, interval)} (at its bound)"
+    if std is None or std <= EXACTLY * abs(value):
+        return resolved(value, None) + after
+    if low is not None and high is not None and _own(value, std, low, high):
+        return f"{ends(interval)}{after} (95 %), best {best(value, interval)}"
+    return f"{resolved(value, std)} ± {_short(std)}{after}"
+
+
+def _own(value: float, std: float, low: float, high: float) -> bool:
+    """Whether a value and its deviation would tell half of an interval."""
+    nearer, farther = sorted((value - low, high - value))
+    return farther > min(FARTHER * TWO_SIDED * std, FARTHER * nearer, abs(value))
+
+
+def _short(value: float) -> str:
+    text = f"{value:.2g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
+
+
+def _width(interval: Interval) -> float | None:
     """How wide an interval is that has two ends."""
     low, high = interval or (None, None)
     return None if low is None or high is None else high - low
-
-
-def ends(interval: Sequence[float | None] | None) -> str:
-    """``low … high``, as many digits each as part the two; nothing for no interval."""
-    return " … ".join(resolved(end, width_of(interval)) for end in interval or ())
-
-
-def spread(value: float, std: float | None, interval: Sequence[float | None] | None) -> str:
-    """What follows a value: its standard deviation, or its 95 % interval where that says more, or nothing for what is counted."""
-    if std is None or std <= EXACTLY * abs(value):
-        return ""
-    low, high = interval or (None, None)
-    # Where it may lie in another valley, or much farther to one side, a deviation would tell half of it.
-    if low is not None and high is not None and max(value - low, high - value) > FARTHER * TWO_SIDED * std:
-        return f" (95 %: {low:.2g} … {high:.2g})"
-    return f" ± {std:.2g}"

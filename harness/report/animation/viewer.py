@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.mujoco import mujoco_model
-from harness.errors import EngineUnavailableError, InputError
+from harness.errors import InputError, cannot_be_loaded
 from harness.report.animation.scene import Motion, seen
 from harness.report.animation.skeleton import Skeleton, skeleton
 from harness.system import System
@@ -38,7 +38,7 @@ def view(system: System, time: Array, motions: Sequence[Motion]) -> None:
         import mujoco
         from mujoco import viewer
     except ImportError as error:
-        raise EngineUnavailableError(f"MuJoCo cannot be loaded ({error}): pip install mujoco") from None
+        raise cannot_be_loaded("MuJoCo", error, "pip install mujoco") from None
     model = shown_model(system)
     model.vis.headlight.ambient[:] = np.maximum(model.vis.headlight.ambient, LIGHT)
     data = mujoco.MjData(model)

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
+from harness.diagnose.answer.significant_digits import best, digits, ends, estimate
 from harness.recording.units import written
+from harness.report.columns import Column, figures, print_table
 
 LAWS = ("viscous", "dry", "quadratic")
 
@@ -25,38 +26,39 @@ def print_decay(document: Mapping[str, Any], console: Console) -> None:
             f"restoring force by {'the sine of the angle' if document['restoring'] == 'sine' else 'the position'}."
         )
     )
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for head in ("how", *(f"{law} [{written(document['linear'][law]['unit'])}]" for law in LAWS), "left (rms)"):
-        table.add_column(Text(head), overflow="fold", justify="left" if head == "how" else "right")
-    read = document["decrement"]
-    table.add_row("ratio of amplitudes, as printed", _number(read["printed"]["value"]), "", "", "")
-    table.add_row("logarithmic decrement", _with(read["viscous"]), "", "", "")
-    table.add_row(
-        "envelope of the half-swings",
-        *(_with(document["envelope"][law]) for law in LAWS),
-        _number(document["envelope"]["rms"]),
+    read, likeliest = document["decrement"], document["likelihood"]
+    heads: tuple[Column | str, ...] = (
+        "how",
+        *(figures(f"{law} [{written(document['linear'][law]['unit'])}]") for law in LAWS),
+        figures("left (rms)"),
     )
-    table.add_row(
-        "every sample, viscous alone", _with(document["linear"]["viscous"]), "", "", _number(document["linear"]["rms"])
-    )
-    best = document["likelihood"]
-    table.add_row(
-        "every sample, best laws",
-        *(_with(best[law]) if law in best["laws"] else "–" for law in LAWS),
-        _number(best["rms"]),
-        style="bold",
-    )
-    console.print(table)
+    rows = [
+        ("ratio of amplitudes, as printed", digits(read["printed"]["value"], 3), "", "", ""),
+        ("logarithmic decrement", _with(read["viscous"]), "", "", ""),
+        (
+            "envelope of the half-swings",
+            *(_with(document["envelope"][law]) for law in LAWS),
+            digits(document["envelope"]["rms"], 3),
+        ),
+        ("every sample, viscous alone", _with(document["linear"]["viscous"]), "", "", digits(document["linear"]["rms"], 3)),
+        (
+            "every sample, best laws",
+            *(_with(likeliest[law]) if law in likeliest["laws"] else "–" for law in LAWS),
+            digits(likeliest["rms"], 3),
+        ),
+    ]  # fmt: skip
+    bold = [tuple(Text(cell, style="bold") for cell in rows[-1])]
+    print_table(console, heads, [*rows[:-1], *bold])
     console.print(
         Text(
-            f"Decrement {read['value']:.4g} ± {read['std']:.2g}, damping ratio {read['damping_ratio']:.4g}; "
-            f"noise {best['noise']:.3g}."
+            f"Decrement {estimate(read['value'], read['std'], None)}, damping ratio {read['damping_ratio']:.4g}; "
+            f"noise {likeliest['noise']:.3g}."
         )
     )
     rivals = list(document["tried"][1:3])
     told = "; ".join(f"{_laws(one['laws'])} {one['bic']:+.0f}" for one in rivals)
-    console.print(Text(f"Damping is {_laws(best['laws'])} (BIC of others: {told})."))
-    if best["rms"] > 1.2 * best["noise"] or best["memory"] > 0.3:
+    console.print(Text(f"Damping is {_laws(likeliest['laws'])} (BIC of others: {told})."))
+    if likeliest["rms"] > 1.2 * likeliest["noise"] or likeliest["memory"] > 0.3:
         console.print(
             Text(
                 "What is left is more than white noise: another law may be at work; `denoc diagnose` with a model looks for it.",
@@ -73,32 +75,32 @@ def print_decay(document: Mapping[str, Any], console: Console) -> None:
 
 def print_bands(rows: Sequence[Mapping[str, Any]], unit: str, console: Console) -> None:
     """Print the bands of a signal, each with frequency, amplitude and decay."""
-    table = Table(box=None, header_style="bold", pad_edge=False)
-    for head in ("band", "frequency [Hz]", f"amplitude [{written(unit)}]", "rate [1/s]", "damping ratio", "line [Hz]"):
-        table.add_column(Text(head), overflow="fold", justify="left" if head == "band" else "right")
-    for row in rows:
-        table.add_row(
-            row["band"],
-            *(_interval(row[key]) for key in ("frequency", "amplitude", "rate", "damping_ratio")),
-            "–" if row["line"] is None else f"{row['line']:.4g}",
-        )
-    console.print(table)
+    heads = (
+        "band", "frequency [Hz]", f"amplitude [{written(unit)}]", "rate [1/s]", "damping ratio", "line [Hz]"
+    )  # fmt: skip
+    print_table(
+        console,
+        [heads[0], *map(figures, heads[1:])],
+        [
+            (
+                row["band"],
+                *(_interval(row[key]) for key in ("frequency", "amplitude", "rate", "damping_ratio")),
+                "–" if row["line"] is None else digits(row["line"], 4),
+            )
+            for row in rows
+        ],
+    )
 
 
 def _laws(laws: Sequence[str]) -> str:
     return " and ".join(laws) if laws else "nothing"
 
 
-def _number(value: float) -> str:
-    return f"{value:.3g}"
-
-
 def _with(value: Mapping[str, Any]) -> str:
     if value["value"] < 1e-3 * value["std"] or value["std"] == 0.0:
         return "0"  # at its bound, where an uncertainty says nothing
-    return f"{value['value']:.4g} ± {value['std']:.1g}"
+    return estimate(value["value"], value["std"], value.get("ci95"))
 
 
 def _interval(value: Mapping[str, Any]) -> str:
-    low, high = value["ci95"]
-    return f"{value['value']:.4g} ({low:.4g} to {high:.4g})"
+    return f"{best(value['value'], value['ci95'])} ({ends(value['ci95'])})"

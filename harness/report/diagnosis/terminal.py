@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
-from harness.diagnose.answer.significant_digits import resolved, spread
+from harness.diagnose.answer.significant_digits import estimate
 from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
 
@@ -56,9 +56,7 @@ def _findings(findings: list[Mapping[str, Any]]) -> Shown:
     lines: list[tuple[str, ...]] = []
     for finding in one_by_one(findings):
         parameters = "; ".join(
-            f"{name} = {resolved(value['value'], value.get('std'))}"
-            + spread(value["value"], value.get("std"), value.get("ci95"))
-            + f" {written(value['unit'])}".rstrip()
+            f"{name} = {estimate(value['value'], value.get('std'), value.get('ci95'), written(value['unit']))}"
             for name, value in numbers_of(finding).items()
         )
         others = ", ".join(rivals_of(finding))

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one
 from harness.diagnose.answer.findings import in_words, rivals_of
-from harness.diagnose.answer.significant_digits import ends, resolved, width_of
+from harness.diagnose.answer.significant_digits import best, ends
 from harness.recording.units import written
 from harness.report.diagnosis.figures import correlated, repeated
 from harness.report.diagnosis.sections.figure import Document, figure
@@ -39,7 +39,7 @@ class Findings:
             rows += [
                 {
                     **common, "parameter": name.replace("_", " "), "number": p["value"],
-                    "value": resolved(p["value"], width_of(p.get("ci95"))), "interval": ends(p.get("ci95")),
+                    "value": best(p["value"], p.get("ci95")), "interval": ends(p.get("ci95")),
                     "unit": written(p["unit"]),
                 }
                 for name, p in numbers.items()
