@@ -261,6 +261,12 @@ class Effect:
         return self.reshape is not None and not self.parameters
 
     @property
+    def plainness(self) -> tuple[int, bool, float]:
+        """By which laws that a recording does not part are told, the plainest first: numbers, a past of its own, how rare it is."""
+        remembers = self.sensor is not None and self.sensor.memory is not None
+        return len(self.parameters), remembers, self.rarity
+
+    @property
     def parameter_names(self) -> tuple[str, ...]:
         return tuple(parameter.name for parameter in self.parameters)
 

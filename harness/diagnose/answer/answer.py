@@ -201,8 +201,26 @@ def _rivals(claim: Claim) -> dict[str, Any]:
     """What a claim cannot be told from, as it stands in its finding."""
     site = claim.candidate.site
     beside = {_short(key, site): list(partners) for key, partners in claim.beside.items()}
-    told = [_short(key, site) for key in claim.rivals]
+    told = [_short(rival.key, site) for rival in _plainest_first(claim)]
     return {"indistinguishable_from": told, **({"only_beside": beside} if beside else {})}
+
+
+def _plainest_first(claim: Claim) -> list[Candidate]:
+    """What a claim cannot be told from; where laws act alike, the plain one is met more often than its fit says."""
+    return sorted(claim.rival_candidates, key=lambda rival: rival.effect.plainness)
+
+
+def _plainer(claim: Claim) -> list[Candidate]:
+    """Rivals at the same place that are plainer than what is claimed, and could stand there by themselves."""
+    own = claim.candidate
+    return [
+        rival
+        for rival in _plainest_first(claim)
+        if rival.site == own.site
+        and rival.effect.side == own.effect.side
+        and rival.key not in claim.beside
+        and rival.effect.plainness < own.effect.plainness
+    ]
 
 
 def _short(key: str, site: str) -> str:
@@ -259,6 +277,7 @@ def _summary(
             values[c.candidate.key],
             _units(outcome, c),
             [f"{z['recording']} {estimate(z['zero'], None, None, written(z['unit']))}" for z in zeros[c.candidate.key]],
+            [rival.effect.title for rival in _plainer(c)],
         )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
         if grades[c.candidate.key] != POSSIBLE

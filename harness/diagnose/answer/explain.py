@@ -36,13 +36,22 @@ NO_FINDING = "nothing of what was found"  # that what was not tried may change
 
 
 def finding_words(
-    title: str, site: str, values: dict[str, Estimate], units: dict[str, str], further: Sequence[str] = ()
+    title: str,
+    site: str,
+    values: dict[str, Estimate],
+    units: dict[str, str],
+    further: Sequence[str] = (),
+    plainer: Sequence[str] = (),
 ) -> str:
-    """One finding with its parameters and further numbers in words."""
+    """One finding with its parameters and further numbers in words; plainer: titles of plainer laws that it may be as well."""
     parts = list(further)
     for name, e in values.items():
         parts.append(f"{name.replace('_', ' ')} {estimate(e.value, e.std, (e.low, e.high), written(units[name]))}")
-    return f"{title} at {site} ({', '.join(parts)})" if parts else f"{title} at {site}"
+    said = ", ".join(parts)
+    if plainer:
+        fits = f"the {'latter' if len(plainer) == 1 else 'last'} fits best"
+        return f"{', '.join(plainer)} or {title} at {site} ({': '.join(filter(None, [fits, said]))})"
+    return f"{title} at {site} ({said})" if said else f"{title} at {site}"
 
 
 # Share of the greatest gain that a test must have to be told instead, because it says more.

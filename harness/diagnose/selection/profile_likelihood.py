@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 MOST_NEIGHBOURS = 5
 MOST_DOUBLED, OUTWARD_STEPS = 5, 10  # times that an interval is doubled outward; steps of a fit there
+MOST_HALVED, REFINED = 12, 3  # times that it is halved inward; and then the step to where it ends
 FARTHEST = 4.0  # of a logarithm, that it may reach
 UNKNOWN = 1.0  # of a logarithm: what is as uncertain as that is wide enough
 # What vibrates fits the noise a little at every frequency, in valleys a hundredth wide: twice the logarithm of how many there are.
@@ -84,6 +85,35 @@ def reached(study: Study, fitted: Fit, index: int, width: float, valleys: float 
     return good
 
 
+def kept_within(study: Study, fitted: Fit, index: int, width: float) -> float:
+    """How far from where it stands a parameter may lie, everything else fitted again; ``width`` at most, in the fit's coordinates.
+
+    For what a change of other parameters makes up for but for squares: the curvature says next to nothing of it.
+    """
+    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted)
+    objective = study.objective(fitted.hypothesis).on(fitted.windows)
+    lower, upper = objective.bounds()
+    held = study.whole(fitted.hypothesis)
+    held[index] = True
+
+    def likely(away: float) -> bool:
+        x = _moved(fitted, index, float(np.clip(fitted.x[index] + away, lower[index], upper[index])))
+        return (
+            fit(objective, x, fitted.states, fixed=held, most_steps=OUTWARD_STEPS, enough=0.2, target=limit).score
+            < limit
+        )
+
+    good, bad = width, 0.0
+    for _ in range(MOST_HALVED):
+        if likely(good):
+            break
+        good, bad = 0.5 * good, good
+    for _ in range(REFINED if bad else 0):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if likely(middle) else (good, middle)
+    return bad or good
+
+
 def _moved(fitted: Fit, index: int, value: float) -> Array:
     x = fitted.x.copy()
     x[index] = value
@@ -121,6 +151,13 @@ def profiled(study: Study, fitted: Fit, k: int, read: Mapping[str, Estimate]) ->
                 low=max(own.value * float(np.exp(down)), parameter.lower),
                 high=min(own.value * float(np.exp(up)), parameter.upper),
             )
+        elif member.effect.sensor is not None and member.effect.sensor.at_first and own.std is not None and not log[j]:
+            # Let go later with the speed gained by then is the same motion but for squares: what stood still parts the two.
+            scale = float(member.scales[j])
+            widest = 2.0 * WIDE * own.std / scale
+            down, up = (kept_within(study, fitted, first + j, sense * widest) for sense in (-1.0, 1.0))
+            low, high = max(own.value + down * scale, parameter.lower), min(own.value + up * scale, parameter.upper)
+            out[parameter.name] = replace(own, std=(high - low) / (2.0 * WIDE), low=low, high=high)
     return out
 
 
