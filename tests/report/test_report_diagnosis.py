@@ -11,6 +11,7 @@ from rich.console import Console
 from harness.report.bench import bench_files, print_bench
 from harness.report.diagnosis import print_diagnosis
 from harness.report.diagnosis.page import diagnosis_html
+from harness.report.diagnosis.sections.answer import paragraphs
 from harness.report.diagnosis.sections.findings import by_parameter
 from harness.report.proof import print_proof
 from harness.report.proof_page import proof_html
@@ -51,6 +52,35 @@ DOCUMENT = {
     "remainder": {"significant": False},
     "next_experiment": {"what": "release from 0.3 rad", "separates": ["coulomb_friction"]},
 }  # fmt: skip
+
+
+def held_out(before: float, after: float) -> str:
+    row = {
+        "channel": "pivot.position", "unit": "rad", "nominal": {"heldout_rmse": before}, "augmented": {"heldout_rmse": after},
+        "noise_floor": 0.00095,
+    }  # fmt: skip
+    return paragraphs({**DOCUMENT, "fit": [row], "explained_share": 1.0 - (after / before) ** 2})[1]
+
+
+def test_an_error_that_stays_is_not_said_to_fall():
+    """A late release, say, is nothing in data held out that go on from where the release is long past."""
+    assert "is 0.000953 rad with or without" in held_out(0.0009530, 0.0009532)
+    assert "%" not in held_out(0.0009530, 0.0009532)
+    assert "is 0.002 rad, before it was 0.001" in held_out(0.001, 0.002)
+    assert "falls from 0.02 to 0.001 rad (noise 0.00095). That removes 99.8 % of" in held_out(0.02, 0.001)
+
+
+def test_one_figure_is_spelled_one_way():
+    """On the terminal and on the page: 8529221 here and 8.53e+06 there look like two."""
+    finding = {**DOCUMENT["findings"][0], "evidence": {"delta_bic": 8529221.0}}
+    ranking = [{"effects": ["coulomb_friction@pivot"], "bic": -8529221.0, "heldout_rmse": 0.0031}]
+    ranking.append({"effects": [], "bic": 0.0, "heldout_rmse": 0.31})
+    document = {**DOCUMENT, "findings": [finding], "ranking": ranking}
+    screen = Console(file=io.StringIO(), width=160)
+    print_diagnosis(document, screen)
+    for text in (screen.file.getvalue(), lxml_html.fromstring(diagnosis_html(document)).text_content()):
+        assert text.count("8529221") == 2
+        assert "e+06" not in text
 
 
 def test_the_page_shows_everything_and_escapes_it():

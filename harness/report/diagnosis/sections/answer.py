@@ -10,6 +10,7 @@ from typing import Any
 from harness.recording.units import written
 from harness.report.diagnosis.sections.figure import Document, figure
 
+SMALLER = 1.02  # times, by which an error has to have become smaller to be said to fall
 _PRODUCT = re.compile(r"(?<=[A-Za-z])\*(?=[A-Za-z])")  # in a unit
 
 
@@ -42,13 +43,22 @@ def _use(document: Document) -> list[str]:
         return []
     told = []
     worst = max(document["fit"], key=_gain, default=None)
-    if worst is not None and _gain(worst):
-        told.append(
-            f"On data held out the error of {worst['channel']} falls from {figure(worst['nominal']['heldout_rmse'])} to "
-            f"{figure(worst['augmented']['heldout_rmse'])} {written(worst['unit'])} (noise {figure(worst['noise_floor'])})."
-        )
+    if worst is None or not _gain(worst):
+        return []
+    before, after, noise = (
+        figure(value) for value in (worst["nominal"]["heldout_rmse"], worst["augmented"]["heldout_rmse"], worst["noise_floor"])
+    )  # fmt: skip
+    unit = written(worst["unit"])
+    if _gain(worst) < 1.0 / SMALLER:
+        return [
+            f"On data held out the error of {worst['channel']} is {after} {unit}, before it was {before} (noise {noise})."
+        ]
+    if _gain(worst) < SMALLER:
+        # What shows where a recording begins, say, is nothing in data held out that go on from there.
+        return [f"On data held out the error of {worst['channel']} is {after} {unit} with or without (noise {noise})."]
+    told = [f"On data held out the error of {worst['channel']} falls from {before} to {after} {unit} (noise {noise})."]
     share = document.get("explained_share")
-    if share is not None:
+    if share is not None and share > 0.0:
         told.append(f"That removes {100.0 * share:.3g} % of the nominal model's mean-square error there.")
     return told
 

@@ -13,7 +13,7 @@ from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.answer.significant_digits import best, ends
 from harness.recording.units import written
 from harness.report.diagnosis.figures import correlated, repeated
-from harness.report.diagnosis.sections.figure import Document, figure
+from harness.report.diagnosis.sections.figure import Document, figure, points
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Findings:
                 }
                 for name, p in numbers.items()
             ] or [{**common, "parameter": "", "number": None, "value": "", "interval": "", "unit": ""}]  # fmt: skip
-        return {"rows": rows, "graded": any(row["grade"] for row in rows), "figure": figure}
+        return {"rows": rows, "graded": any(row["grade"] for row in rows), "figure": figure, "points": points}
 
 
 @dataclass(frozen=True)

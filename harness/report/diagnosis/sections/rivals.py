@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.report.diagnosis.sections.figure import Document, figure
+from harness.report.diagnosis.sections.figure import Document, figure, points
 
 
 @dataclass(frozen=True)
@@ -21,4 +21,10 @@ class Rivals:
             return None
         known = [row["bic"] for row in ranking if row.get("bic") is not None]
         reasons = any(row.get("lost") for row in ranking)
-        return {"ranking": ranking, "best": min(known) if known else 0.0, "reasons": reasons, "figure": figure}
+        return {
+            "ranking": ranking,
+            "best": min(known) if known else 0.0,
+            "reasons": reasons,
+            "figure": figure,
+            "points": points,
+        }
