@@ -17,6 +17,7 @@ BROWSER = next((found for name in BROWSERS if (found := shutil.which(name))), No
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no browser of the Chromium family is installed")
 
 PENDULUM = Path(__file__).parents[2] / "models" / "urdf" / "rigid_pendulum.urdf"
+SLOWEST = 120_000.0  # ms: a busy machine takes a minute to load a page
 PLOTS = 7  # two recordings: motion and residual of each; missing force over velocity and position; spectrum
 
 
@@ -42,6 +43,7 @@ def opened(browser, address):
 
     def open_(width: int = 1280, scheme: str = "light", **options):
         context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, **options)
+        context.set_default_timeout(SLOWEST)
         contexts.append(context)
         page, said, asked = context.new_page(), [], []
         page.on("console", lambda message: said.append(message.text))

@@ -57,6 +57,7 @@ def test_no_page_is_wider_than_its_screen(browser, name, tmp_path):
     file.write_text(pages()[name], encoding="utf-8")
     for width, scheme in ((390, "dark"), (1280, "light")):
         context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        context.set_default_timeout(120_000.0)  # ms: a busy machine takes a minute to load a page
         page, said, asked = context.new_page(), [], []
         page.on("console", lambda message, said=said: said.append(message.text))
         page.on("pageerror", lambda error, said=said: said.append(str(error)))
