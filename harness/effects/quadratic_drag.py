@@ -1,6 +1,6 @@
 """Drag of the air, and whatever else grows with the square of the speed."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -17,6 +17,10 @@ EFFECT = Effect(
             scale=Scale(0.01, torque=1, frequency=-2),
             starts=(0.2, 2.0),
             linear_unit="N*s**2/m**2",
+            plausible=Plausible(
+                Scale(0.06, inertia=1, length=1),
+                "air of 1.2 kg/m³ against 10 kg for each square metre of front, C_d = 1 (Hoerner, Fluid-Dynamic Drag (1965))",
+            ),
         ),
     ),
     signature="Wide swings shrink fast, small ones hardly (envelope falls as 1/t); energy lost in a half-swing "

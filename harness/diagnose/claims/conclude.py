@@ -18,6 +18,7 @@ from harness.diagnose.criticism.doubt import (
     CARRIES,
     LEVEL,
     a_force_as_well,
+    beside_force,
     carries,
     doubtful,
     examined,
@@ -314,6 +315,8 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
         # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
     unproven = reached.doubted = tuple(doubted)
+    best = reached.settled = outcome.reweigh(best)
+    study = outcome.study
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if doubtful(outcome, best, k, remains)]
     together = imitated_together(outcome, best, remains)
@@ -322,13 +325,16 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
             best, fresh = _without_doubtful(outcome, best, shaky, together)
             doubted += fresh
             reached.doubted, reached.settled = tuple(doubted), best
+            best = outcome.reweigh(best)
+            study = outcome.study
             # What made a law more general may have been left out with the doubtful.
             best = min([best, *specialized(study, best)], key=study.criterion)
         else:
             special = special_case(outcome, best, remains)
             if special is None:
                 break
-            best = special
+            best = outcome.reweigh(special)
+            study = outcome.study
         # What has leant on the doubtful must stand without it, beside all that is left then.
         remains, incomplete = _remains(outcome, best)
         shaky = [key for k, key in enumerate(best.hypothesis.keys) if not _stands(outcome, best, k, remains)]
@@ -346,7 +352,11 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
 
 def _stands(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
     """Whether member ``k`` may still be claimed once others have been left out: what they explained is a remainder now."""
-    if not _pays(outcome.study, best, k) or not carries(outcome, best, outcome.study.below(best, k), CARRIES):
+    if not _pays(outcome.study, best, k):
+        return False
+    if beside_force(outcome, best, k):
+        return not doubtful(outcome, best, k, remains)
+    if not carries(outcome, best, outcome.study.below(best, k), CARRIES):
         return False
     return not a_force_as_well(outcome, best, k) and not doubtful(outcome, best, k, remains)
 
@@ -393,6 +403,9 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     for test in (bent, _does_not_carry_over(outcome, best)):
         if test is not None:
             remains = replace(remains, significant=True, tests=(*remains.tests, test))
+    if outcome.force is not None:
+        # All of what is left is the model's own error, and any part of it may have been explained by a law that is not there.
+        remains = replace(remains, significant=True, excess=max(remains.excess, best.linear.cost))
     if remains.significant:
         further = (motion_where_held(outcome, best), shaken_up_and_down(outcome.study, best))
         remains = replace(remains, tests=(*remains.tests, *(test for test in further if test is not None)))

@@ -7,13 +7,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
-from harness.diagnose.criticism.doubt import FAKED, placed
+from harness.diagnose.criticism.doubt import FAKED, placed, plain
+from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
-from harness.diagnose.estimation.intervals import WIDE, Estimate, widened
+from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.misfit import Misfit, sandwich
 from harness.diagnose.selection.investigation import Outcome
+from harness.effects.scale import pull
+
+Array = NDArray[np.float64]
 
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
 VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
@@ -32,12 +38,25 @@ class Repeated:
 
 
 def repeated(outcome: Outcome, best: Fit) -> Repeated | None:
-    """How the numbers of a fit spread over the recordings; None where nothing can be said."""
+    """How the numbers of a fit spread, by the force that is left out and over the recordings; None where nothing can be said."""
     names = [outcome.problem.runs[window.run].name for window in best.windows]
     by_recording = len(set(names)) >= FEWEST
     clusters: list[Any] = names if by_recording else list(range(len(names)))
-    found = dispersion(best, len(outcome.predictor.nominal), clusters)
+    count = len(outcome.predictor.nominal)
+    expected = _expected(outcome, best, count)
+    found = dispersion(best, count, clusters, expected)
+    if found is None and expected is not None:
+        found = Dispersion(expected, {})
     return None if found is None else Repeated(best, found, by_recording)
+
+
+def _expected(outcome: Outcome, best: Fit, count: int) -> Array | None:
+    """Standard deviations that the force which is left out says, in units of the curvature's; None where there is none."""
+    left = outcome.study.likelihood.discrepancy
+    if not isinstance(left, Misfit):
+        return None
+    found = responses(outcome.predictor, left.sensors, best, pull(outcome.problem.system), outcome.period)
+    return None if found is None else sandwich(best, count, left, found)
 
 
 def loosened(outcome: Outcome, how: Repeated | None, key: str, values: Mapping[str, Estimate]) -> dict[str, Estimate]:
@@ -47,7 +66,7 @@ def loosened(outcome: Outcome, how: Repeated | None, key: str, values: Mapping[s
     factors = how.spread.factors[_own(outcome, how.fitted, key)]
     member = how.fitted.hypothesis.members[how.fitted.hypothesis.keys.index(key)]
     pairs = zip(member.effect.parameters, factors, strict=True)
-    return {p.name: widened(values[p.name], float(factor), p.lower, p.upper) for p, factor in pairs}
+    return {p.name: scaled(values[p.name], float(factor), p.lower, p.upper) for p, factor in pairs}
 
 
 def repeatability(outcome: Outcome, how: Repeated | None, key: str) -> list[dict[str, Any]]:
@@ -81,19 +100,19 @@ def grade(
     """How firmly a claim stands.
 
     Where noise is all that is left: established. Beside a force that is left out: possible, if it was chosen among many places (one
-    of them always fits some of what something else makes), if it may as well be absent, or if it explains not much more than what
-    is left and has a shape over the state (a law that nobody has named may be pieced together from several); likely, if there are
-    too few recordings to say whether it repeats, leaving one out takes it away, or its size is not known to a factor of ten; else
+    of them always fits some of what something else makes), if it may as well be absent, or if it is no plain law of a single
+    number and does not explain far more than what is left (it may be bent to what nobody has named); likely, if there are too few
+    recordings to say whether it repeats, leaving one out takes it away, or its size is not known to a factor of ten; else
     established.
 
     values: its parameters; rows: see ``repeatability``.
     """
     if outcome.force is None:
         return ESTABLISHED
-    remains = conclusion.remains
-    if remains.significant and claim.gain < FAKED * remains.excess:
+    effect = claim.candidate.effect
+    if not plain(effect) and claim.gain < FAKED * conclusion.remains.excess:
         return POSSIBLE
-    first = next(iter(claim.candidate.effect.parameters), None)
+    first = next(iter(effect.parameters), None)
     if placed(claim.candidate) or (
         first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
     ):

@@ -196,6 +196,10 @@ def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
         return True
     if not remains.significant:
         return _imitated(outcome, best, smaller, BETTER)
+    if beside_force(outcome, best, k):
+        # A force that nobody has named, and that has this law in it, explains what is left beside the law as well.
+        beside = max((min(t.worth(study.samples), best.score) for t in remains.tests if t.places >= 0), default=0.0)
+        return _imitated(outcome, best, smaller, BETTER + max(beside, 0.0))
     if smaller.score - best.score >= FAKED * _excess(study, best, remains) and not _imitated(outcome, best, smaller):
         return False
     return not firm(outcome, best, k)
@@ -217,9 +221,11 @@ def firm(outcome: Outcome, best: Fit, k: int) -> bool:
     """Whether predictions of data held out need member ``k``, amply, or else at the size that those data give by themselves.
 
     Never of a force or error that could be put at many places: one of them always fits some of what something else makes, and
-    recordings of one rig repeat that. Nor of what a sensor or drive does if a force might do it: not even the side is then known.
+    recordings of one rig repeat that (beside a force that is left out it is possible, and told as no more). Nor of what a sensor or
+    drive does if a force might do it: not even the side is then known.
     """
-    if _nowhere(outcome, best, k) or placed(best.hypothesis.members[k]) or a_force_as_well(outcome, best, k):
+    anywhere = placed(best.hypothesis.members[k]) and outcome.force is None
+    if anywhere or _nowhere(outcome, best, k) or a_force_as_well(outcome, best, k):
         return False
     smaller = outcome.study.below(best, k)
     if carries(outcome, best, smaller, AMPLY):
@@ -274,6 +280,19 @@ def _tuned_to_relax(effect: Effect) -> bool:
 def _shakes(member: Candidate) -> bool:
     """Whether an effect is a force that comes and goes steadily with time, whatever the motion."""
     return member.effect.side == "dynamics" and {"frequency", "phase"} <= set(member.effect.parameter_names)
+
+
+def beside_force(outcome: Outcome, best: Fit, k: int) -> bool:
+    """Whether member ``k`` is a plain law that was weighed beside a force that is left out.
+
+    That evidence has the force in it already, so that what every rig has need not explain many times as much as the force.
+    """
+    return outcome.force is not None and plain(best.hypothesis.members[k].effect)
+
+
+def plain(effect: Effect) -> bool:
+    """Whether an effect is a usual law of the motion with a single number, which little else can be bent to."""
+    return effect.side == "dynamics" and len(effect.parameters) == 1 and effect.rarity <= 0.0
 
 
 def placed(member: Candidate) -> bool:

@@ -49,12 +49,12 @@ def left_force(outcome: Outcome, fitted: Fit, force: Discrepancy) -> list[LeftFo
     """The likeliest course of the force given what a fit leaves (the mean of a Gaussian process given its response)."""
     study = outcome.study
     objective = study.objective(fitted.hypothesis).on(fitted.windows)
-    ((_, residuals),) = replace(objective, likelihood=study.likelihood.of_sensors).residuals(
-        [(fitted.x, fitted.states)]
-    )
+    seen = force.responses.probe.likelihood
+    ((_, residuals),) = replace(objective, likelihood=seen).residuals([(fitted.x, fitted.states)])
     names = outcome.predictor.mechanism(fitted.hypothesis).names
     out = []
-    for window, residual in zip(fitted.windows, residuals, strict=True):
+    for window, white in zip(fitted.windows, residuals, strict=True):
+        residual = white / np.sqrt(force.louder)
         forced, motion = force.responses.of(window), force.responses.motion(window)
         if motion is None or not len(forced.knots):
             continue

@@ -32,7 +32,6 @@ Array = NDArray[np.float64]
 MOST_KNOTS = 180  # of a window's forces, all joints together: bounds the work
 FINEST = 40.0  # knots in the period of the slowest swing at most: what is faster moves no joint
 LONGEST = 8.0  # periods of the slowest swing: a force that lasts longer is a constant one
-IMMATERIAL = 1e-4  # variance in units of the sensor's, below which a direction is left as it is
 CHANCE = 1e-6  # of the gain in likelihood under sensor noise alone, below which there is such a force
 LOUDEST = 1e12  # variance beside a force, in units of the noise's
 SMALLEST, LARGEST = 1e-7, 1e2  # sizes that are looked at, in units of the natural torque
@@ -63,25 +62,6 @@ class Discrepancy:
     louder: float
     scale: float
     responses: Responses
-    _filters: dict[Window, tuple[Array, Array]] = field(default_factory=dict, repr=False)
-
-    def discount(self, window: Window, white: Array) -> Array:
-        """Residuals (..., M) whitened by the sensors' noise, as unit-variance ones under the force as well."""
-        directions, shrink = self._filter(window)
-        return np.asarray(white - ((white @ directions) * shrink) @ directions.T)
-
-    def fainter(self, share: float) -> Discrepancy:
-        """The same force at a share of its size."""
-        return replace(self, sizes=tuple(share * size for size in self.sizes), _filters={})
-
-    def _filter(self, window: Window) -> tuple[Array, Array]:
-        if window not in self._filters:
-            forced = self.responses.of(window)
-            spread = forced.r @ covariance_at(forced.knots, np.array(self.sizes) / self.scale, self.memory) @ forced.r.T
-            values, vectors = np.linalg.eigh(spread)
-            seen = values > IMMATERIAL
-            self._filters[window] = forced.q @ vectors[:, seen], 1.0 - 1.0 / np.sqrt(1.0 + values[seen])
-        return self._filters[window]
 
 
 @dataclass(eq=False)

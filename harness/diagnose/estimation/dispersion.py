@@ -28,18 +28,21 @@ FEWEST = 3  # clusters without which nothing can be said
 class Dispersion:
     """What recordings say of a fit one by one.
 
-    factors: on standard deviations and half-widths of intervals, at least one, (P,). without: the shared parameters with one
-    cluster left out, by its name, (P,); each with its standard deviations (P,).
+    factors: on standard deviations and half-widths of intervals, (P,). without: the shared parameters with one cluster left out, by
+    its name, (P,); each with its standard deviations (P,).
     """
 
     factors: Array
     without: Mapping[Hashable, tuple[Array, Array]]
 
 
-def dispersion(fitted: Fit, nominal: int, clusters: Sequence[Hashable]) -> Dispersion | None:
+def dispersion(
+    fitted: Fit, nominal: int, clusters: Sequence[Hashable], expected: Array | None = None
+) -> Dispersion | None:
     """The spread of a fit's shared parameters over clusters of its windows; None of fewer than ``FEWEST`` clusters.
 
-    nominal: number of leading parameters with a unit normal prior. clusters: of every window of the fit.
+    nominal: number of leading parameters with a unit normal prior. clusters: of every window of the fit. expected: standard
+    deviations (P,) in units of those that the curvature says, where these are known to be others (``misfit.sandwich``).
     """
     names = list(dict.fromkeys(clusters))
     free = np.flatnonzero(fitted.free)
@@ -58,7 +61,8 @@ def dispersion(fitted: Fit, nominal: int, clusters: Sequence[Hashable]) -> Dispe
     prior = np.diag((free < nominal).astype(np.float64))
     every = sum(information.values()) + prior
     whole = inverse(every)
-    sigma = np.sqrt(np.diag(whole))
+    wider = np.ones(len(free)) if expected is None else expected[free]
+    sigma = wider * np.sqrt(np.diag(whole))
     pull = prior @ fitted.x[free]
     # What the prior pulls is shared out, so that the clusters' slopes add up to nothing at the fit.
     moved = np.array([whole @ (slopes[name] + pull / count) for name in names])
@@ -69,12 +73,12 @@ def dispersion(fitted: Fit, nominal: int, clusters: Sequence[Hashable]) -> Dispe
     moderated = np.maximum((POOLED * pooled + (count - 1) * ratio) / (POOLED + count - 1), 1.0)
     student = float(t.ppf(0.975, POOLED + count - 1) / norm.ppf(0.975))
     factors = np.ones(len(fitted.x))
-    factors[free] = np.sqrt(moderated) * student
+    factors[free] = np.sqrt(moderated) * student * wider
     without = {}
     for name in names:
         rest = inverse(every - information[name])
         x, std = fitted.x.copy(), np.full(len(fitted.x), np.nan)
         x[free] += rest @ slopes[name]
-        std[free] = np.sqrt(np.diag(rest) * moderated)
+        std[free] = wider * np.sqrt(np.diag(rest) * moderated)
         without[name] = x, std
     return Dispersion(factors, without)

@@ -100,10 +100,8 @@ def _bound_width(fitted: Fit, index: int, nominal: int) -> float:
     return min(float(1.0 / np.sqrt(information)), WIDEST) if information > 0.0 else WIDEST
 
 
-def widened(own: Estimate, factor: float, lower: float, upper: float) -> Estimate:
-    """The estimate with its interval wider by a factor on either side, within what is possible."""
-    if factor <= 1.0:
-        return own
+def scaled(own: Estimate, factor: float, lower: float, upper: float) -> Estimate:
+    """The estimate with its interval wider (or narrower) by a factor on either side, within what is possible."""
     std = None if own.std is None else own.std * factor
     low, high = own.value - factor * (own.value - own.low), own.value + factor * (own.high - own.value)
     return Estimate(own.value, std, max(low, lower), min(high, upper))

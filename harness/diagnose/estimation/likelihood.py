@@ -7,7 +7,7 @@ very start of a window, whose past a sensor with memory would need, do not count
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -22,10 +22,16 @@ Array = NDArray[np.float64]
 
 
 class ModelError(Protocol):
-    """What an error of the model itself makes of residuals that the sensors' noise has whitened (``estimation.discrepancy``)."""
+    """What an error of the model itself makes of residuals, beside the sensors' noise (``estimation.misfit``)."""
 
-    def discount(self, window: Window, white: Array) -> Array:
-        """Residuals (..., M) of a window as unit-variance ones under the model's error as well."""
+    @property
+    def sensors(self) -> Likelihood:
+        """The likelihood of the sensors' noise alone."""
+        ...
+
+    @property
+    def together(self) -> tuple[float, ...]:
+        """Samples of every channel that err together, and so count as one."""
         ...
 
 
@@ -34,7 +40,7 @@ class Likelihood:
     """Noise of every channel of a problem, and the samples' weights.
 
     colours: one a channel, at the sampling interval of the runs. lead: seconds at a window's start that do not count.
-    discrepancy: a force that every hypothesis leaves out, None where the sensors' noise is all there is.
+    discrepancy: what every hypothesis leaves out, None where the sensors' noise is all there is; colours are then as loud as that.
     """
 
     problem: Problem
@@ -60,6 +66,8 @@ class Likelihood:
             if step > 0.0 and step > scatter.std:
                 out[c] /= np.sqrt(_stretches(values[c], 0.5 * step / max(run.averaged, 1)))
         out[:, (run.time[part] - run.time[window.first]) < self.lead] = 0.0
+        if self.discrepancy is not None:
+            out /= np.sqrt(self.discrepancy.together)[:, None]
         return out
 
     def whiten(self, window: Window, predictions: list[Array]) -> Array:
@@ -88,7 +96,7 @@ class Likelihood:
                 raw[:, :, c] = colour.whiten(raw[:, :, c])
             raw *= np.array([self.weights(windows[k]) for k in which])[:, None]
             for k, own in zip(which, raw.reshape(len(which), lanes, -1), strict=True):
-                out[k] = self.discounted(windows[k], own)
+                out[k] = own
         return out
 
     def whiten_signal(self, window: Window, signal: Array) -> Array:
@@ -96,16 +104,12 @@ class Likelihood:
         for c, colour in enumerate(self.colours):
             signal[:, c] = colour.whiten(signal[:, c])
         signal *= self.weights(window)
-        return self.discounted(window, signal.reshape(len(signal), -1))
-
-    def discounted(self, window: Window, white: Array) -> Array:
-        """What the sensors' noise has whitened (..., C·T), under the model's own error as well."""
-        return white if self.discrepancy is None else self.discrepancy.discount(window, white)
+        return signal.reshape(len(signal), -1)
 
     @property
     def of_sensors(self) -> Likelihood:
         """The same with nothing but the sensors' noise."""
-        return self if self.discrepancy is None else replace(self, discrepancy=None)
+        return self if self.discrepancy is None else self.discrepancy.sensors
 
     def roundest(self, channel: int) -> float:
         """Mean square that rounding alone may reach in a stretch of a channel, in units of the noise's variance; one at least.

@@ -187,7 +187,7 @@ def to_channels(predictor: Predictor, likelihood: Likelihood, fitted: Fit, found
         else:
             sampled = cubic(grid, _read(model, row, system, channel, place), rate, size)
         out[c] = likelihood.colours[c].whiten(np.nan_to_num(sampled), axis=0) * weights[c, :, None]
-    return likelihood.discounted(found.window, out.reshape(-1, count).T)
+    return out.reshape(-1, count).T
 
 
 def _read(model: LaneModel, row: Array, system: System, channel: ChannelInfo, states: Array) -> Array:

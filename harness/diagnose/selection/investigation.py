@@ -13,6 +13,7 @@ from harness.diagnose.estimation.discrepancy import Discrepancy
 from harness.diagnose.estimation.horizon import Horizon
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.misfit import Misfit
 from harness.diagnose.estimation.noise_colour import Colour, estimate_colour
 from harness.diagnose.estimation.scatter import crude_colours, quietest
 from harness.diagnose.estimation.vibration_windows import stages
@@ -24,7 +25,7 @@ from harness.diagnose.problem.windows import Window, cut
 from harness.diagnose.selection.beam_search import Effort, grow, polish, transfer
 from harness.diagnose.selection.dissipation_starts import ordinary
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
-from harness.diagnose.selection.model_error import Structure, begun_ordinary, under_model_error
+from harness.diagnose.selection.model_error import Structure, begun_ordinary, reweighed, under_model_error
 from harness.diagnose.selection.short_window_starts import begun, far_off, ordinary_by_way_of_shorter, very_short
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
 
@@ -33,6 +34,7 @@ Array = NDArray[np.float64]
 SWINGS = 1.5  # periods of the slowest swing in a short window
 MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected to have its power
 NONLINEAR = 3.0  # times the noise's cost, beyond which free runs of the nominal model say little about what is missing
+RETAINED = 24  # sets that are kept when all are weighed anew
 SAME_NOISE = 0.03  # relative difference of noise estimates that changes nothing
 
 
@@ -104,7 +106,28 @@ class Outcome:
     def force(self) -> Discrepancy | None:
         """The force that every hypothesis leaves out, None where noise is all there is."""
         found = self.study.likelihood.discrepancy
-        return found if isinstance(found, Discrepancy) else None
+        return found.force if isinstance(found, Misfit) else None
+
+    def reweigh(self, best: Fit) -> Fit:
+        """Weigh all by what this set leaves, where the set that was best till now leaves another size; the same set, fitted so."""
+        after = reweighed(self.study, best)
+        if after is None:
+            return best
+        before, training = self.study, self.training
+        for found in (self.judged, self.alone, self.straight, self.read):
+            found.clear()
+        self.study = after
+        self.training = Study(
+            after.problem, after.predictor, after.likelihood, after.candidates, training.windows,
+            first_states=after.first_states, swing=after.swing, before=training,
+        )  # fmt: skip
+        kept = sorted(before.fits.values(), key=before.criterion)[:RETAINED]
+        self.ordered = sorted((after.fit(f.hypothesis, [f.x], f) for f in kept), key=after.criterion)
+        self.empty = after.known(Hypothesis()) or after.empty()
+        self.best = after.fit(best.hypothesis, [best.x], best)
+        frozen = np.ones(len(self.nominal.x), dtype=bool)
+        self.nominal = fit(self.training.objective(Hypothesis()), self.nominal.x, self.nominal.states, fixed=frozen)
+        return self.best
 
 
 def investigate(

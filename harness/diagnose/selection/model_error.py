@@ -2,8 +2,9 @@
 
 Where the best set still leaves more than the sensors' noise, that noise is no measure of what a further law is worth: thousands
 of samples call any of them significant. Sets are then weighed by the likelihood with an unknown force at every joint beside the
-sensors' noise (``estimation.discrepancy``), its size and memory estimated for each set by itself, so that a law pays by making
-that force smaller, in steps that hundreds of samples which err together cannot make look large.
+sensors' noise (``estimation.discrepancy``), its size and memory estimated, and fitted and compared with residuals as loud and as
+few as that leaves them (``estimation.misfit``): a law pays by making what is left smaller, in steps that hundreds of samples which
+err together cannot make look large.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from harness.diagnose.estimation.discrepancy import (
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise
+from harness.diagnose.estimation.misfit import Misfit, misfit, squares
 from harness.diagnose.estimation.objective import Objective
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -32,20 +34,22 @@ from harness.diagnose.selection.study import HOPELESS, Study
 from harness.effects.scale import pull
 
 COMPARED = 12  # sets whose own force is estimated, to choose the one that the first likelihood is made from
-SETTLED = 0.2  # relative change of a force's size that changes no weighing
+SETTLED = 0.2  # relative change of a variance, or of samples that count as one, that changes no weighing
 ROUNDS = 5  # of estimating the force and weighing again
 SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
 MOSTLY = (
     0.2  # of what the nominal model leaves (RMS) that ordinary dissipation leaves, where that is most of the answer
 )
-FAR_LESS = 10.0  # times less that one error of a known shape has to leave than a set of laws, to be what those only stand in for
+FAR_LESS = (
+    10.0  # times less that one error of a known shape has to leave than any set, to be what laws only stand in for
+)
 LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
 
 @dataclass(frozen=True, eq=False)
 class Weighed:
-    """A set with what else is at work as it says itself: a force, or none, beside noise of these sensors; its criterion."""
+    """A set under the likelihood with a force of its own, if there is one: its criterion, noise of the sensors, and the force."""
 
     fitted: Fit
     value: float
@@ -72,8 +76,6 @@ def weighed(study: Study, ways: Sequence[Responses], fitted: Fit) -> Weighed:
         colours = 2.0 * sum(1.0 for colour in sensors.colours if colour.coloured > 0.0)
         rows.append((cost - gain + sensors.spread(fitted.windows) + 2.0 * colours, sensors, force))
     value, sensors, force = min(rows, key=lambda row: row[0])
-    if force is not None:
-        sensors = replace(sensors, colours=tuple(colour.louder(force.louder) for colour in sensors.colours))
     return Weighed(fitted, study.criterion(fitted) - fitted.cost + value, sensors, force)
 
 
@@ -154,9 +156,10 @@ def under_model_error(
     if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure)):
         return None
     progress("a force that is left out")
-    taken, wider, ranked, search = rows[0], study, [row.fitted for row in rows], True
+    rough = replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
+    taken, ranked, search = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows], True
     for _ in range(ROUNDS):
-        wider = _with_force(study, _fainter(taken) if early and search else taken)
+        wider = _with(study, (taken.fainter(SOUGHT) if early and search else taken).likelihood)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
         if search:
             empty = wider.fit(Hypothesis(), [study.empty().x], study.empty())
@@ -165,26 +168,27 @@ def under_model_error(
             fits = grow(wider, [empty, *fits], effort, progress)
             if not early:
                 fits = polish(wider, fits, effort, progress)
-        found = least(wider, ways, sorted(fits, key=wider.criterion), progress)
-        ranked = [found.fitted, *(f for f in fits if f is not found.fitted)]
+        best = least(wider, rough, taken.together, sorted(fits, key=wider.criterion), progress)
+        ranked = [best, *(f for f in fits if f is not best)]
+        found = weighed(wider, ways, best)
         if found.force is None:
             # What was found on the way leaves nothing but noise: no force is left out.
-            plain = _with_force(study, found)
+            plain = _with(study, found.sensors)
             return plain, sorted(
                 (plain.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]), key=plain.criterion
             )
-        settled, search, taken = _alike(taken, found), _shrunk(taken, found), found
+        after = _left(rough, study, best, found.force)
+        settled, search, taken = _alike(taken, after), _shrunk(taken, after), after
         if settled:
             break
-    if not early:
-        return wider, ranked
-    # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone.
-    best = part = study.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
-    while part.hypothesis.members:
-        part = min((study.below(part, k) for k in range(len(part.hypothesis.members))), key=study.criterion)
-    if not _shapeless(study, taken.value, structure, best):
-        return None
-    wider = _with_force(study, taken)
+    if early:
+        # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone.
+        part = study.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
+        while part.hypothesis.members:
+            part = min((study.below(part, k) for k in range(len(part.hypothesis.members))), key=study.criterion)
+        if not _shapeless(study, weighed(study, ways, ranked[0]).value, structure):
+            return None
+    wider = _with(study, taken.likelihood)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
     if reached is not None:
         reached.append(wider)
@@ -192,18 +196,40 @@ def under_model_error(
     return wider, polish(wider, sorted(fits, key=wider.criterion), effort, progress)
 
 
-def _shapeless(study: Study, value: float, structure: Structure, best: Fit | None = None) -> bool:
+def reweighed(study: Study, fitted: Fit) -> Study | None:
+    """A study under what this set leaves, where its own likelihood has another size of that; None where it has not.
+
+    What has been left out of a set again is the model's own error from then on.
+    """
+    before = study.likelihood.discrepancy
+    if not isinstance(before, Misfit):
+        return None
+    after = _left(before.sensors, study, fitted, before.force)
+    if _alike(before, after):
+        return None
+    ways = answers(study, fitted, study.swing)
+    force = weighed(study, ways, fitted).force if ways else None
+    return replace(_with(study, replace(after, force=force or before.force).likelihood), before=study)
+
+
+def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy | None) -> Misfit:
+    """What a set leaves of what the sensors read."""
+    assert force is not None
+    _, residuals = _under(rough, study, fitted).residuals([(fitted.x, fitted.states)])[0]
+    return misfit(rough, fitted.windows, residuals, force)
+
+
+def _shapeless(study: Study, value: float, structure: Structure) -> bool:
     """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
 
     A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
     an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves far
-    less beside some laws of a set than all of them do: those then only stand in for it. best: such a set.
+    less beside some laws than any set does: the others then only stand in for it.
     """
     lowest = min(fitted.score for fitted in study.fits.values())
     for fitted in _best_of_each_size(study):
         worth = structure(study, fitted)
-        fewer = best is not None and len(fitted.hypothesis.members) < len(best.hypothesis.members)
-        if fewer and fitted.score - worth < lowest / FAR_LESS:
+        if fitted.score - worth < lowest / FAR_LESS:
             return False
         explained = fitted.score - worth < HOPELESS * study.samples
         if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
@@ -211,16 +237,9 @@ def _shapeless(study: Study, value: float, structure: Structure, best: Fit | Non
     return True
 
 
-def _shrunk(before: Weighed, after: Weighed) -> bool:
-    """Whether the force has become so much smaller that further laws may show beside it."""
-    if before.force is None or after.force is None:
-        return False
-    return any(b < SHRUNK * a for a, b in zip(before.force.sizes, after.force.sizes, strict=True))
-
-
-def _fainter(taken: Weighed) -> Weighed:
-    """The same with a smaller force: beside one as large as all that is left, no further law is called for."""
-    return replace(taken, force=taken.force and taken.force.fainter(SOUGHT))
+def _shrunk(before: Misfit, after: Misfit) -> bool:
+    """Whether what is left has become so much smaller that further laws may show beside it."""
+    return any(b < SHRUNK**2 * a for a, b in zip(before.louder, after.louder, strict=True))
 
 
 def _best_of_each_size(study: Study) -> list[Fit]:
@@ -233,32 +252,45 @@ def _best_of_each_size(study: Study) -> list[Fit]:
     return list(best.values())
 
 
-def _alike(one: Weighed, other: Weighed) -> bool:
+def _alike(one: Misfit, other: Misfit) -> bool:
     """Whether two likelihoods weigh alike."""
-    if one.force is None or other.force is None or one.force.responses is not other.force.responses:
-        return False
-    sizes = ((*force.sizes, float(np.sqrt(force.louder))) for force in (one.force, other.force))
-    pairs = zip(*sizes, strict=True)
+    pairs = [*zip(one.louder, other.louder, strict=True), *zip(one.together, other.together, strict=True)]
     return all(abs(a - b) <= SETTLED * max(a, b) for a, b in pairs)
 
 
-def _with_force(study: Study, taken: Weighed) -> Study:
-    """A study of the same windows, nothing fitted yet, with such noise and such a force in its likelihood."""
+def _with(study: Study, likelihood: Likelihood) -> Study:
+    """A study of the same windows under another likelihood, nothing fitted yet."""
     return Study(
-        study.problem, study.predictor, replace(taken.sensors, discrepancy=taken.force), study.candidates, study.windows,
+        study.problem, study.predictor, likelihood, study.candidates, study.windows,
         first_states=study.first_states, swing=study.swing,
     )  # fmt: skip
 
 
-def least(study: Study, ways: Sequence[Responses], ordered: Sequence[Fit], progress: Callable[[str], None]) -> Weighed:
-    """The set whose own likelihood is best, among those found and, one member after the other left out, the best one's parts."""
-    best = min((weighed(study, ways, fitted) for fitted in ordered[:COMPARED]), key=lambda row: row.value)
-    while best.fitted.hypothesis.members:
-        members = range(len(best.fitted.hypothesis.members))
-        parts = [weighed(study, ways, study.below(best.fitted, k)) for k in members]
-        smaller = min(parts, key=lambda row: row.value)
-        if smaller.value >= best.value:
+def least(
+    study: Study,
+    sensors: Likelihood,
+    together: Sequence[float],
+    ordered: Sequence[Fit],
+    progress: Callable[[str], None],
+) -> Fit:
+    """The likeliest set, what it leaves as loud as it is, of those found and the best one's parts, member after member left out.
+
+    together: samples of every channel that err together.
+    """
+
+    def value(fitted: Fit) -> float:
+        _, residuals = _under(sensors, study, fitted).residuals([(fitted.x, fitted.states)])[0]
+        left, sizes = squares(sensors, fitted.windows, residuals)
+        # −2 log L with the variance of every channel at its likeliest, one of the sensors' at least.
+        variance = np.maximum(left / sizes, 1.0)
+        own = np.sum(sizes / np.array(together) * (np.log(variance) + left / sizes / variance))
+        return float(own) + study.criterion(fitted) - fitted.cost
+
+    best = min(ordered[:COMPARED], key=value)
+    while best.hypothesis.members:
+        smaller = min((study.below(best, k) for k in range(len(best.hypothesis.members))), key=value)
+        if value(smaller) >= value(best):
             break
         best = smaller
-        progress(" + ".join(best.fitted.hypothesis.keys) or "nothing")
+        progress(" + ".join(best.hypothesis.keys) or "nothing")
     return best

@@ -1,0 +1,130 @@
+"""How much residuals tell where the model, not the sensors, makes them: as loud as they are, and as few as they are independent.
+
+A force that is left out moves the joints, and what it does to a free run lasts. Its exact covariance would weigh residuals best if
+the force were what it is taken for, a stationary process. It is not: friction comes and goes with the motion, a hand still holds
+for a while. Parameters by such weights answer to accelerations alone, and free runs of them drift. So parameters are those of
+free runs (least squares of what is read), and the likelihood of independent samples is adjusted for how residuals hang together:
+its variance is what is left, and so many samples count as one as their correlations say (Chandler and Bate, Biometrika 94 (2007)
+167, on adjusting an independence likelihood; Bartlett, J. R. Statist. Soc. 98 (1935) 536, on the number).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.estimation.discrepancy import Discrepancy, Responses, covariance_at
+from harness.diagnose.estimation.least_squares import Fit, inverse
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.problem.windows import Window
+
+Array = NDArray[np.float64]
+
+REACH = (
+    5.0  # times the correlation's own sum over lags, up to which lags are summed (Sokal, Monte Carlo methods (1997) 3)
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Misfit:
+    """What a set of laws leaves, channel by channel.
+
+    sensors: noise without it. louder: variance in units of the sensors'; together: samples that err together, (C,) each.
+    force: the force at the joints that would do it.
+    """
+
+    sensors: Likelihood
+    louder: tuple[float, ...]
+    together: tuple[float, ...]
+    force: Discrepancy
+
+    def fainter(self, share: float) -> Misfit:
+        """The same of a share of its size, no quieter than the sensors."""
+        return replace(self, louder=tuple(max(share**2 * one, 1.0) for one in self.louder))
+
+    @property
+    def likelihood(self) -> Likelihood:
+        """The likelihood with it."""
+        colours = tuple(c.louder(v) for c, v in zip(self.sensors.colours, self.louder, strict=True))
+        return replace(self.sensors, colours=colours, discrepancy=self)
+
+
+def squares(sensors: Likelihood, windows: Sequence[Window], residuals: Sequence[Array]) -> tuple[Array, Array]:
+    """Sum of squared residuals that the sensors have whitened, and the number of readings, (C,) each."""
+    count = len(sensors.colours)
+    sizes = sum((np.sum(sensors.weights(w) ** 2, axis=1) for w in windows), np.zeros(count))
+    left = sum((np.sum(r.reshape(count, -1) ** 2, axis=1) for r in residuals), np.zeros(count))
+    return left, np.maximum(sizes, 1.0)
+
+
+def misfit(sensors: Likelihood, windows: Sequence[Window], residuals: Sequence[Array], force: Discrepancy) -> Misfit:
+    """What residuals (M,) of windows say, whitened by the sensors."""
+    left, sizes = squares(sensors, windows, residuals)
+    shares = hanging_together([r.reshape(len(sensors.colours), -1) for r in residuals])
+    samples = sum((np.count_nonzero(sensors.weights(w), axis=1) for w in windows), np.zeros(len(sizes)))
+    # Readings that repeat each other count as one already.
+    together = np.maximum(shares * sizes / np.maximum(samples, 1.0), 1.0)
+    return Misfit(sensors, tuple(np.maximum(left / sizes, 1.0)), tuple(together), force)
+
+
+def hanging_together(pieces: Sequence[Array]) -> Array:
+    """How many samples of every channel (C,) err together: the sum of squared correlations over lags and over channels.
+
+    pieces: residuals (C, T) of stretches. Two series that are alike so correlated have a correlation by chance of this over T.
+    """
+    longest = max(piece.shape[1] for piece in pieces)
+    count = len(pieces[0])
+    lags = np.zeros((count, count, longest))
+    for piece in pieces:
+        size = piece.shape[1]
+        ahead = np.fft.rfft(piece, 2 * size)
+        across = np.fft.irfft(ahead[:, None] * np.conj(ahead[None]))[..., :size]
+        lags[..., :size] += across
+    power = np.maximum(lags[np.arange(count), np.arange(count), 0], 1e-300)
+    correlation = np.clip(lags / np.sqrt(power[:, None] * power[None])[..., None], -1.0, 1.0)
+    # A lag of one channel behind another is one of that ahead of it.
+    square = np.sum(correlation**2 + np.swapaxes(correlation, 0, 1) ** 2, axis=1)
+    square[:, 0] /= 2.0
+    out = np.empty(count)
+    for c in range(count):
+        total = np.cumsum(square[c])
+        far = np.arange(longest) >= REACH * total
+        out[c] = total[int(np.argmax(far))] if far.any() else total[-1]
+    return out
+
+
+def sandwich(fitted: Fit, nominal: int, left: Misfit, found: Responses) -> Array:
+    """By how much standard deviations of a fit's parameters (P,) are wider or narrower than its curvature, given the force.
+
+    Residuals that hang together hurt what looks like them, and other parameters less: B A' S A B with S the covariance that the
+    force makes (Huber, Proc. 5th Berkeley Symp. 1 (1967) 221; White, Econometrica 50 (1982) 1), as large in all as what is left.
+
+    nominal: number of leading parameters with a unit normal prior. found: how channels, whitened by the sensors, answer to forces.
+    """
+    free = np.flatnonzero(fitted.free)
+    prior = np.diag((free < nominal).astype(np.float64))
+    whole = inverse(fitted.linear.matrix[:, free].T @ fitted.linear.matrix[:, free] + prior)
+    quieter = 1.0 / np.sqrt(np.array(left.louder) * np.array(left.together))
+    sizes = np.array(left.force.sizes) / found.torque
+    middle, expected = np.zeros_like(prior), 0.0
+    for window, states, shared in zip(fitted.windows, fitted.linear.bases, fitted.linear.shared, strict=True):
+        rows = np.repeat(quieter, window.size)[:, None]
+        basis = np.linalg.qr(states)[0] if states.shape[1] else np.zeros((len(states), 0))
+        columns = shared[:, free] - basis @ (basis.T @ shared[:, free])
+        forced = found.of(window)
+        root = np.linalg.cholesky(
+            covariance_at(forced.knots, sizes, left.force.memory) + 1e-12 * np.eye(len(forced.r.T))
+        )
+        pushed = (rows * forced.q) @ (forced.r @ root)
+        pushed -= basis @ (basis.T @ pushed)
+        own = columns.T @ pushed
+        middle += own @ own.T + left.force.louder * (rows * columns).T @ (rows * columns)
+        expected += float(np.sum(pushed**2)) + left.force.louder * float(np.sum(rows**2))
+    middle = middle * fitted.linear.cost / max(expected, 1e-300) + prior
+    out = np.ones(len(fitted.x))
+    ratio = np.diag(whole @ middle @ whole) / np.maximum(np.diag(whole), 1e-300)
+    out[free] = np.sqrt(np.maximum(ratio, 0.0))
+    return out
