@@ -76,6 +76,10 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
     for i in range(count):
         name = model.actuator(i).name or f"actuator{i + 1}"
         k = next((k for k in range(model.njnt) if i in _at_joint(model, k)), None)
+        if k is not None and (own := _own_terms(model, i)):
+            notes.append(
+                f"actuator {name!r} acts on joint {names[k]!r} without a command too, with {own} of its own; the model keeps it"
+            )
         if k is None or model.actuator_actnum[i] or model.actuator_ctrlnum[i] > 1 or _delayed(model, i):
             notes.append(f"actuator {name!r} left out: {_why(model, i, k)}")
             continue
@@ -90,11 +94,21 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
                 f"actuator {name!r} at joint {actuator.joint!r} has feedback, acting without a command too: {said}; it is left out "
                 "but in `denoc simulate`"
             )
-        else:
+        elif not _own_terms(model, i):
             silent.append(repr(name))
     if silent:
         notes.append(f"actuator(s) {', '.join(silent)} do nothing without a command; joint effort is an input here")
     return tuple(found), tuple(notes)
+
+
+def _own_terms(model: Any, i: int) -> str:
+    """What actuator i adds at its joint by damping and armature of its own, in words; empty if nothing."""
+    gear = _gear(model, i)
+    damping = gear**2 * np.array([model.actuator_damping[i], *model.actuator_dampingpoly[i]])
+    terms = [f"{-c:+.4g} · {v}" for c, v in zip(damping, ("v", "v|v|", "v³"), strict=True) if c]
+    armature = gear**2 * float(model.actuator_armature[i])
+    said = [f"damping {', '.join(terms)} (v: velocity of the joint)"] if terms else []
+    return " and ".join(said + ([f"armature {armature:.4g}"] if armature else []))
 
 
 def _delayed(model: Any, i: int) -> bool:

@@ -68,12 +68,22 @@ TOLD = {
         "-1 · velocity",  # K²/R = 0.12² / 1.44 N·m·s/rad (stall 1 N·m at 12 V, 100 rad/s idle), times the gear squared
     ),
     "motor": ({"rest": '<actuator><motor joint="h"/></actuator>'}, "do nothing without a command"),
+    # Times the gear squared: 0.5 · 3² v|v| (MuJoCo's own acceleration agrees, see "armature and damping of a motor").
+    "motor with damping of its own": (
+        {"rest": '<actuator><motor joint="h" gear="3" armature=".02" damping="0 .5 0"/></actuator>'},
+        "without a command too, with damping -4.5 · v|v| (v: velocity of the joint) and armature 0.18 of its own",
+    ),
     "activation": (
         {"rest": '<actuator><intvelocity joint="h" kp="3" actrange="-1 1"/></actuator>'},
         "a state of its own",
     ),
     "muscle": ({"rest": '<actuator><muscle joint="h" lengthrange="-1 1"/></actuator>'}, "left out"),
 }
+
+
+def test_a_motor_with_damping_is_not_said_to_do_nothing(tmp_path: Path) -> None:
+    system, _ = load(tmp_path, rest='<actuator><motor name="m" joint="h" damping="0 .5 0"/></actuator>')
+    assert not any("do nothing without a command" in note for note in system.notes)
 
 
 @pytest.mark.parametrize("name", TOLD)
