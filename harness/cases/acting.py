@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.cases.case import Array
 from harness.denoc import Denoc
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError
 from harness.system import Actuator, Joint, Keyframe, Stops, System
 from harness.system.soft_constraints import limit_law
 from harness.system.suggest import did_you_mean
@@ -35,33 +35,31 @@ def driven(
     """The system with its actuators acting under held commands, and one line for each that acts.
 
     command: by actuator, 0 where absent. without: joints whose effort is an input already.
-    A drive without a range of force is a spring and a damper of its joint. Raises UnsupportedError for two drives of one joint that
-    are more than that.
+    A drive without a range of force is a spring and a damper of its joint.
     """
     told, drives = [], []
     for stated in system.actuators:
-        held = command.get(stated.name, 0.0)
+        asked = command.get(stated.name, 0.0)
+        held = min(max(asked, stated.commands[0]), stated.commands[1])
         acting = replace(stated, offset=stated.offset + stated.gain * held, gain=0.0)
         if stated.joint in without:
             told.append(f"actuator {stated.name!r} is left out: the effort of joint {stated.joint!r} is given")
         elif acting.offset or acting.stiffness or acting.damping:
-            told.append(f"actuator {stated.name!r} acts on joint {stated.joint!r}, its command held at {held:g}")
+            kept = (
+                ""
+                if held == asked
+                else f", where its range of {stated.commands[0]:g} … {stated.commands[1]:g} keeps {asked:g}"
+            )
+            told.append(f"actuator {stated.name!r} acts on joint {stated.joint!r}, its command held at {held:g}{kept}")
             if _is_spring(acting):
                 system = system.replace_joint(_sprung(system.joint(stated.joint), acting))
             else:
                 drives.append(acting)
-    joints = [drive.joint for drive in drives]
-    twice = next((joint for joint in joints if joints.count(joint) > 1), None)
-    if twice is not None:
-        raise UnsupportedError(
-            f"joint {twice!r} has two drives with a range of force or a constant one",
-            mend="--no-actuators leaves them out",
-        )
     return replace(system, drives=tuple(drives)), tuple(told)
 
 
 def _is_spring(drive: Actuator) -> bool:
-    bounded = np.isfinite(drive.lower) or np.isfinite(drive.upper)
+    bounded = np.isfinite([drive.lower, drive.upper, *drive.together]).any()
     return not bounded and drive.damping >= 0.0 and (drive.stiffness > 0.0 or (drive.stiffness == drive.offset == 0.0))
 
 

@@ -213,6 +213,15 @@ LAWS = (
         "cubic_spring", {"cubic_stiffness": 0.7}, _SWUNG, _integrated(_SWUNG, lambda q, _: -0.7 * q**3), "J θ'' = −k θ³",
     ),
     Law(
+        "polynomial",
+        {
+            "stiffness": SPRING, "rest_angle": 0.3, "cubic_damping": 0.002, "polynomial_square": 0.3, "polynomial_cube": 0.4,
+            "polynomial_rest": 0.3,
+        },
+        _SWUNG, _integrated(_SWUNG, lambda q, v: -SPRING * (q - 0.3) - 0.3 * (q - 0.3) ** 2 - 0.4 * (q - 0.3) ** 3 - 0.002 * v**3),
+        "J θ'' = −(k₁ + k₂ x + k₃ x²) x − c θ'³, x = θ − θ₀",
+    ),
+    Law(
         "constant_torque", {"constant_torque": 0.013}, (0.1, -0.2), lambda time: 0.1 - 0.2 * time + 0.5 * 0.013 / J * time**2,
         "θ = θ₀ + ω₀ t + τ t² / 2J",
     ),

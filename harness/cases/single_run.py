@@ -20,6 +20,7 @@ from harness.recording.efforts import read_efforts
 from harness.recording.recording import QualityNote
 from harness.recording.units import factor_to_si
 from harness.system import Joint, System
+from harness.system.lowering import followed
 from harness.system.suggest import did_you_mean
 
 # Eight columns of doubles of this length are half a gigabyte.
@@ -196,6 +197,11 @@ def run_once(
             columns[column_name(joint, name, "velocity")] = run.velocity[:, run.names.index(name)]
             if tau is not None:
                 columns[column_name(joint, name, "effort")] = tau[:, names.index(name)]
+        if joint.mimic is not None:
+            leader, multiplier, offset = followed(system, joint)
+            course = run.position[:, run.position_names.index(leader)]
+            columns[column_name(joint, joint.name, "position")] = multiplier * course + offset
+            columns[column_name(joint, joint.name, "velocity")] = multiplier * run.velocity[:, run.names.index(leader)]
     columns.update(run.channels)
     for name, values in columns.items():
         if not np.isfinite(values).all():

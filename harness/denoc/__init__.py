@@ -1,5 +1,6 @@
 """Native dynamics by the decoupled natural orthogonal complement (DeNOC)."""
 
+from harness.denoc import compensated  # which makes itself known to Denoc
 from harness.denoc.model import Denoc
 
-__all__ = ["Denoc"]
+__all__ = ["Denoc", "compensated"]

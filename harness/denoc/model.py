@@ -78,6 +78,19 @@ class Denoc:
         "tree",
     )
 
+    # Whether forces act that the compiled equations do not hold, so that integrators have to call ``forward_dynamics``.
+    by_calls = False
+
+    # The class of systems part of whose weight is carried, which ``harness.denoc.compensated`` puts here.
+    of_carried_weight: type[Denoc] | None = None
+
+    def __new__(cls, system: System) -> Denoc:
+        """An object of the class that holds what the system has."""
+        kind = cls
+        if cls is Denoc and Denoc.of_carried_weight and any(link.gravcomp for link in system.links):
+            kind = Denoc.of_carried_weight
+        return object.__new__(kind)
+
     def __init__(self, system: System) -> None:
         lowered = None if system.simple else lower(system)
         tree = compile_tree(system if lowered is None else lowered.system)

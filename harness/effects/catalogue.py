@@ -20,11 +20,13 @@ NAMES = (
     "stribeck_friction",
     "load_dependent_friction",
     "quadratic_drag",
+    "polynomial_damping",
     "dahl_friction",
     "friction_creep",
     "friction_softness",
     "joint_stiffness",
     "cubic_stiffness",
+    "polynomial_stiffness",
     "constant_torque",
     "cogging_torque",
     "end_stop",
@@ -109,6 +111,8 @@ def sites(effect: Effect, system: System, recording: Measured | None = None) -> 
 
 
 def _met(need: str, system: System, recording: Measured | None) -> bool:
+    if need == "stated":
+        return False
     if need == "rigid":
         return any(not link.flexible and link.mass > 0.0 for link in system.links)
     if need == "flexible":

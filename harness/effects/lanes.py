@@ -54,7 +54,8 @@ def lane_row(model: LaneModel, system: System, user: Sequence[Effect] = ()) -> A
         write_attachment(row, model, attachment, known)
     for drive in system.drives:
         # A range that is not the same both ways is a constant force and one that is.
-        low, high = max(drive.lower, -BOUNDLESS), min(drive.upper, BOUNDLESS)
+        low = max(drive.lower, drive.together[0], -BOUNDLESS)
+        high = min(drive.upper, drive.together[1], BOUNDLESS)
         middle = 0.5 * (low + high)
         row[model.slot(drive.joint, "constant_torque")] += middle
         _write_user(

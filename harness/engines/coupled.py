@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from harness.engines.checked import held_forces, positive_step, sample_times, vector, vectors
 from harness.engines.march import march
 from harness.engines.protocol import Array, EngineModel
+from harness.engines.soft_motion import soft_joints, soft_march
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
 from harness.system.lowering import followed
@@ -24,8 +25,8 @@ def follows(system: System) -> bool:
 
 
 def without_mimics(system: System) -> System:
-    """The system with every joint independent."""
-    return replace(system, joints=tuple(replace(joint, mimic=None) for joint in system.joints))
+    """The system with every joint independent, its limits and dry friction left to the runs of what is coupled."""
+    return replace(system, joints=tuple(replace(joint, mimic=None, friction=0.0) for joint in system.joints), stops=())
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,7 @@ class CoupledModel:
     """A system with joints that follow others, over an engine's model of it without; see ``EngineModel``.
 
     rates: G (m, n). take, factor, shift (positions of the model): which of our positions, by how much, and offset.
+    system: with the limits and dry friction that act in runs.
     """
 
     names: tuple[str, ...]
@@ -42,6 +44,7 @@ class CoupledModel:
     take: NDArray[np.intp]
     factor: Array
     shift: Array
+    system: System
 
     def _q(self, q: Array) -> Array:
         return self.shift + self.factor * vector("q", q, len(self.position_names))[self.take]
@@ -71,7 +74,10 @@ class CoupledModel:
     def simulate(
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
     ) -> Trajectory:
-        """RK4 with steps of at most ``step`` [s], or DOP853 (relative 1e-12) if it is None."""
+        """RK4 with steps of at most ``step`` [s], or DOP853 (relative 1e-12) if it is None.
+
+        With limits or dry friction DOP853, both as MuJoCo's soft constraints.
+        """
         n = len(self.names)
         if len(self.position_names) != n:
             raise UnsupportedError(
@@ -79,9 +85,12 @@ class CoupledModel:
             )
         q0, qd0 = vectors(n, q0=q0, qd0=qd0)
         time = sample_times(time)
-        position, velocity = march(
-            self.forward_dynamics, q0, qd0, time, held_forces(tau, time.size, n), positive_step(step)
-        )
+        forces, step = held_forces(tau, time.size, n), positive_step(step)
+        soft = soft_joints(self.system, np.asarray(np.linalg.inv(self.mass_matrix(np.zeros(n)))), rubbing=True)
+        if soft is not None:
+            position, velocity = soft_march(self, soft, q0, qd0, time, forces, step=step)
+        else:
+            position, velocity = march(self.forward_dynamics, q0, qd0, time, forces, step)
         return Trajectory(time=time, names=self.names, position=position, velocity=velocity)
 
     def frequencies(self, q: Array) -> Array:
@@ -106,4 +115,5 @@ def couple(system: System, model: EngineModel, names: tuple[str, ...], positions
         np.array([own_positions.index(leader) for leader, _, _ in of], dtype=np.intp),
         np.array([multiplier for _, multiplier, _ in of]),
         np.array([offset for _, _, offset in of]),
+        system,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,12 +10,28 @@ import numpy as np
 
 from harness.effects.catalogue import effect
 from harness.engines.checked import held_forces, positive_step, sample_times, vector, vectors
-from harness.engines.expressed import Expressed, express
+from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
+from harness.engines.expressed import Expressed, bends, express
 from harness.engines.protocol import Array, EngineError
+from harness.engines.soft_motion import soft_joints, soft_march
 from harness.engines.stops import enclosing_zero, refusal, run_between
 from harness.errors import InputError, UnsupportedError
-from harness.system import JointType, System, Trajectory
-from harness.system.lowering import position_of_rate
+from harness.system import Attachment, JointType, System, Trajectory
+from harness.system.lowering import chained, position_of_rate
+
+
+def beyond_lanes(system: System, laws: Collection[Attachment]) -> bool:
+    """Whether there is that in a system, beside joint laws, drives and limits, which the lanes do not hold."""
+    in_space = any(joint.turns_in_space or joint.type is JointType.HELICAL for joint in system.joints)
+    lifted = any(link.gravcomp for link in system.links)
+    driven = [drive.joint for drive in system.drives]
+    several = len(set(driven)) < len(driven) or (driven and any(law.effect == "backlash" for law in laws))
+    acting = bool(laws or system.drives or system.stops)
+    return acting and bool(in_space or lifted or several or refusal(replace(system, attachments=tuple(laws))))
+
+
+def _acting(system: System) -> bool:
+    return bool(system.attachments or system.drives or system.stops)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,18 +91,36 @@ class NativeModel:
         """RK4 with steps of at most ``step`` [s], or the adaptive method if it is None.
 
         Beams and dry friction keep the native choice of method: their vibrations and reversals need another than RK4.
-        Systems with joint laws beyond damping, springs and dry friction run in the lanes, which always adapt their step.
+        Systems with joint laws beyond damping, springs and dry friction run in the lanes, which always adapt their step; what the
+        lanes do not hold (joints of several degrees of freedom with laws, carried weight with dry friction, several drives of a
+        joint) is integrated over these accelerations, dry friction and limits being MuJoCo's soft constraints.
         """
         n = len(self.names)
         q0, qd0 = self._state(q0, qd0=qd0)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
+        if self.by_calls:
+            return self._simulate_softly(q0, qd0, time, forces, positive_step(step))
         if self.expressed.laws or self.system.drives or self.system.stops:
             return self._simulate_laws(q0, qd0, time, forces, positive_step(step))
         plain = not self.system.flexible and not any(joint.friction for joint in self.system.movable_joints)
         method = "rk4" if plain and step is not None else None
         trajectory: Trajectory = self.model.simulate(q0, qd0, time, tau=forces, step=positive_step(step), method=method)
         return trajectory
+
+    @property
+    def by_calls(self) -> bool:
+        """Whether the lanes do not hold the system, and its accelerations have to be called for."""
+        rubs = any(joint.friction for joint in self.system.movable_joints)
+        return beyond_lanes(self.system, self.expressed.laws) or (self.model.by_calls and rubs)
+
+    def _simulate_softly(self, q0: Array, qd0: Array, time: Array, tau: Array | None, step: float | None) -> Trajectory:
+        system = replace(self.system, attachments=self.expressed.laws)
+        inverse = np.linalg.inv(self.model.mass_matrix(self.model.neutral))
+        soft = soft_joints(system, inverse, rubbing=True)
+        rates = None if len(q0) == len(qd0) else self.model.position_rates
+        position, velocity = soft_march(self, soft, q0, qd0, time, tau, rates, step=step)
+        return Trajectory(time, self.names, position, velocity, position_names=self.position_names)
 
     def _simulate_laws(self, q0: Array, qd0: Array, time: Array, tau: Array | None, step: float | None) -> Trajectory:
         from harness.denoc.motion.channels import channels
@@ -144,20 +178,20 @@ class Native:
     def refuses(self, system: System) -> str | None:
         if not system.coordinate_names:
             return "the system has no movable joint and no elastic link"
-        if not system.simple:
-            laws = system.attachments or system.drives or system.stops
-            for joint in system.joints:
-                if laws and (joint.turns_in_space or joint.mimic is not None or joint.type is JointType.HELICAL):
-                    what = "follows another" if joint.mimic is not None else f"is of type {joint.type}"
-                    return f"effects, drives and limits do not act yet where a joint {what}, as {joint.name} does"
         try:
-            beyond = express(system).beyond
+            expressed = express(without_mimics(system))
         except InputError as error:
             return str(error)
-        bounded = replace(express(system).system, attachments=express(system).laws)
-        reason = refusal(bounded)
-        if reason is not None:
-            return f"the native dynamics has no {reason}"
+        if bends(system) and any(link.gravcomp for link in system.links):
+            return "the native dynamics has no gravity compensation of single links beside links that bend"
+        if beyond_lanes(expressed.system, expressed.laws) or (_acting(system) and follows(system)):
+            reason = expressed.refusal("the native dynamics by single calls", constraints=True, compensation=True)
+            if reason is None and bends(system):
+                reason = (
+                    "the native dynamics has drives, limits and laws beside such joints or drives of rigid links alone"
+                )
+            return reason
+        beyond = expressed.beyond
         for attachment in beyond:
             kind = effect(attachment.effect)
             if kind.law is None and kind.user is None:
@@ -167,13 +201,17 @@ class Native:
             return f"{' and '.join(sorted(own))} together need two laws of their own"
         return None
 
-    def build(self, system: System) -> NativeModel:
+    def build(self, system: System) -> NativeModel | CoupledModel:
         """The system compiled; raises UnsupportedError if the native dynamics does not model it."""
         reason = self.refuses(system)
         if reason:
             raise UnsupportedError(reason, source=system.source)
         from harness.denoc import Denoc
 
+        if follows(system) and _acting(system):
+            chain = chained(system)
+            independent = self.build(without_mimics(chain))
+            return couple(system, independent, independent.names, independent.position_names)
         expressed = express(system)
         system = expressed.system
         return NativeModel(names=system.coordinate_names, system=system, model=Denoc(system), expressed=expressed)

@@ -6,10 +6,12 @@ are passed over here.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.effects.attach import apply
 from harness.effects.catalogue import effect
@@ -19,23 +21,62 @@ from harness.errors import InputError
 from harness.system import Attachment, System
 
 # Joint laws that are a function of position and velocity, so that any engine can be handed them as a force.
-FORCES = ("quadratic_drag", "cubic_stiffness", "constant_torque", "cogging_torque", "end_stop", "backlash")
+FORCES = (
+    "quadratic_drag",
+    "polynomial_damping",
+    "cubic_stiffness",
+    "polynomial_stiffness",
+    "constant_torque",
+    "cogging_torque",
+    "end_stop",
+    "backlash",
+)
 
 # What makes a joint's dry friction or its stop a soft constraint.
 CONSTRAINTS = ("friction_softness", "stop_inertia")
 
 
 @dataclass(frozen=True, eq=False)
+class Drives:
+    """Drives with feedback, d of them, any number at a joint: offset − stiffness · q − damping · q̇, within a range each.
+
+    place: the joint of each, (d,). offset, stiffness, damping, lower, upper: (d,). least, greatest: of all drives of a joint
+    together [N·m], (n,).
+    """
+
+    place: NDArray[np.intp]
+    offset: Array
+    stiffness: Array
+    damping: Array
+    lower: Array
+    upper: Array
+    least: Array
+    greatest: Array
+
+    def __call__(self, q: Array, qd: Array) -> Array:
+        """Generalized forces, shape (n,)."""
+        each = self.offset - self.stiffness * q[self.place] - self.damping * qd[self.place]
+        each = np.minimum(np.maximum(each, self.lower), self.upper)
+        total = np.bincount(self.place, each, minlength=len(self.least))
+        return np.minimum(np.maximum(total, self.least), self.greatest)
+
+
+@dataclass(frozen=True, eq=False)
 class JointForces:
     """Joint laws of position and velocity, each array of shape (n,) in the order of the joints' velocities, zero where absent.
 
-    drag [N·m·s²/rad²], cubic [N·m/rad³], constant [N·m], cogging amplitude [N·m], periods [1/rev] and phase [rad],
-    stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad]; whole gap [rad] of teeth, their stiffness and damping; offset,
-    stiffness and damping of a drive with feedback and its least and greatest force [N·m].
+    drag [N·m·s²/rad²], thick (damping over the cube of the velocity) [N·m·s³/rad³], cubic [N·m/rad³], square [N·m/rad²] and cube
+    [N·m/rad³] of a polynomial spring and where that is slack [rad], constant [N·m], cogging amplitude [N·m], periods [1/rev] and
+    phase [rad], stop angle [rad], stiffness [N·m/rad] and damping [N·m·s/rad]; whole gap [rad] of teeth, their stiffness and
+    damping; drives: those with feedback, or None.
     """
 
     drag: Array
+    thick: Array
     cubic: Array
+    square: Array
+    cube: Array
+    slack: Array
     constant: Array
     cogging_amplitude: Array
     cogging_periods: Array
@@ -46,22 +87,18 @@ class JointForces:
     teeth_gap: Array
     teeth_stiffness: Array
     teeth_damping: Array
-    drive_offset: Array
-    drive_stiffness: Array
-    drive_damping: Array
-    drive_lower: Array
-    drive_upper: Array
+    drives: Drives | None = None
 
     @property
     def any(self) -> bool:
-        return any(np.any(getattr(self, name)) for name in ("drag", "cubic", "constant")) or self.irregular
+        regular = ("drag", "thick", "cubic", "square", "cube", "constant")
+        return any(np.any(getattr(self, name)) for name in regular) or self.irregular
 
     @property
     def irregular(self) -> bool:
         """Whether there is more than polynomials of position and velocity: cogging, a stop, teeth with play or a drive."""
-        drives = (self.drive_lower, self.drive_upper)
-        kinds = (self.cogging_amplitude, self.stop_stiffness, self.stop_damping, self.teeth_stiffness, *drives)
-        return any(bool(np.any(kind)) for kind in kinds)
+        kinds = (self.cogging_amplitude, self.stop_stiffness, self.stop_damping, self.teeth_stiffness)
+        return self.drives is not None or any(bool(np.any(kind)) for kind in kinds)
 
     def __call__(self, q: Array, qd: Array) -> Array:
         """Generalized forces on the right-hand side, shape (n,)."""
@@ -73,19 +110,42 @@ class JointForces:
         return replace(self, stop_stiffness=kept * self.stop_stiffness, stop_damping=kept * self.stop_damping)
 
     def polynomial(self, q: Array, qd: Array) -> Array:
-        """Drag, cubic springs and constant torques, shape (n,)."""
-        return np.asarray(self.constant - self.drag * qd * np.abs(qd) - self.cubic * q**3)
+        """Drag, springs and damping beyond linear, and constant torques, shape (n,)."""
+        x = q - self.slack
+        spring = self.cubic * q**3 + (self.square + self.cube * x) * x**2
+        return np.asarray(self.constant - self.drag * qd * np.abs(qd) - self.thick * qd**3 - spring)
+
+    def potential(self, q: Array) -> float:
+        """Energy of the springs beyond linear [J]."""
+        x = q - self.slack
+        return float(np.sum(self.cubic * q**4 / 4.0 + self.square * x**3 / 3.0 + self.cube * x**4 / 4.0))
+
+    @cached_property
+    def _acting(self) -> tuple[Callable[[Array, Array], Array], ...]:
+        """Of what ``rest`` adds up, what there is: engines ask for it at every stage of every step."""
+        kinds: list[tuple[object, Callable[[Array, Array], Array]]] = [
+            (np.any(self.cogging_amplitude), self._cogging),
+            (np.any(self.stop_stiffness) or np.any(self.stop_damping), self._stops),
+            (np.any(self.teeth_stiffness), self._teeth),
+        ]
+        acting = [kind for there, kind in kinds if there]
+        return (*acting, self.drives) if self.drives is not None else tuple(acting)
 
     def rest(self, q: Array, qd: Array) -> Array:
         """Cogging, end stops, teeth and drives, shape (n,). A stop or a tooth pushes and never pulls."""
+        total = np.zeros(len(self.constant))
+        for kind in self._acting:
+            total += kind(q, qd)
+        return total
+
+    def _cogging(self, q: Array, qd: Array) -> Array:
+        return np.asarray(self.cogging_amplitude * np.sin(self.cogging_periods * q + self.cogging_phase))
+
+    def _stops(self, q: Array, qd: Array) -> Array:
         side = np.where(self.stop_angle < 0.0, -1.0, 1.0)
         depth = side * (q - self.stop_angle)
         contact = np.maximum(self.stop_stiffness * depth + self.stop_damping * side * qd, 0.0)
-        push = np.where(depth > 0.0, side * contact, 0.0)
-        cogging = self.cogging_amplitude * np.sin(self.cogging_periods * q + self.cogging_phase)
-        driven = self.drive_offset - self.drive_stiffness * q - self.drive_damping * qd
-        driven = np.clip(driven, self.drive_lower, self.drive_upper)
-        return np.asarray(cogging - push + self._teeth(q, qd) + driven)
+        return np.where(depth > 0.0, -side * contact, 0.0)
 
     def _teeth(self, q: Array, qd: Array) -> Array:
         """Nothing within half the gap either way, beyond it a spring and a damper, shape (n,)."""
@@ -128,9 +188,18 @@ class Expressed:
     beyond: tuple[Attachment, ...]
 
     def refusal(
-        self, engine: str, *, forces: bool = True, shaking: bool = False, constraints: bool = False
+        self,
+        engine: str,
+        *,
+        forces: bool = True,
+        shaking: bool = False,
+        constraints: bool = False,
+        compensation: bool = False,
     ) -> str | None:
-        """Why an engine that takes forces, a shaking base or soft constraints (or not) cannot express the system, or None."""
+        """Why an engine that takes forces, a shaking base, soft constraints, carried weight (or not) cannot express the system."""
+        lifted = next((link.name for link in self.system.links if link.gravcomp), None)
+        if lifted is not None and not compensation:
+            return f"{engine} cannot express the gravity compensation of single links, that of {lifted} first"
         if self.system.drives and not forces:
             return f"{engine} cannot express the actuator {self.system.drives[0].name}"
         if self.system.stops and not constraints:
@@ -158,11 +227,7 @@ def express(system: System) -> Expressed:
             plain = apply(plain, attachment)
     laws, plain = plain.attachments, replace(plain, attachments=())
     names = tuple(name for joint in plain.joints for name in joint.velocity_names)
-    table = {name: np.zeros(len(names)) for name in JointForces.__dataclass_fields__}
-    for drive in plain.drives:
-        k = names.index(drive.joint)
-        for name in ("offset", "stiffness", "damping", "lower", "upper"):
-            table[f"drive_{name}"][k] = getattr(drive, name)
+    table = {name: np.zeros(len(names)) for name in JointForces.__dataclass_fields__ if name != "drives"}
     shaking = None
     beyond = []
     for law in laws:
@@ -173,10 +238,36 @@ def express(system: System) -> Expressed:
         elif law.effect in FORCES and law.site in names and law.site in plain.joint_names:
             k = names.index(law.site)
             for name, parameter in _PLACES[law.effect].items():
-                table[name][k] = values[parameter]
+                # Two laws of a joint may share a term: drag is one of the polynomial's. Only one states where it is slack.
+                table[name][k] += values[parameter]
         else:
             beyond.append(law)
-    return Expressed(plain, JointForces(**table), shaking, laws, tuple(beyond))
+    return Expressed(plain, JointForces(**table, drives=_drives(plain, names)), shaking, laws, tuple(beyond))
+
+
+def _drives(system: System, names: Sequence[str]) -> Drives | None:
+    """The drives that act, in the order of joints ``names``; those of joints that follow others are none of them."""
+    acting = [drive for drive in system.drives if drive.joint in names]
+    if not acting:
+        return None
+    least, greatest = np.full(len(names), -np.inf), np.full(len(names), np.inf)
+    for drive in acting:
+        k = names.index(drive.joint)
+        least[k], greatest[k] = drive.together
+
+    def column(name: str) -> Array:
+        return np.array([getattr(drive, name) for drive in acting], dtype=np.float64)
+
+    return Drives(
+        place=np.array([names.index(drive.joint) for drive in acting], dtype=np.intp),
+        offset=column("offset"),
+        stiffness=column("stiffness"),
+        damping=column("damping"),
+        lower=column("lower"),
+        upper=column("upper"),
+        least=least,
+        greatest=greatest,
+    )
 
 
 def realised(system: System) -> System:
@@ -204,17 +295,26 @@ def bends(system: System) -> bool:
 
 
 def refusal(
-    engine: str, system: System, *, forces: bool = True, shaking: bool = False, constraints: bool = False
+    engine: str,
+    system: System,
+    *,
+    forces: bool = True,
+    shaking: bool = False,
+    constraints: bool = False,
+    compensation: bool = False,
 ) -> str | None:
     """Why an engine cannot express the system's effects, or None; a wrong effect is a reason too."""
     try:
-        return express(system).refusal(engine, forces=forces, shaking=shaking, constraints=constraints)
+        found = express(system)
+        return found.refusal(engine, forces=forces, shaking=shaking, constraints=constraints, compensation=compensation)
     except InputError as error:
         return str(error)
 
 
 _PLACES = {
     "quadratic_drag": {"drag": "coefficient"},
+    "polynomial_damping": {"drag": "quadratic", "thick": "cubic"},
+    "polynomial_stiffness": {"square": "quadratic", "cube": "cubic", "slack": "rest_angle"},
     "cubic_stiffness": {"cubic": "stiffness"},
     "constant_torque": {"constant": "torque"},
     "cogging_torque": {"cogging_amplitude": "amplitude", "cogging_periods": "periods", "cogging_phase": "phase"},

@@ -87,10 +87,9 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
     body ``pos`` and ``quat`` are our ``xyz`` and ``rotation``; angles are radians; inertias are given about the centre
     of mass by principal moments and axes. ``springref`` is our rest position and ``ref`` stays zero, so that
     positions mean the same. Quadratic drag is the second coefficient of ``damping``, a cubic spring the third of
-    ``stiffness``. A ball joint has our positions and velocities; a free joint is three slides and a ball, which have them
-    too (MuJoCo's own free joint is of the world alone). Free fall is ``option.gravity``. MuJoCo numbers joints depth
-    first; ``MujocoModel.order`` and ``places``
-    map by name.
+    ``stiffness``; polynomials are all of them. A ball joint has our positions and velocities; a free joint is three
+    slides and a ball, which have them too (MuJoCo's own free joint is of the world alone). Free fall is ``option.gravity``.
+    MuJoCo numbers joints depth first; ``MujocoModel.order`` and ``places`` map by name.
     """
     mujoco = _mujoco()
     spec = mujoco.MjSpec()
@@ -117,6 +116,7 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
             # What compiles does not matter: `mujoco_model` writes the true values afterwards.
             inertia=np.full(3, max(float(np.max(moments)), SMALLEST)),
             iquat=axes,
+            gravcomp=link.gravcomp,
             explicitinertial=True,
         )
         carriers[joint.child] = body
@@ -139,15 +139,19 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
         elif joint.movable:
             kind = mujoco.mjtJoint.mjJNT_SLIDE if joint.prismatic else mujoco.mjtJoint.mjJNT_HINGE
             k = places[joint.name]
-            drag, cubic = (0.0, 0.0) if forces is None else (forces.drag[k], forces.cubic[k])
+            drag, thick, square, cubic, slack = 0.0, 0.0, 0.0, 0.0, joint.rest_position if joint.stiffness else 0.0
+            if forces is not None:
+                drag, thick, square = forces.drag[k], forces.thick[k], forces.square[k]
+                cubic = forces.cubic[k] + forces.cube[k]
+                slack = forces.slack[k] if square or forces.cube[k] else slack
             body.add_joint(
                 name=joint.name,
                 type=kind,
                 pos=np.zeros(3),
                 axis=np.array(joint.axis),
-                damping=np.array([joint.damping, drag, 0.0]),
-                stiffness=np.array([joint.stiffness, 0.0, cubic]),
-                springref=joint.rest_position if joint.stiffness else 0.0,
+                damping=np.array([joint.damping, drag, thick]),
+                stiffness=np.array([joint.stiffness, square, cubic]),
+                springref=slack,
                 armature=joint.armature,
                 frictionloss=joint.friction,
                 solref_friction=np.array(SUDDEN_FRICTION),
@@ -196,6 +200,11 @@ class MujocoModel:
     fixed_potential: float
     forces: JointForces
     shaking: Shaking | None
+
+    @property
+    def compensated(self) -> bool:
+        """Whether part of the weight of single bodies is carried."""
+        return bool(np.any(self.model.body_gravcomp))
 
     def _set(self, q: Array, qd: Array | None = None) -> Any:
         n = len(self.names)
@@ -249,7 +258,8 @@ class MujocoModel:
         mujoco = self._set(q, qd)
         mujoco.mj_fwdPosition(self.model, self.data)
         mujoco.mj_fwdVelocity(self.model, self.data)
-        return self._out(self.data.qfrc_bias)
+        force = self.data.qfrc_bias
+        return self._out(force - self.data.qfrc_gravcomp if self.compensated else force)
 
     def gravity(self, q: Array) -> Array:
         return self.bias(q, np.zeros(len(self.names)))
@@ -262,8 +272,12 @@ class MujocoModel:
         mujoco.mj_fwdPosition(self.model, self.data)
         mujoco.mj_energyPos(self.model, self.data)
         mujoco.mj_energyVel(self.model, self.data)
-        # MuJoCo counts what is welded to the world as well.
-        return float(self.data.energy[1]), float(self.data.energy[0]) - self.fixed_potential
+        # MuJoCo counts what is welded to the world as well, and not what compensates weight.
+        potential = float(self.data.energy[0]) - self.fixed_potential
+        if self.compensated:
+            carried = self.model.body_gravcomp * self.model.body_mass * (self.model.body_weldid != 0)
+            potential += float(carried @ self.data.xipos @ self.model.opt.gravity)
+        return float(self.data.energy[1]), potential
 
     def simulate(
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
@@ -384,14 +398,18 @@ class Mujoco:
             return "MuJoCo has no elastic links"
         if not system.joint_names:
             return "the system has no movable joint"
-        reason = refusal("MuJoCo", system, shaking=True, constraints=True)
+        reason = refusal("MuJoCo", system, shaking=True, constraints=True, compensation=True)
         if reason:
             return reason
         expressed = express(system)
         owners = [joint for joint in expressed.system.joints for _ in joint.velocity_names]
-        for joint, cubic in zip(owners, expressed.forces.cubic, strict=True):
-            if cubic and joint.stiffness and joint.rest_position:
-                return f"MuJoCo's cubic spring has the rest position of the linear one, joint {joint.name} has two"
+        laws = expressed.forces
+        for k, joint in enumerate(owners):
+            rests = {0.0} if laws.cubic[k] else set()
+            rests |= {joint.rest_position} if joint.stiffness else set()
+            rests |= {float(laws.slack[k])} if laws.square[k] or laws.cube[k] else set()
+            if len(rests) > 1:
+                return f"MuJoCo's springs of a joint have one rest position, joint {joint.name} has {len(rests)}"
         return None
 
     def build(self, system: System) -> MujocoModel | CoupledModel:

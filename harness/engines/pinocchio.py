@@ -7,12 +7,13 @@ effects are put on the right-hand side here.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.denoc.compensated import carried
 from harness.engines.checked import (
     finite_result,
     held_forces,
@@ -101,7 +102,8 @@ class PinocchioModel:
 
     order: [k] is our index of Pinocchio's velocity k, places: of its position k. free: where a free joint's velocities begin among
     ours, and its quaternion among our positions. local: where our positions stand that joint laws see, -1 for none.
-    bare: the model without armature.
+    bare: the model without armature. lifts: signs and models of what is carried of
+    the links' weight: Pinocchio sums no negative masses.
     """
 
     names: tuple[str, ...]
@@ -119,6 +121,11 @@ class PinocchioModel:
     stiffness: Array = field(repr=False)
     rest: Array = field(repr=False)
     forces: JointForces = field(repr=False)
+    lifts: tuple[tuple[float, PinocchioModel], ...] = field(repr=False, default=())
+
+    def _carried(self, q: Array) -> Array | float:
+        """Generalized forces of what compensates weight."""
+        return sum((sign * lift.gravity(q) for sign, lift in self.lifts), 0.0)
 
     def _angles(self, q: Array) -> Array:
         """Positions by velocity, zero for spins, as joint laws want them."""
@@ -173,7 +180,7 @@ class PinocchioModel:
 
     def _acceleration(self, q: Array, qd: Array, tau: Array) -> Array:
         pin = _pinocchio()
-        total = tau + self._passive(q, qd)
+        total = tau + self._passive(q, qd) + self._carried(q)
         # Armature resists v̇, not the rate of what turns.
         applied = (self._turned(q, total) - self.armature * self._turning(q, qd))[self.order]
         found = pin.aba(self.model, self.data, self._q(q), self._in(q, qd), applied)
@@ -193,7 +200,7 @@ class PinocchioModel:
         pin = _pinocchio()
         tau = pin.rnea(self.model, self.data, self._q(q), self._in(q, qd), self._acceleration_in(q, qd, qdd))
         tau = tau + (self.armature * self._turning(q, qd))[self.order]
-        return self._out(q, tau) - self._passive(q, qd)
+        return self._out(q, tau) - self._passive(q, qd) - self._carried(q)
 
     def mass_matrix(self, q: Array) -> Array:
         q = vector("q", q, len(self.position_names))
@@ -209,22 +216,25 @@ class PinocchioModel:
     def bias(self, q: Array, qd: Array) -> Array:
         q, qd = self._state(q, qd=qd)
         idle = self._acceleration_in(q, qd, np.zeros_like(qd))
+        pin, at, rates = _pinocchio(), self._q(q), self._in(q, qd)
         if not self.free:
-            return self._out(
-                q, _pinocchio().nonLinearEffects(self.model, self.data, self._q(q), self._in(q, qd)).copy()
-            )
-        return self._out(q, _pinocchio().rnea(self.bare, self.data, self._q(q), self._in(q, qd), idle).copy())
+            found = pin.nonLinearEffects(self.model, self.data, at, rates)
+        else:
+            found = pin.rnea(self.bare, self.data, at, rates, idle)
+        return self._out(q, found.copy()) - self._carried(q)
 
     def gravity(self, q: Array) -> Array:
         q = vector("q", q, len(self.position_names))
-        return self._out(q, _pinocchio().computeGeneralizedGravity(self.model, self.data, self._q(q)).copy())
+        found = _pinocchio().computeGeneralizedGravity(self.model, self.data, self._q(q)).copy()
+        return self._out(q, found) - self._carried(q)
 
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
         q, qd = self._state(q, qd=qd)
         pin = _pinocchio()
         x = self._angles(q)
-        spring = 0.5 * float(self.stiffness @ (x - self.rest) ** 2) + 0.25 * float(self.forces.cubic @ x**4)
+        spring = 0.5 * float(self.stiffness @ (x - self.rest) ** 2) + self.forces.potential(x)
         potential = float(pin.computePotentialEnergy(self.model, self.data, self._q(q)))
+        potential -= sum(sign * lift.energy(q, np.zeros_like(qd))[1] for sign, lift in self.lifts)
         # Pinocchio 4.1 counts the armature of some kinds of joint and forgets it for revolute ones with a general axis.
         kinetic = float(pin.computeKineticEnergy(self.bare, self.data, self._q(q), self._in(q, qd)))
         kinetic += 0.5 * float(self.armature @ qd**2)
@@ -259,6 +269,7 @@ class PinocchioModel:
         slope = _pinocchio().computeGeneralizedGravityDerivatives(self.model, self.data, q[self.order])
         stiffness = np.empty_like(slope)
         stiffness[np.ix_(self.order, self.order)] = slope
+        stiffness -= sum((sign * jacobian(lift.gravity, q) for sign, lift in self.lifts), 0.0)
         springs = np.diag(self.stiffness) - jacobian(lambda x: self.forces(x, np.zeros_like(x)), q)
         return frequencies(self.mass_matrix(q), stiffness + springs)
 
@@ -285,7 +296,7 @@ class Pinocchio:
             return "the system has no movable joint"
         if n > LARGEST:
             return f"{n} coordinates: pinocchio.Data would take {32 * n**3 / 1e9:.1f} GB (four tensors of n³)"
-        return refusal("Pinocchio", system)
+        return refusal("Pinocchio", system, compensation=True)
 
     def build(self, system: System) -> PinocchioModel | CoupledModel:
         """The system in Pinocchio; raises UnsupportedError with the reason if it is refused."""
@@ -339,4 +350,14 @@ class Pinocchio:
             stiffness=_by_velocity(system, "stiffness"),
             rest=_by_velocity(system, "rest_position"),
             forces=expressed.forces,
+            lifts=tuple(self._lifts(system)),
         )
+
+    def _lifts(self, system: System) -> Iterator[tuple[float, PinocchioModel]]:
+        """Models that weigh what is carried of the links, and what hangs on them beside their weight."""
+        for sign in (1.0, -1.0):
+            turned = replace(system, links=tuple(replace(k, gravcomp=sign * k.gravcomp) for k in system.links))
+            if any(link.gravcomp > 0.0 for link in turned.links):
+                found = self.build(carried(turned, 0.0))
+                assert isinstance(found, PinocchioModel)
+                yield sign, found

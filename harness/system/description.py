@@ -229,6 +229,7 @@ class Link:
 
     mass, com, inertia: of the whole link undeformed (beam and payload included if flexible)
         [kg], [m] shape (3,), [kg·m²] about the centre of mass shape (3, 3).
+    gravcomp: share of its weight that an upward force at its centre of mass carries (MuJoCo's ``gravcomp``).
     end: where a rigid link ends, in its own frame [m] shape (3,); if None, at its farthest joint, or as a rod with a bob that has
         its mass, centre and inertia would.
     """
@@ -239,6 +240,7 @@ class Link:
     inertia: Array = field(default_factory=lambda: constant(np.zeros((3, 3))))
     beam: Beam | None = None
     end: Array | None = None
+    gravcomp: float = 0.0
 
     @property
     def flexible(self) -> bool:
@@ -264,7 +266,8 @@ class Actuator:
     """A drive with feedback of its own, as an MJCF states it; it acts in single runs, never in a comparison or a diagnosis.
 
     Force at ``joint``: offset + gain · command − stiffness · position − damping · velocity, within lower and upper [N·m or N].
-    stiffness, damping: at the joint, gear included. gain: per unit of the command.
+    stiffness, damping: at the joint, gear included. gain: per unit of the command, which is kept within ``commands``.
+    together: least and greatest force of all actuators of the joint together [N·m or N].
     """
 
     name: str
@@ -275,6 +278,8 @@ class Actuator:
     damping: float = 0.0
     lower: float = -np.inf
     upper: float = np.inf
+    commands: tuple[float, float] = (-np.inf, np.inf)
+    together: tuple[float, float] = (-np.inf, np.inf)
 
 
 @dataclass(frozen=True, eq=False)

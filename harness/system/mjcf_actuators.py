@@ -76,6 +76,10 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
     for i in range(count):
         name = model.actuator(i).name or f"actuator{i + 1}"
         k = next((k for k in range(model.njnt) if i in _at_joint(model, k)), None)
+        if k is not None and (own := _own_terms(model, i)):
+            notes.append(
+                f"actuator {name!r} acts on joint {names[k]!r} without a command too, with {own} of its own; the model keeps it"
+            )
         if k is None or model.actuator_actnum[i] or model.actuator_ctrlnum[i] > 1 or _delayed(model, i):
             notes.append(f"actuator {name!r} left out: {_why(model, i, k)}")
             continue
@@ -90,11 +94,21 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
                 f"actuator {name!r} at joint {actuator.joint!r} has feedback, acting without a command too: {said}; it is left out "
                 "but in `denoc simulate`"
             )
-        else:
+        elif not _own_terms(model, i):
             silent.append(repr(name))
     if silent:
         notes.append(f"actuator(s) {', '.join(silent)} do nothing without a command; joint effort is an input here")
     return tuple(found), tuple(notes)
+
+
+def _own_terms(model: Any, i: int) -> str:
+    """What actuator i adds at its joint by damping and armature of its own, in words; empty if nothing."""
+    gear = _gear(model, i)
+    damping = gear**2 * np.array([model.actuator_damping[i], *model.actuator_dampingpoly[i]])
+    terms = [f"{-c:+.4g} · {v}" for c, v in zip(damping, ("v", "v|v|", "v³"), strict=True) if c]
+    armature = gear**2 * float(model.actuator_armature[i])
+    said = [f"damping {', '.join(terms)} (v: velocity of the joint)"] if terms else []
+    return " and ".join(said + ([f"armature {armature:.4g}"] if armature else []))
 
 
 def _delayed(model: Any, i: int) -> bool:
@@ -134,8 +148,36 @@ def _affine(mujoco: Any, model: Any, data: Any, i: int, name: str, k: int, joint
         abs(offset) + sum(map(abs, slopes))
     ):
         return None
-    lower, upper = _range(model, i, k, gear)
-    return Actuator(name, joint, slopes[2], offset, -slopes[0], -slopes[1], lower, upper)
+    lower, upper = _range(model, i, gear)
+    return Actuator(
+        name,
+        joint,
+        slopes[2],
+        offset,
+        -slopes[0],
+        -slopes[1],
+        lower,
+        upper,
+        _command_range(model, i),
+        _together(model, k),
+    )
+
+
+def _command_range(model: Any, i: int) -> tuple[float, float]:
+    """What MuJoCo keeps the command within."""
+    import mujoco
+
+    for c in range(model.nu)[_commands(model, i)]:
+        if model.actuator_ctrllimited[c] and not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL):
+            return float(model.actuator_ctrlrange[c, 0]), float(model.actuator_ctrlrange[c, 1])
+    return -np.inf, np.inf
+
+
+def _together(model: Any, k: int) -> tuple[float, float]:
+    """Least and greatest force of all actuators of joint k together."""
+    if not model.jnt_actfrclimited[k]:
+        return -np.inf, np.inf
+    return float(model.jnt_actfrcrange[k, 0]), float(model.jnt_actfrcrange[k, 1])
 
 
 def _commands(model: Any, i: int) -> slice:
@@ -155,13 +197,11 @@ def _unbounded(model: Any, i: int) -> Any:
     return free
 
 
-def _range(model: Any, i: int, k: int, gear: float) -> tuple[float, float]:
-    """Least and greatest force [N·m or N] at the joint."""
+def _range(model: Any, i: int, gear: float) -> tuple[float, float]:
+    """Least and greatest force [N·m or N] of the actuator at its joint."""
     ends: Array = np.array([-np.inf, np.inf])
     if model.actuator_forcelimited[i] and gear != 0.0:
         ends = np.sort(gear * np.asarray(model.actuator_forcerange[i], dtype=np.float64))
-    if model.jnt_actfrclimited[k] and len(_at_joint(model, k)) == 1:
-        ends = np.array([max(ends[0], model.jnt_actfrcrange[k, 0]), min(ends[1], model.jnt_actfrcrange[k, 1])])
     return float(ends[0]), float(ends[1])
 
 
@@ -173,6 +213,7 @@ def _said(actuator: Actuator) -> str:
         parts.append(f"{-actuator.stiffness:+.4g} · position")
     if actuator.damping:
         parts.append(f"{-actuator.damping:+.4g} · velocity")
-    if parts and (np.isfinite(actuator.lower) or np.isfinite(actuator.upper)):
-        parts.append(f"within {actuator.lower:.4g} … {actuator.upper:.4g}")
+    lower, upper = max(actuator.lower, actuator.together[0]), min(actuator.upper, actuator.together[1])
+    if parts and (np.isfinite(lower) or np.isfinite(upper)):
+        parts.append(f"within {lower:.4g} … {upper:.4g}")
     return ", ".join(parts)

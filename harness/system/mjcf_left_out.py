@@ -104,10 +104,27 @@ def _compensation(model: Any) -> Iterator[str]:
     by_body = [
         f"{model.body(b).name or b!r} {model.body_gravcomp[b]:g}"
         for b in range(1, model.nbody)
-        if model.body_gravcomp[b]
+        if model.body_gravcomp[b] and _moves(model, b)
     ]
-    more = f" and {len(by_body) - _MOST_NAMED} more" if len(by_body) > _MOST_NAMED else ""
-    yield f"gravity compensation left out: gravcomp of {', '.join(by_body[:_MOST_NAMED])}{more}"
+    if by_body:
+        more = f" and {len(by_body) - _MOST_NAMED} more" if len(by_body) > _MOST_NAMED else ""
+        yield (
+            f"gravity compensation differs by body (gravcomp of {', '.join(by_body[:_MOST_NAMED])}{more}): it acts in "
+            "`denoc validate` and `denoc simulate`, `denoc diagnose` lets the whole weight act"
+        )
+    for k in range(model.njnt):
+        if model.jnt_actgravcomp[k] and model.jnt_actfrclimited[k]:
+            yield (
+                f"joint {model.joint(k).name or k!r}: its gravity compensation acts whole, though the file has it come of "
+                "actuators with a range of force"
+            )
+
+
+def compensation(model: Any, body: int) -> float:
+    """The share of a body's weight that is carried, where that is not the same for all that moves."""
+    if disabled(model, "GRAVITY") or uniform_compensation(model) or not _moves(model, body):
+        return 0.0
+    return float(model.body_gravcomp[body])
 
 
 def uniform_compensation(model: Any) -> float:

@@ -31,7 +31,7 @@ from harness.system.description import Array, Attachment, Joint, JointType, Keyf
 from harness.system.mjcf_actuators import actuators, reflected
 from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
-from harness.system.mjcf_left_out import disabled, left_out, uniform_compensation
+from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
 from harness.system.rotation import about_axis, from_quaternion
 from harness.system.soft_constraints import limit_law
 from harness.system.topology import arrange
@@ -308,6 +308,7 @@ def _tree(model: Any, notes: list[str]) -> tuple[list[Joint], list[Link], list[A
                 mass=float(model.body_mass[b]),
                 com=constant(model.body_ipos[b] - anchor),
                 inertia=constant((inertia + inertia.T) / 2.0),
+                gravcomp=compensation(model, b),
             )
         )
     return joints, links, effects
@@ -377,30 +378,30 @@ def _joint(model: Any, k: int, name: str, parent: str, child: str, place: Array,
 def _joint_laws(model: Any, k: int, name: str, notes: list[str]) -> list[Attachment]:
     """Damping and stiffness beyond linear: −(a v + b v|v| + c v³) and −(k1 x + k2 x² + k3 x³), x from where the spring is slack.
 
-    What the catalogue has a law for is attached, the rest told.
+    Where one term of the catalogue's is all there is, it goes by its name.
     """
     dof, coordinate = int(model.jnt_dofadr[k]), int(model.jnt_qposadr[k])
     effects = []
-    drag, cubic_damping = np.asarray(model.dof_dampingpoly[dof]) + np.array(reflected(model, k).damping[1:])
+    drag, thick = (float(v) for v in np.asarray(model.dof_dampingpoly[dof]) + np.array(reflected(model, k).damping[1:]))
     if not disabled(model, "DAMPER"):
-        if drag > 0.0:
-            effects.append(Attachment("quadratic_drag", name, {"coefficient": float(drag)}))
-        elif drag < 0.0:
-            notes.append(f"joint {name!r}: its damping {drag:g} v|v| feeds energy in and is left out")
-        if cubic_damping:
-            notes.append(f"joint {name!r}: its damping {cubic_damping:g} v³ is left out")
+        if drag >= 0.0 and not thick:
+            effects += [Attachment("quadratic_drag", name, {"coefficient": drag})] if drag else []
+        else:
+            effects.append(Attachment("polynomial_damping", name, {"quadratic": drag, "cubic": thick}))
     if not disabled(model, "SPRING"):
         square, cubic = (float(value) for value in model.jnt_stiffnesspoly[k])
         slack = float(model.qpos_spring[coordinate])
+        if cubic > 0.0 and slack == 0.0 and not square:
+            effects.append(Attachment("cubic_stiffness", name, {"stiffness": cubic}))
+        elif cubic or square:
+            effects.append(
+                Attachment("polynomial_stiffness", name, {"quadratic": square, "cubic": cubic, "rest_angle": slack})
+            )
         if square:
             notes.append(
-                f"joint {name!r}: its stiffness {square:g} x² is left out, x = position - {slack:g}: it pulls to one side alone, "
-                "whichever side x is on, so that no cubic_stiffness stands for it"
+                f"joint {name!r}: its stiffness {square:g} x², x = position - {slack:g}, pulls to one side alone, whichever side "
+                "x is on; it acts so"
             )
-        if cubic > 0.0 and slack == 0.0:
-            effects.append(Attachment("cubic_stiffness", name, {"stiffness": cubic}))
-        elif cubic:
-            notes.append(f"joint {name!r}: its stiffness {cubic:g} x³ is left out, x = position - {slack:g}")
     if model.jnt_plasticadr[k] >= 0:
         notes.append(f"joint {name!r}: plastic yield of its spring is left out")
     return effects

@@ -47,6 +47,8 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
         link = system.links[run[-1]]
         body = _body(parent, [system.joints[i] for i in run], link, system)
         left_out += _inertial(body, link)
+        if link.gravcomp:
+            body.set("gravcomp", repr(float(link.gravcomp)))
         if link.beam is not None:
             left_out.append(f"link {link.name!r}: bending; it is written rigid, in its undeformed shape")
         left_out += [

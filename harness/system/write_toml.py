@@ -72,6 +72,8 @@ def _six(tensor: Array) -> list[float]:
 
 
 def _link(link: Link, left_out: list[str]) -> dict[str, Any]:
+    if link.gravcomp:
+        left_out.append(f"link {link.name!r}: gravity compensation {link.gravcomp:g}")
     if link.beam is not None:
         bare = flexible_link(link.name, link.beam)
         if not np.allclose(bare.mass, link.mass, rtol=1e-9) or not np.allclose(bare.inertia, link.inertia, rtol=1e-6):

@@ -31,6 +31,8 @@ def to_urdf(system: System) -> tuple[str, tuple[str, ...]]:
         left_out += _joint(root, joint)
         if link.beam is not None:
             left_out.append(f"link {link.name!r}: bending; it is written rigid, in its undeformed shape")
+        if link.gravcomp:
+            left_out.append(f"link {link.name!r}: gravity compensation {link.gravcomp:g}")
         _link(root, link)
     text = etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="UTF-8").decode("utf-8")
     return text, tuple(left_out)

@@ -15,7 +15,7 @@ import harness
 from harness.cases.acting import bounded, driven, keyframe
 from harness.cases.single_run import run_once
 from harness.cli.simulate import simulate
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError
 from harness.system import random_chain, write
 
 TIME = np.linspace(0.0, 2.0, 1001)
@@ -77,11 +77,13 @@ def test_a_given_effort_takes_the_drives_place(tmp_path: Path) -> None:
     assert any("'a' is left out: the effort of joint 'h' is given" in note for note in run.notes)
 
 
-def test_two_drives_of_one_joint_that_no_spring_is(tmp_path: Path) -> None:
+def test_two_drives_of_one_joint_that_no_spring_is_act_each_within_its_range(tmp_path: Path) -> None:
     rest = '<actuator><position joint="h" kp="3" forcerange="-1 1"/><position joint="h" kp="4" forcerange="-1 1"/></actuator>'
-    system, _ = load(tmp_path, "", rest)
-    with pytest.raises(UnsupportedError, match="two drives"):
-        driven(system, {})
+    system, model = load(tmp_path, "", rest)
+    assert len(driven(system, {})[0].drives) == 2
+    for runner in ("denoc", "pinocchio"):
+        run = run_once(system, TIME, {"h": 1.0}, {}, engine=runner, command={})
+        assert np.abs(run.columns["h.position"] - theirs(model, 1.0, 0.0)).max() < 1e-6
 
 
 LIMITS = {

@@ -39,6 +39,11 @@ COME_OVER = {
         "rest": '<actuator><motor joint="h" gear="3" armature=".02" damping=".3 .5 0"/></actuator>'
     },
     "gravity compensation": {"body": 'gravcomp="0.7"'},
+    "cubic damping": {"joint": 'damping=".1 0 2"'},
+    "damping that feeds energy in": {"joint": 'damping=".1 -.3 .2"'},
+    "one-sided stiffness": {"joint": 'stiffness="4 5 0"'},
+    "a polynomial spring slack elsewhere": {"joint": 'stiffness="4 3 5" springref="10"'},
+    "no linear term": {"joint": 'stiffness="0 3 -5" springref="-20"'},
 }
 
 
@@ -53,21 +58,32 @@ def test_what_comes_over_acts_as_in_mujoco(tmp_path: Path, name: str, runner: st
 
 
 TOLD = {
-    "cubic damping": ({"joint": 'damping="0 0 2"'}, "damping 2 v³"),
-    "one-sided stiffness": ({"joint": 'stiffness="4 5 0"'}, "stiffness 5 x² is left out"),
-    "cubic spring slack elsewhere": ({"joint": 'stiffness="4 0 5" springref="10"'}, "stiffness 5 x³ is left out"),
+    "one-sided stiffness": (
+        {"joint": 'stiffness="4 5 0"'},
+        "stiffness 5 x², x = position - 0, pulls to one side alone",
+    ),
     "position servo": ({"rest": '<actuator><position joint="h" kp="17.8" gear="2"/></actuator>'}, "-71.2 · position"),
     "back-EMF": (
         {"rest": '<actuator><dcmotor joint="h" nominal="12 1 100" gear="10"/></actuator>'},
         "-1 · velocity",  # K²/R = 0.12² / 1.44 N·m·s/rad (stall 1 N·m at 12 V, 100 rad/s idle), times the gear squared
     ),
     "motor": ({"rest": '<actuator><motor joint="h"/></actuator>'}, "do nothing without a command"),
+    # Times the gear squared: 0.5 · 3² v|v| (MuJoCo's own acceleration agrees, see "armature and damping of a motor").
+    "motor with damping of its own": (
+        {"rest": '<actuator><motor joint="h" gear="3" armature=".02" damping="0 .5 0"/></actuator>'},
+        "without a command too, with damping -4.5 · v|v| (v: velocity of the joint) and armature 0.18 of its own",
+    ),
     "activation": (
         {"rest": '<actuator><intvelocity joint="h" kp="3" actrange="-1 1"/></actuator>'},
         "a state of its own",
     ),
     "muscle": ({"rest": '<actuator><muscle joint="h" lengthrange="-1 1"/></actuator>'}, "left out"),
 }
+
+
+def test_a_motor_with_damping_is_not_said_to_do_nothing(tmp_path: Path) -> None:
+    system, _ = load(tmp_path, rest='<actuator><motor name="m" joint="h" damping="0 .5 0"/></actuator>')
+    assert not any("do nothing without a command" in note for note in system.notes)
 
 
 @pytest.mark.parametrize("name", TOLD)
@@ -90,14 +106,19 @@ def test_an_actuator_is_what_mujoco_makes_of_it(tmp_path: Path) -> None:
     assert (actuator.lower, actuator.upper) == (-6.0, 10.0)
 
 
-def test_compensation_that_differs_by_body_is_told(tmp_path: Path) -> None:
+def test_compensation_that_differs_by_body_acts_and_is_told(tmp_path: Path) -> None:
     system, _ = load(tmp_path, body='gravcomp="1"')
     assert not np.any(system.gravity)
     text = (tmp_path / "model.xml").read_text().replace("</body>", '<body name="o"><geom size=".1"/></body></body>')
     (tmp_path / "model.xml").write_text(text)
     other = harness.load(tmp_path / "model.xml")
     assert other.gravity[2] == -9.81
+    assert [link.gravcomp for link in other.links] == [1.0, 0.0]
     assert any("gravcomp of 'p' 1" in note for note in other.notes)
+    # The ball of 4/3 π r³ · 1000 kg/m³ at the hinge has no arm: nothing pulls at the hinge.
+    for runner in ("denoc", "mujoco", "pinocchio"):
+        model = engine(runner).build(other)
+        assert float(model.gravity(np.array([0.7]))[0]) == pytest.approx(0.0, abs=1e-14)
 
 
 def test_keyframes_are_kept_by_name(tmp_path: Path) -> None:

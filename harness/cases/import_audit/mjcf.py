@@ -96,20 +96,21 @@ def _kinds(model: Any, system: System) -> Iterator[Kind]:
             "damping, v|v|", f"up to {largest(model.dof_dampingpoly[:, 0]):g}", _column("dof_dampingpoly", 0), ACTS
         )
     if largest(model.dof_dampingpoly[:, 1]):
-        yield Kind("damping, v³", f"up to {largest(model.dof_dampingpoly[:, 1]):g}", _column("dof_dampingpoly", 1))
+        yield Kind(
+            "damping, v³", f"up to {largest(model.dof_dampingpoly[:, 1]):g}", _column("dof_dampingpoly", 1), ACTS
+        )
     if largest(model.jnt_stiffnesspoly[:, 0]):
         value = f"up to {largest(model.jnt_stiffnesspoly[:, 0]):g}"
-        yield Kind("stiffness, x²", value, _column("jnt_stiffnesspoly", 0))
+        yield Kind("stiffness, x²", value, _column("jnt_stiffnesspoly", 0), ACTS)
     if largest(model.jnt_stiffnesspoly[:, 1]):
-        cubic = ACTS if any(a.effect == "cubic_stiffness" for a in system.attachments) else IGNORED
         value = f"up to {largest(model.jnt_stiffnesspoly[:, 1]):g}"
-        yield Kind("stiffness, x³", value, _column("jnt_stiffnesspoly", 1), cubic)
+        yield Kind("stiffness, x³", value, _column("jnt_stiffnesspoly", 1), ACTS)
     if np.any(model.jnt_limited) and constrained and not disabled(model, "LIMIT"):
         yield Kind(
             "joint limits", f"of {int(np.sum(model.jnt_limited))} joint(s)", flag("LIMIT"), "in single runs alone", KEPT
         )
     if np.any(model.body_gravcomp) and not disabled(model, "GRAVITY"):
-        acts = "acts, as scaled gravity" if uniform_compensation(model) else IGNORED
+        acts = "acts, as scaled gravity" if uniform_compensation(model) else "acts, but in a diagnosis"
         yield Kind("gravcomp", f"up to {largest(model.body_gravcomp):g}", _without_compensation, acts)
     if model.neq and constrained and not disabled(model, "EQUALITY"):
         yield Kind("equality", f"{model.neq}", flag("EQUALITY"))

@@ -3,8 +3,9 @@
 Generalized force on the joint, on the right-hand side of the equations of motion, with v = joint velocity::
 
     + constant_torque + cogging_amplitude · sin(cogging_periods · q + cogging_phase)
-    − damping · v − quadratic_drag · v |v|
+    − damping · v − quadratic_drag · v |v| − cubic_damping · v³
     − stiffness · (q − rest_angle) − cubic_stiffness · q³
+    − polynomial_square · x² − polynomial_cube · x³,   x = q − polynomial_rest
     − dry(v),   |dry| = F_c + (F_s − F_c) exp(−(v / v_s)²) + mu_radius · R     while it slides
                 |dry| ≤ max(F_s, F_c) + mu_radius · R                          while it sticks
       or, where creep_velocity v_c > 0, dry(v) = |dry| tanh(v / v_c) at any speed: it never sticks
@@ -57,6 +58,12 @@ SLOTS = (
     Slot("stiffness", "N·m/rad", "linear spring"),
     Slot("rest_angle", "rad", "where the linear spring is slack"),
     Slot("cubic_stiffness", "N·m/rad³", "spring torque over q³"),
+    Slot("cubic_damping", "N·m·s³/rad³", "damping torque over v³"),
+    Slot(
+        "polynomial_square", "N·m/rad²", "spring torque over the square of the distance from polynomial_rest: one-sided"
+    ),
+    Slot("polynomial_cube", "N·m/rad³", "spring torque over its cube"),
+    Slot("polynomial_rest", "rad", "where that spring is slack"),
     Slot("constant_torque", "N·m", "constant torque along the positive axis"),
     Slot("cogging_amplitude", "N·m", "amplitude of the torque periodic in the angle"),
     Slot("cogging_periods", "1/rev", "its periods in a revolution"),
@@ -89,6 +96,10 @@ DAHL_STIFFNESS = SLOT_NAMES.index("dahl_stiffness")
 STIFFNESS = SLOT_NAMES.index("stiffness")
 REST = SLOT_NAMES.index("rest_angle")
 CUBIC = SLOT_NAMES.index("cubic_stiffness")
+CUBIC_DAMPING = SLOT_NAMES.index("cubic_damping")
+SQUARE = SLOT_NAMES.index("polynomial_square")
+CUBE = SLOT_NAMES.index("polynomial_cube")
+SLACK = SLOT_NAMES.index("polynomial_rest")
 CONSTANT = SLOT_NAMES.index("constant_torque")
 COGGING_AMPLITUDE = SLOT_NAMES.index("cogging_amplitude")
 COGGING_PERIODS = SLOT_NAMES.index("cogging_periods")
@@ -102,6 +113,7 @@ USER_1 = SLOT_NAMES.index("user_1")
 
 # Which terms any lane of a group uses; the others are skipped. A skipped term is exactly zero in every lane.
 HAS_DRY, HAS_STRIBECK, HAS_LOAD, HAS_DAHL, HAS_COGGING, HAS_STOP, HAS_USER, HAS_SIGN = 1, 2, 4, 8, 16, 32, 64, 128
+HAS_POLYNOMIAL = 1024
 HAS_CREEP, HAS_SOFT = 256, 512  # dry friction that gives way, and as a soft constraint; HAS_DRY is the one that sticks
 RUBS = HAS_DRY | HAS_CREEP | HAS_SOFT
 ALMOST = 1e-9  # relative slack between holding and breaking loose, so that rounding cannot make them alternate
@@ -128,6 +140,12 @@ def terms_in_use(parameters: Any, start: int, stride: int) -> int:
         flags |= HAS_DAHL | HAS_SIGN
     if parameters[start + DRAG * stride] != 0.0:
         flags |= HAS_SIGN
+    if (
+        parameters[start + CUBIC_DAMPING * stride] != 0.0
+        or parameters[start + SQUARE * stride] != 0.0
+        or parameters[start + CUBE * stride] != 0.0
+    ):
+        flags |= HAS_POLYNOMIAL
     if parameters[start + COGGING_AMPLITUDE * stride] != 0.0:
         flags |= HAS_COGGING
     if parameters[start + STOP_STIFFNESS * stride] != 0.0 or parameters[start + STOP_DAMPING * stride] != 0.0:
@@ -244,6 +262,10 @@ def passive_force(
         - load(laws, start + STIFFNESS * 8) * (q - load(laws, start + REST * 8))
         - load(laws, start + CUBIC * 8) * (q * q * q)
     )
+    if flags & HAS_POLYNOMIAL:
+        x = q - load(laws, start + SLACK * 8)
+        force = force - load(laws, start + CUBIC_DAMPING * 8) * (v * v * v)
+        force = force - (load(laws, start + SQUARE * 8) + load(laws, start + CUBE * 8) * x) * (x * x)
     if flags & HAS_SIGN:
         force = force - load(laws, start + DRAG * 8) * (v * v) * direction
     if flags & RUBS:

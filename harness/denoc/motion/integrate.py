@@ -78,10 +78,12 @@ def simulate(
     found: dict[str, Array] = {}
     said = METHODS[chosen]
     linear = hold == "linear"
-    if events:
+    if events or model.by_calls:
         if friction.any() or chosen != "dop853":
+            what = "events are" if events else "gravity compensation of single links is"
             raise UnsupportedError(
-                "events are located by the adaptive method and without dry friction", mend="take events or friction out"
+                f"{what} for the adaptive method and without dry friction",
+                mend=f"take {'events' if events else 'gravcomp'} or friction out, leave method out",
             )
         found = _with_events(model, times, forces, linear, rtol, atol, events, position, velocity)
         if len(times) > 1 and "last" in found:

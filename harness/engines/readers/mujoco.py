@@ -15,7 +15,7 @@ from harness.engines.readers.reading import Placed
 from harness.errors import InputError, UnsupportedError
 from harness.system import System
 from harness.system.inertia import combine
-from harness.system.mjcf_left_out import disabled, uniform_compensation
+from harness.system.mjcf_left_out import disabled
 from harness.system.read_mjcf import compiled, names_of_joints
 
 
@@ -53,10 +53,8 @@ class MujocoReading:
 
     def bias(self, q: Array, qd: Array) -> Array:
         self._set(q, qd)
-        force = np.array(self.data.qfrc_bias)
-        if uniform_compensation(self.model):
-            force = force - self.data.qfrc_gravcomp
-        return force[self._dofs]
+        # What carries weight counts as gravity here.
+        return (self.data.qfrc_bias - self.data.qfrc_gravcomp)[self._dofs]
 
     def gravity(self, q: Array) -> Array:
         return self.bias(q, np.zeros(len(self.names)))
