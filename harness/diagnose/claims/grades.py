@@ -99,16 +99,16 @@ def grade(
 ) -> str:
     """How firmly a claim stands.
 
-    Where noise is all that is left: established. Beside a force that is left out: possible, if it was chosen among many places (one
-    of them always fits some of what something else makes), if it may as well be absent, or if it is no plain law of a single
-    number and does not explain far more than what is left (it may be bent to what nobody has named); likely, if there are too few
-    recordings to say whether it repeats, leaving one out takes it away, or its size is not known to a factor of ten; else
-    established.
+    Where noise is all that is left: established; likely where an error of a known shape is left. Beside a force that is left out:
+    possible, if it was chosen among many places (one of them always fits some of what something else makes), if it may as well be
+    absent, or if it is no plain law of a single number and does not explain far more than what is left (it may be bent to what
+    nobody has named); likely, if there are too few recordings to say whether it repeats, leaving one out takes it away, or its
+    size is not known to a factor of ten; else established.
 
     values: its parameters; rows: see ``repeatability``.
     """
     if outcome.force is None:
-        return ESTABLISHED
+        return LIKELY if conclusion.remains.significant else ESTABLISHED
     effect = claim.candidate.effect
     if not plain(effect) and claim.gain < FAKED * conclusion.remains.excess:
         return POSSIBLE
