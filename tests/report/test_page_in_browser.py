@@ -86,8 +86,9 @@ def test_every_plot_is_drawn_in_silence_and_nothing_is_fetched(opened, address, 
     # Who hears the page is told what every picture shows, and what every header heads.
     assert page.locator("th:not([scope])").count() == 0
     unnamed = page.evaluate(
-        """Array.from(document.querySelectorAll('canvas, svg, img'), e => e).filter(e =>
-             !e.getAttribute('role') || !(e.getAttribute('aria-label') || e.querySelector('title'))).map(e => e.outerHTML.slice(0, 80))"""
+        """Array.from(document.querySelectorAll('canvas, svg, img'))
+             .filter(e => !e.getAttribute('role') || !(e.getAttribute('aria-label') || e.querySelector('title')))
+             .map(e => e.outerHTML.slice(0, 80))"""
     )
     assert unnamed == []
 
