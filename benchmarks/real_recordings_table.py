@@ -25,7 +25,7 @@ def numbers(finding: dict[str, Any]) -> str:
     """A finding's parameters with their intervals."""
     parts = []
     for name, p in finding["parameters"].items():
-        unit = "" if p["unit"] == "1" else f" {p['unit'].replace('**2', '²').replace('*', '·')}"
+        unit = "" if p["unit"] == "1" else f" {p['unit'].replace('**2', '²').replace('**3', '³').replace('*', '·')}"
         span = f" ({p['ci95'][0]:.3g} … {p['ci95'][1]:.3g})" if p["ci95"][0] is not None else ""
         parts.append(f"{name.replace('_', ' ')} {p['value']:.3g}{span}{unit}")
     return ", ".join(parts)

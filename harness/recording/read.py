@@ -24,6 +24,7 @@ from harness.recording.magnitudes import LEAST, without_absurd
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
 from harness.recording.stale import find_stale
+from harness.recording.stamp_pattern import healed
 from harness.recording.timing import Timing, grouped_mean, mend_time
 from harness.recording.units import factor_to_si
 from harness.system import System
@@ -114,8 +115,10 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
     )
     time, channels, efforts, dropped = _drop_blank(timing.time, measured, channels, efforts)
     notes += dropped
-    first = float(time[0])
     _refuse_short(len(time), file)
+    time, late = _read_when(time, channels)
+    notes += late
+    first = float(time[0])
     moving = [c for c in channels if float(np.ptp(c.values[np.isfinite(c.values)])) > LEAST]
     if not moving:
         raise InputError(
@@ -244,9 +247,6 @@ def _channel(
                     size=step,
                 )
             )
-        late = jitter_note(column.name, unit, timing.time, values, step) if column.quantity == "position" else None
-        if late is not None:
-            notes.append(late)
         saturation = find_saturation(column.name, timing.time, values, step)
         if saturation is not None:
             notes.append(saturation)
@@ -286,6 +286,15 @@ def _drop_blank(
         return Channel(channel.name, channel.site, channel.quantity, channel.unit, values, channel.column)
 
     return time[keep], [cut(c) for c in channels], [cut(e) for e in efforts], notes
+
+
+def _read_when(time: Array, channels: Sequence[Channel]) -> tuple[Array, list[QualityNote]]:
+    """Stamps put right where they are late in a pattern; what is late at random is told."""
+    positions = [c for c in channels if c.quantity == "position" and np.nanstd(c.values) > 0.0]
+    steps = [quantisation_step(c.values) for c in positions]
+    time, pattern = healed(time, [(c.values, step) for c, step in zip(positions, steps, strict=True)])
+    found = [jitter_note(c.name, c.unit, time, c.values, s) for c, s in zip(positions, steps, strict=True)]
+    return time, [note for note in (pattern, *found) if note is not None]
 
 
 def _complete(efforts: list[Channel], time: Array, file: Path) -> tuple[list[Channel], list[QualityNote]]:
