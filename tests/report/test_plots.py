@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 
 import numpy as np
+import pytest
 from lxml import html as lxml_html
 
 from harness.diagnose.answer.curves import ForceMap, Residuals
@@ -34,6 +35,19 @@ def test_bins_have_the_mean_and_the_spread_of_what_lies_in_them():
     assert np.allclose(mean, 3.0 * np.sign(centre), atol=1e-12)
     assert np.allclose(deviation, 0.5, atol=1e-12)
     assert len(binned(np.array([0.0, 1.0]), np.array([1.0, 2.0]))[0]) == 0  # too few to speak of
+
+
+def test_a_mean_stands_for_samples_and_no_line_bridges_what_is_sparse():
+    """Dense at the ends and sparse between, as a fast swing is: a line through y = x², which the ends alone would put at one."""
+    between = np.linspace(-0.9, 0.9, 19)
+    x = np.concatenate([np.full(50, -1.0), between, np.full(50, 1.0)])
+    centre, mean, _ = binned(x, x**2)
+    inner = np.abs(centre) < 0.75
+    assert np.count_nonzero(inner) == 3  # of nineteen samples, five in each; four go to the end
+    # The mean of x² in a bin is the square of the mean of x and their variance: (n² − 1)/12 steps squared, of five at 0.1.
+    assert np.allclose((mean - centre**2)[inner], 24.0 / 12.0 * 0.01, atol=1e-12)
+    # No sample is left out: the ends are those of the motion.
+    assert centre[0] == pytest.approx(-1.0) and centre[-1] == pytest.approx(1.0, abs=0.02)
 
 
 def test_numbers_are_packed_in_single_precision_and_gaps_stay():

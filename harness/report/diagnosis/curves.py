@@ -123,14 +123,25 @@ def force_over(f: ForceMap, axis: str) -> Plot:
 
 
 def binned(x: Array, y: Array, bins: int = BINS) -> tuple[Array, Array, Array]:
-    """Centres of equal bins over x that hold enough samples, and mean and standard deviation of y in each, shapes (k,)."""
+    """Mean of x, and mean and standard deviation of y, by bin, shapes (k,).
+
+    Bins are equal over x, each widened to the right until it holds enough samples: a line over a stretch that nobody averaged
+    would be no mean. What is left at the end goes to the last one.
+    """
     good = np.isfinite(x) & np.isfinite(y)
-    if not good.any():
+    if np.count_nonzero(good) < FEWEST_IN_BIN:
         return np.empty(0), np.empty(0), np.empty(0)
     count, edges, _ = binned_statistic(x[good], y[good], "count", bins=bins)
-    mean, deviation = (binned_statistic(x[good], y[good], what, bins=bins)[0] for what in ("mean", "std"))
-    enough = count >= FEWEST_IN_BIN
-    return (0.5 * (edges[1:] + edges[:-1]))[enough], mean[enough], deviation[enough]
+    wide, held = [edges[0]], 0.0
+    for end, more in zip(edges[1:], count, strict=True):
+        held += more
+        if held >= FEWEST_IN_BIN:
+            wide.append(end)
+            held = 0.0
+    wide[-1] = edges[-1]
+    centre = binned_statistic(x[good], x[good], "mean", bins=wide)[0]
+    mean, deviation = (binned_statistic(x[good], y[good], what, bins=wide)[0] for what in ("mean", "std"))
+    return centre, mean, deviation
 
 
 def phase(f: ForceMap) -> str:

@@ -68,6 +68,11 @@
     };
     var plot = new uPlot(options, data, place);
     var rows = place.querySelectorAll(".u-legend .u-series");
+    // For who hears the page: what the canvas is a picture of, and that the legend's words head its rows.
+    var canvas = place.querySelector("canvas");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", place.getAttribute("aria-label"));
+    place.querySelectorAll(".u-legend th").forEach(function (head) { head.scope = "row"; });
     hidden.forEach(function (k) { rows[k].hidden = true; rows[k].style.display = "none"; });
     drawn.push({ plot: plot, together: told.together, place: place });
     buttons(place, plot, whole, told);
