@@ -34,14 +34,14 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
     further = other.hypothesis.size - best.hypothesis.size
     price = further * float(np.log(study.samples))
     gained = best.cost - other.cost
-    better = f"better (χ² by {_by(gained)}), too little for" if gained >= 1.0 else "no better with"
+    better = f"better (χ² by {gained:.0f}), too little for" if gained >= 1.0 else "no better with"
     parts = {
         _bent(study, other): other.prior - best.prior,
-        f"fits the recordings worse (χ² by {_by(-gained)})": -gained,
+        f"fits the recordings worse (χ² by {-gained:.0f})": -gained,
         f"fits {better} {further} more parameter{'s' * (further > 1)}": price,
     }
     said = max(parts, key=lambda words: parts[words])
-    if parts[said] <= 0.0:
+    if parts[said] < 1.0:
         return "as good"
     if error > WORSE * least > 0.0:
         said += f", predicts the data held out {_ratio(error / least)} worse"
@@ -59,8 +59,3 @@ def _bent(study: Study, fitted: Fit) -> str:
     worst = int(np.argmax(np.abs(z)))
     quantity = study.predictor.nominal[worst]
     return f"bends the nominal model: {quantity.kind} of {quantity.name} by {z[worst]:+.1f} σ of its tolerance"
-
-
-def _by(gained: float) -> str:
-    """A difference of χ², never as 0 where it is not."""
-    return f"{gained:.0f}" if gained >= 1.0 else f"{gained:.1g}"
