@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -81,6 +82,8 @@ def test_a_spring_or_a_simple_joint_law_beside_a_free_joint_acts_alike() -> None
     from harness.system import Attachment
 
     base = in_space()
+    # MuJoCo's springs of a joint have one rest position.
+    base = base.replace_joint(replace(base.joint("knee"), rest_position=0.0))
     system = System(
         base.name,
         base.joints,

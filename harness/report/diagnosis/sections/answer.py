@@ -58,7 +58,7 @@ def _use(document: Document) -> list[str]:
         return [f"On data held out the error of {worst['channel']} is {after} {unit} with or without (noise {noise})."]
     told = [f"On data held out the error of {worst['channel']} falls from {before} to {after} {unit} (noise {noise})."]
     share = document.get("explained_share")
-    if share is not None and share > 0.0:
+    if share is not None and share > 0.0 and "of the mismatch there" not in document.get("summary", ""):
         told.append(f"That removes {100.0 * share:.3g} % of the nominal model's mean-square error there.")
     return told
 
