@@ -30,6 +30,7 @@ from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere
+from harness.diagnose.selection.exchange import specialized
 from harness.diagnose.selection.study import HOPELESS, Study
 from harness.effects.scale import pull
 
@@ -288,7 +289,9 @@ def least(
 
     best = min(ordered[:COMPARED], key=value)
     while best.hypothesis.members:
-        smaller = min((study.below(best, k) for k in range(len(best.hypothesis.members))), key=value)
+        # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
+        plainer = [study.below(best, k) for k in range(len(best.hypothesis.members))] + specialized(study, best)
+        smaller = min(plainer, key=value)
         if value(smaller) >= value(best):
             break
         best = smaller
