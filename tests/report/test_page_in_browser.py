@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -12,13 +12,8 @@ from diagnosed import LENGTH, curves, document, swing
 import harness
 from harness.report.diagnosis.page import diagnosis_html
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-BROWSER = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no browser of the Chromium family is installed")
-
 PENDULUM = Path(__file__).parents[2] / "models" / "urdf" / "rigid_pendulum.urdf"
-SLOWEST = 120_000.0  # ms: a busy machine takes a minute to load a page
+SLOWEST = 120.0  # s: a busy machine takes a minute to draw a page
 PLOTS = 7  # two recordings: motion and residual of each; missing force over velocity and position; spectrum
 
 
@@ -29,38 +24,15 @@ def address(tmp_path_factory):
     return file.as_uri()
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield started
-        started.close()
-
-
 @pytest.fixture
-def opened(browser, address):
+def opened(open_page, address):
     """Open the page: (page, what it said on its console, what it asked for)."""
-    contexts = []
-
-    def open_(width: int = 1280, scheme: str = "light", **options):
-        context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, **options)
-        context.set_default_timeout(SLOWEST)
-        contexts.append(context)
-        page, said, asked = context.new_page(), [], []
-        page.on("console", lambda message: said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(address)
-        return page, said, asked
-
-    yield open_
-    for context in contexts:
-        context.close()
+    return partial(open_page, address)
 
 
 def eventually(page, holds) -> None:
     """Wait until something holds, as long as for a page: it draws when the browser finds the time."""
-    end = time.monotonic() + SLOWEST / 1e3
+    end = time.monotonic() + SLOWEST
     while not holds() and time.monotonic() < end:
         page.wait_for_timeout(100)
     assert holds()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 
 import pytest
@@ -13,11 +12,6 @@ from harness.cases.gate import Judged, Judgement
 from harness.cases.results import Results
 from harness.report.comparison import comparison_html
 from harness.report.html import html
-
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-BROWSER = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no browser of the Chromium family is installed")
 
 # Names and paths as robots have them: one word, wider than a telephone.
 LONG = "left_hand_index_finger_distal_interphalangeal_joint_flexion_extension_actuator_reflected_rotor"
@@ -43,26 +37,11 @@ def pages() -> dict[str, str]:
     }
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield started
-        started.close()
-
-
 @pytest.mark.parametrize("name", ["suite", "gate", "two runs"])
-def test_no_page_is_wider_than_its_screen(browser, name, tmp_path):
+def test_no_page_is_wider_than_its_screen(open_page, name, tmp_path):
     file = tmp_path / "report.html"
     file.write_text(pages()[name], encoding="utf-8")
     for width, scheme in ((390, "dark"), (1280, "light")):
-        context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
-        context.set_default_timeout(120_000.0)  # ms: a busy machine takes a minute to load a page
-        page, said, asked = context.new_page(), [], []
-        page.on("console", lambda message, said=said: said.append(message.text))
-        page.on("pageerror", lambda error, said=said: said.append(str(error)))
-        page.on("request", lambda request, asked=asked: asked.append(request.url))
-        page.goto(file.as_uri())
+        page, said, asked = open_page(file.as_uri(), width, scheme)
         assert page.evaluate("document.documentElement.scrollWidth") == width
         assert said == [] and asked == [file.as_uri()]
-        context.close()
