@@ -24,8 +24,10 @@ def carried(system: System, least: float = -np.inf) -> System:
         replace(link, mass=max(link.gravcomp, least) * link.mass, inertia=constant(np.zeros((3, 3))), gravcomp=0.0)
         for link in system.links
     )
-    bare = {"armature": 0.0, "damping": 0.0, "friction": 0.0, "stiffness": 0.0, "rest_position": 0.0}
-    joints = tuple(replace(joint, **bare) for joint in system.joints)  # type: ignore[arg-type]
+    joints = tuple(
+        replace(joint, armature=0.0, damping=0.0, friction=0.0, stiffness=0.0, rest_position=0.0)
+        for joint in system.joints
+    )
     return replace(system, links=links, joints=joints)
 
 

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from harness.engines.checked import finite_result
+from harness.engines.march import adaptive
 from harness.engines.protocol import Array, EngineError, EngineModel
 from harness.system import System
 from harness.system.lowering import followed
@@ -137,7 +137,6 @@ def soft_march(
     step: longest step [s]. Raises EngineError where the motion cannot be followed.
     """
     nq = len(q0)
-    idle = np.zeros(len(v0))
 
     def slope(y: Array, force: Array) -> Array:
         q, v = y[:nq], y[nq:]
@@ -147,26 +146,6 @@ def soft_march(
         return np.concatenate([v if rates is None else rates(q, v), finite_result("the run", "motion", a)])
 
     longest = min(step or np.inf, LONGEST_STEP if soft is not None else np.inf)
-    states = np.empty((len(time), nq + len(v0)))
-    states[0] = np.concatenate([q0, v0])
-    first = 0
-    while first < len(time) - 1:
-        last = first + 1
-        force = idle if tau is None else tau[first]
-        while last < len(time) - 1 and (tau is None or np.array_equal(tau[last], force)):
-            last += 1
-        run = solve_ivp(
-            lambda _, y, f=force: slope(y, f),
-            (time[first], time[last]),
-            states[first],
-            method="DOP853",
-            t_eval=time[first + 1 : last + 1],
-            rtol=rtol,
-            atol=atol,
-            max_step=longest,
-        )
-        if not run.success or not np.isfinite(run.y).all():
-            raise EngineError(f"integration stopped after t = {run.t[-1] if run.t.size else time[first]:g} s")
-        states[first + 1 : last + 1] = run.y.T
-        first = last
+    start = np.concatenate([q0, v0])
+    states = adaptive(slope, start, time, tau, np.zeros(len(v0)), rtol=rtol, atol=atol, longest=longest)
     return states[:, :nq], states[:, nq:]
