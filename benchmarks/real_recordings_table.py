@@ -10,6 +10,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from harness.recording.units import written
+
 HERE = Path(__file__).resolve().parents[1]
 AFTERNOON = HERE / "reference" / "afternoon.json"
 BEGIN, END = "<!-- table -->", "<!-- end of table -->"
@@ -25,7 +27,7 @@ def numbers(finding: dict[str, Any]) -> str:
     """A finding's parameters with their intervals."""
     parts = []
     for name, p in finding["parameters"].items():
-        unit = "" if p["unit"] == "1" else f" {p['unit'].replace('**2', '²').replace('**3', '³').replace('*', '·')}"
+        unit = "" if p["unit"] == "1" else f" {written(p['unit'])}"
         span = f" ({p['ci95'][0]:.3g} … {p['ci95'][1]:.3g})" if p["ci95"][0] is not None else ""
         parts.append(f"{name.replace('_', ' ')} {p['value']:.3g}{span}{unit}")
     return ", ".join(parts)

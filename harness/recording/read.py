@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -99,8 +99,9 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
     _refuse_short(len(timing.time), file)
     channels: list[Channel] = []
     efforts: list[Channel] = []
+    steps: dict[str, float] = {}
     for column in columns[1:]:
-        channel, seen = _channel(column, table, timing, system, file)
+        channel, seen, steps[column.name] = _channel(column, table, timing, system, file)
         notes += seen
         (efforts if column.quantity == "effort" else channels).append(channel)
     if not channels:
@@ -116,7 +117,7 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
     time, channels, efforts, dropped = _drop_blank(timing.time, measured, channels, efforts)
     notes += dropped
     _refuse_short(len(time), file)
-    time, late = _read_when(time, channels)
+    time, late = _read_when(time, channels, steps)
     notes += late
     first = float(time[0])
     moving = [c for c in channels if float(np.ptp(c.values[np.isfinite(c.values)])) > LEAST]
@@ -197,7 +198,8 @@ def _finite(values: Array) -> Array:
 
 def _channel(
     column: Column, table: Table, timing: Timing, system: System | None, file: Path
-) -> tuple[Channel, list[QualityNote]]:
+) -> tuple[Channel, list[QualityNote], float]:
+    """A column's channel, what was found in it, and its quantisation step."""
     prismatic = None
     if system is not None and column.site in system.joint_names:
         prismatic = system.joint(column.site).prismatic
@@ -250,7 +252,8 @@ def _channel(
         saturation = find_saturation(column.name, timing.time, values, step)
         if saturation is not None:
             notes.append(saturation)
-    return Channel(column.name, column.site, column.quantity, unit, constant(values), column.header), notes
+    channel = Channel(column.name, column.site, column.quantity, unit, constant(values), column.header)
+    return channel, notes, step
 
 
 def _drop_blank(
@@ -288,12 +291,11 @@ def _drop_blank(
     return time[keep], [cut(c) for c in channels], [cut(e) for e in efforts], notes
 
 
-def _read_when(time: Array, channels: Sequence[Channel]) -> tuple[Array, list[QualityNote]]:
-    """Stamps put right where they are late in a pattern; what is late at random is told."""
+def _read_when(time: Array, channels: Sequence[Channel], steps: Mapping[str, float]) -> tuple[Array, list[QualityNote]]:
+    """Stamps put right where they are late in a pattern; what is late at random is told. steps: of quantisation, by channel."""
     positions = [c for c in channels if c.quantity == "position" and np.nanstd(c.values) > 0.0]
-    steps = [quantisation_step(c.values) for c in positions]
-    time, pattern = healed(time, [(c.values, step) for c, step in zip(positions, steps, strict=True)])
-    found = [jitter_note(c.name, c.unit, time, c.values, s) for c, s in zip(positions, steps, strict=True)]
+    time, pattern = healed(time, [(c.values, steps[c.name]) for c in positions])
+    found = [jitter_note(c.name, c.unit, time, c.values, steps[c.name]) for c in positions]
     return time, [note for note in (pattern, *found) if note is not None]
 
 
