@@ -9,9 +9,7 @@ _FEWEST, _MOST = 3, 9  # digits
 _PLAIN = 1e9  # up to which all digits are written, since 5570000 and 5.57e+06 would look like two figures
 _DECADE = 10.0  # between the ends of an interval, beyond which either is read by itself
 EXACTLY = 1e-9  # relative standard deviation of what is counted, not measured
-FARTHER = (
-    2.0  # times as far as its standard deviation says, or as its other end, beyond which an interval itself is told
-)
+FARTHER = 2.0  # times as far as its deviation says, or as its other end, beyond which an interval itself is told
 TWO_SIDED = 1.96  # standard deviations to either end of a normal distribution's 95 %
 
 Interval = Sequence[float | None] | None

@@ -174,11 +174,16 @@ class Profiled:
     samples: int
 
 
+def orthonormal(states: Array) -> Array:
+    """An orthonormal basis (M, S) of what initial states change, given what each of them does (M, S)."""
+    return np.linalg.qr(states)[0] if states.shape[1] else np.zeros((len(states), 0))
+
+
 def profiled(here: Linearisation) -> list[Profiled]:
     """A linear view with the initial states of every window profiled out."""
     out = []
     for residual, basis in zip(here.residuals, here.bases, strict=True):
-        states = np.linalg.qr(basis)[0] if basis.shape[1] else np.zeros((len(residual), 0))
+        states = orthonormal(basis)
         left = residual - states @ (states.T @ residual)
         out.append(Profiled(left, states, int(np.count_nonzero(residual))))
     return out

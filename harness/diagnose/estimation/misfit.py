@@ -16,16 +16,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.estimation.discrepancy import Discrepancy, Responses, covariance_at
+from harness.diagnose.estimation.discrepancy import Discrepancy, Responses, covariance_at, orthonormal
 from harness.diagnose.estimation.least_squares import Fit, inverse
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
 
-REACH = (
-    5.0  # times the correlation's own sum over lags, up to which lags are summed (Sokal, Monte Carlo methods (1997) 3)
-)
+REACH = 5.0  # times the sum so far, up to which lags are summed (Sokal, Monte Carlo methods (1997) 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,12 +110,10 @@ def sandwich(fitted: Fit, nominal: int, left: Misfit, found: Responses) -> Array
     middle, expected = np.zeros_like(prior), 0.0
     for window, states, shared in zip(fitted.windows, fitted.linear.bases, fitted.linear.shared, strict=True):
         rows = np.repeat(quieter, window.size)[:, None]
-        basis = np.linalg.qr(states)[0] if states.shape[1] else np.zeros((len(states), 0))
+        basis = orthonormal(states)
         columns = shared[:, free] - basis @ (basis.T @ shared[:, free])
         forced = found.of(window)
-        root = np.linalg.cholesky(
-            covariance_at(forced.knots, sizes, left.force.memory) + 1e-12 * np.eye(len(forced.r.T))
-        )
+        root = np.linalg.cholesky(covariance_at(forced.knots, sizes, left.force.memory))
         pushed = (rows * forced.q) @ (forced.r @ root)
         pushed -= basis @ (basis.T @ pushed)
         own = columns.T @ pushed

@@ -117,10 +117,7 @@ class Outcome:
         for found in (self.judged, self.alone, self.straight, self.read):
             found.clear()
         self.study = after
-        self.training = Study(
-            after.problem, after.predictor, after.likelihood, after.candidates, training.windows,
-            first_states=after.first_states, swing=after.swing, before=training,
-        )  # fmt: skip
+        self.training = after.unfitted(after.likelihood, training.windows, training)
         kept = sorted(before.fits.values(), key=before.criterion)[:RETAINED]
         self.ordered = sorted((after.fit(f.hypothesis, [f.x], f) for f in kept), key=after.criterion)
         self.empty = after.known(Hypothesis()) or after.empty()
@@ -162,10 +159,7 @@ def investigate(
         ordered = ordered or sorted(final.fits.values(), key=final.criterion)
         own = tuple(w for w in final.windows if w.run < len(problem.train))
         held = tuple(w for w in final.windows if w.run >= len(problem.train))
-        training = Study(
-            final.problem, final.predictor, final.likelihood, final.candidates, own, first_states=final.first_states,
-            swing=period,
-        )  # fmt: skip
+        training = final.unfitted(final.likelihood, own)
         frozen = np.ones(len(final.predictor.nominal), dtype=bool)
         states = {w: empty.states[w] for w in own}
         nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)

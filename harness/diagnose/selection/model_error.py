@@ -39,9 +39,7 @@ SETTLED = 0.2  # relative change of a variance, or of samples that count as one,
 ROUNDS = 5  # of estimating the force and weighing again
 SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
-MOSTLY = (
-    0.2  # of what the nominal model leaves (RMS) that ordinary dissipation leaves, where that is most of the answer
-)
+MOSTLY = 0.2  # of what the nominal model leaves (RMS), that ordinary dissipation leaves where it is most of the answer
 FAR_LESS = (
     10.0  # times less that one error of a known shape has to leave than any set, to be what laws only stand in for
 )
@@ -89,7 +87,7 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     torque = pull(system)
     takes = [study.likelihood.of_sensors]
     if any(colour.coloured > 0.0 for colour in study.likelihood.colours):
-        takes.append(replace(takes[0], colours=crude_colours(study.problem)))
+        takes.append(_as_scattered(study))
     found = (responses(study.predictor, sensors, fitted, torque, period) for sensors in takes)
     return [one for one in found if one is not None]
 
@@ -118,7 +116,7 @@ def begun_ordinary(
         return None
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
-    rough = replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
+    rough = _as_scattered(study)
     before, after = (_under(rough, study, f).residuals([(f.x, f.states)])[0][0] for f in (empty, usual))
     if after > MOSTLY**2 * before or after < LOUD**2 * rough.samples(study.windows):
         return None
@@ -157,10 +155,10 @@ def under_model_error(
     if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure)):
         return None
     progress("a force that is left out")
-    rough = replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
+    rough = _as_scattered(study)
     taken, ranked, search = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows], True
     for _ in range(ROUNDS):
-        wider = _with(study, (taken.fainter(SOUGHT) if early and search else taken).likelihood)
+        wider = study.unfitted((taken.fainter(SOUGHT) if early and search else taken).likelihood)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
         if search:
             empty = wider.fit(Hypothesis(), [study.empty().x], study.empty())
@@ -174,7 +172,7 @@ def under_model_error(
         found = weighed(wider, ways, best)
         if found.force is None:
             # What was found on the way leaves nothing but noise: no force is left out.
-            plain = _with(study, found.sensors)
+            plain = study.unfitted(found.sensors)
             return plain, sorted(
                 (plain.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]), key=plain.criterion
             )
@@ -189,7 +187,7 @@ def under_model_error(
             part = min((study.below(part, k) for k in range(len(part.hypothesis.members))), key=study.criterion)
         if not _shapeless(study, weighed(study, ways, ranked[0]).value, structure):
             return None
-    wider = _with(study, taken.likelihood)
+    wider = study.unfitted(taken.likelihood)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
     if reached is not None:
         reached.append(wider)
@@ -210,12 +208,16 @@ def reweighed(study: Study, fitted: Fit) -> Study | None:
         return None
     ways = answers(study, fitted, study.swing)
     force = weighed(study, ways, fitted).force if ways else None
-    return replace(_with(study, replace(after, force=force or before.force).likelihood), before=study)
+    return study.unfitted(replace(after, force=force or before.force).likelihood, before=study)
 
 
-def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy | None) -> Misfit:
+def _as_scattered(study: Study) -> Likelihood:
+    """The likelihood of the sensors' noise as the channels' own scatter shows it."""
+    return replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
+
+
+def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy) -> Misfit:
     """What a set leaves of what the sensors read."""
-    assert force is not None
     _, residuals = _under(rough, study, fitted).residuals([(fitted.x, fitted.states)])[0]
     return misfit(rough, fitted.windows, residuals, force)
 
@@ -259,14 +261,6 @@ def _alike(one: Misfit, other: Misfit) -> bool:
     return all(abs(a - b) <= SETTLED * max(a, b) for a, b in pairs)
 
 
-def _with(study: Study, likelihood: Likelihood) -> Study:
-    """A study of the same windows under another likelihood, nothing fitted yet."""
-    return Study(
-        study.problem, study.predictor, likelihood, study.candidates, study.windows,
-        first_states=study.first_states, swing=study.swing,
-    )  # fmt: skip
-
-
 def least(
     study: Study,
     sensors: Likelihood,
@@ -287,13 +281,16 @@ def least(
         own = np.sum(sizes / np.array(together) * (np.log(variance) + left / sizes / variance))
         return float(own) + study.criterion(fitted) - fitted.cost
 
-    best = min(ordered[:COMPARED], key=value)
+    def least_of(fits: Sequence[Fit]) -> tuple[float, Fit]:
+        return min(((value(fitted), fitted) for fitted in fits), key=lambda pair: pair[0])
+
+    lowest, best = least_of(ordered[:COMPARED])
     while best.hypothesis.members:
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
         plainer = [study.below(best, k) for k in range(len(best.hypothesis.members))] + specialized(study, best)
-        smaller = min(plainer, key=value)
-        if value(smaller) >= value(best):
+        least_there, smaller = least_of(plainer)
+        if least_there >= lowest:
             break
-        best = smaller
+        lowest, best = least_there, smaller
         progress(" + ".join(best.hypothesis.keys) or "nothing")
     return best

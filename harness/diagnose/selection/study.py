@@ -87,6 +87,15 @@ class Study:
     ends: dict[tuple[str, ...], list[tuple[float, Array]]] = field(default_factory=dict)
     _read: dict[tuple[Window, float], Array] = field(default_factory=dict)
 
+    def unfitted(
+        self, likelihood: Likelihood, windows: tuple[Window, ...] | None = None, before: Study | None = None
+    ) -> Study:
+        """The same with nothing fitted yet, under another likelihood or on part of the windows."""
+        return Study(
+            self.problem, self.predictor, likelihood, self.candidates, self.windows if windows is None else windows,
+            first_states=self.first_states, swing=self.swing, before=before,
+        )  # fmt: skip
+
     @property
     def samples(self) -> float:
         """Independent readings in the training windows."""

@@ -58,7 +58,9 @@ def _use(document: Document) -> list[str]:
         return [f"On data held out the error of {worst['channel']} is {after} {unit} with or without (noise {noise})."]
     told = [f"On data held out the error of {worst['channel']} falls from {before} to {after} {unit} (noise {noise})."]
     share = document.get("explained_share")
-    if share is not None and share > 0.0 and "of the mismatch there" not in document.get("summary", ""):
+    # Beside a force that is left out the summary tells it with the findings.
+    firm = any(finding.get("grade") != "possible" for finding in document["findings"])
+    if share is not None and share > 0.0 and not (document.get("discrepancy") and firm):
         told.append(f"That removes {100.0 * share:.3g} % of the nominal model's mean-square error there.")
     return told
 
