@@ -70,6 +70,7 @@ EXTRAS = {
     "dask": "cluster",
     "pandas": "peers",
     "pysindy": "peers",
+    "cmaes": "peers",
 }
 
 

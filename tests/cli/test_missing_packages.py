@@ -41,6 +41,7 @@ def test_every_extra_that_is_named_is_one_that_pip_knows():
         "platformdirs",
         "distributed",
         "pysindy",
+        "cmaes",
         "example-robot-data",
     }
 

@@ -203,6 +203,10 @@ def test_claims_of_a_class_and_of_strange_cases(proof: Path, tmp_path) -> None:
         and row["named_exactly"] == [0, 1]
         and row["heldout_over_noise"] == pytest.approx(2.0)
     )
+    # What a method is not made for counts neither for nor against it.
+    passed_by = {"x": {"skipped": "it is for one joint that turns"}}
+    row = tally(score_claims(passed_by, {"x": answer}), passed_by, {"x": answer})
+    assert (row["asked"], row["failed"], row["not_for_it"], row["named_single"]) == (0, 0, 1, [0, 0])
     assert as_found(None) == {"error": "no answer"}
     with pytest.raises(InputError, match="case-777"):
         score_of_claims(proof, _claims(tmp_path / "d.json", {"case-777": {"findings": []}}))

@@ -1,4 +1,5 @@
-"""Recordings as peers are given them: joint angles and efforts over time, nothing that a diagnosis found out about them."""
+"""Recordings as peers are given them: joint angles and efforts over time, nothing that a diagnosis found out about
+them."""
 
 from __future__ import annotations
 

@@ -2,11 +2,12 @@
 
 What it is run on is the same for a proof and for real rigs. Sources, MuJoCo 4.0.0:
 
-- its README and tutorial notebook, ``python/mujoco/sysid/README.md`` and ``sysid.ipynb``;
-- its source, as installed: ``mujoco/sysid/_src``;
-- its maintainers on a user's trouble with ``frictionloss``: github.com/google-deepmind/mujoco/issues/3284 and pull request 3287.
+- its README and tutorial notebook, ``python/mujoco/sysid/README.md`` and ``sysid.ipynb``; - its source, as installed:
+``mujoco/sysid/_src``; - its maintainers on a user's trouble with ``frictionloss``:
+github.com/google-deepmind/mujoco/issues/3284 and pull request 3287.
 
-``tests/proof/test_sysid_peer.py`` runs its tutorial's first example to its own figure, and recovers a pendulum's friction.
+``tests/proof/test_sysid_peer.py`` runs its tutorial's first example to its own figure, and recovers a pendulum's
+friction.
 """
 
 from __future__ import annotations
@@ -46,10 +47,10 @@ WHAT = {"viscous": "viscous_damping", "drag": "quadratic_drag", "dry": "coulomb_
 class Sysid:
     """What ``mujoco.sysid`` found.
 
-    values, half: by ``joint:parameter`` (viscous, drag, dry, bias, com, armature), estimate and half its 95 %
-    interval, SI; ``half``
-    is infinite where the data do not say. nominal: where the published model is. objective: half the sum of squares that is left,
-    residuals in units of the channel's spread. rmse: positions of the free runs fitted [rad or m].
+    values, half: by ``joint:parameter`` (viscous, drag, dry, bias, com, armature), estimate and half its 95 % interval,
+    SI; ``half`` is infinite where the data do not say. nominal: where the published model is. objective: half the sum
+    of squares that is left, residuals in units of the channel's spread. rmse: positions of the free runs fitted [rad or
+    m].
     """
 
     model: Any
@@ -62,7 +63,8 @@ class Sysid:
     held: bool
 
     def beyond(self, factor: float = 1.0) -> list[str]:
-        """Parameters of dissipation and zeros whose interval, ``factor`` times as wide, leaves out the nominal value."""
+        """Parameters of dissipation and zeros whose interval, ``factor`` times as wide, leaves out the nominal
+        value."""
         return [
             name
             for name, half in self.half.items()
@@ -70,7 +72,8 @@ class Sysid:
         ]
 
     def free_run(self, state: Array, time: Array, tau: Array | None) -> Array:
-        """Positions as they read (T, n) in MuJoCo from a state as it reads (2n,), at its own step, interpolated to ``time``."""
+        """Positions as they read (T, n) in MuJoCo from a state as it reads (2n,), at its own step, interpolated to
+        ``time``."""
         import mujoco
 
         n = len(self.joints)
@@ -96,9 +99,8 @@ def _controls(grid: Array, time: Array, tau: Array, held: bool) -> Array:
     """Efforts (G, n) that act from each instant of the grid to the next.
 
     ``model_residual`` resamples controls linearly to the step, and MuJoCo holds them over it: a command held by a
-    controller becomes a
-    ramp, one that is smooth is half a step late. So they are given on the grid: held ones as the sample before, smooth ones at the
-    middle of each step.
+    controller becomes a ramp, one that is smooth is half a step late. So they are given on the grid: held ones as the
+    sample before, smooth ones at the middle of each step.
     """
     if held:
         return tau[np.clip(np.searchsorted(time, grid + 1e-9, side="right") - 1, 0, len(time) - 1)]
@@ -130,8 +132,8 @@ def _acceptable(system: System) -> System:
 class _Rig:
     """The nominal model as MuJoCo has it, and sizes that set bounds, each (n,).
 
-    inertia: about each joint at zero [kg·m² or kg]; pull: the largest force by gravity or drive; fastest: speed; spread: of what is
-    measured.
+    inertia: about each joint at zero [kg·m² or kg]; pull: the largest force by gravity or drive; fastest: speed;
+    spread: of what is measured.
     """
 
     system: System
@@ -181,11 +183,10 @@ def _rig(system: System, runs: Sequence[Run], step: float) -> _Rig:
 def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dict[str, float]]:
     """What is freed, and its nominal values.
 
-    Damping, quadratic damping and dry friction of every joint, up to what would swallow the whole force at full
-    speed; the encoder's
-    bias (the README's measurement parameters); the centre of mass or armature, since a model is known within a tolerance only and a
-    period that is off would have to be made up for by friction; the first state of every run, which its examples know exactly and a
-    recording does not.
+    Damping, quadratic damping and dry friction of every joint, up to what would swallow the whole force at full speed;
+    the encoder's bias (the README's measurement parameters); the centre of mass or armature, since a model is known
+    within a tolerance only and a period that is off would have to be made up for by friction; the first state of every
+    run, which its examples know exactly and a recording does not.
     """
     from mujoco import sysid
 
@@ -234,14 +235,15 @@ def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dic
 
 
 def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
-    """Residuals over all runs, as ``optimize`` wants them: (x, parameters) -> (list of residuals, predictions, records).
+    """Residuals over all runs, as ``optimize`` wants them: (x, parameters) -> (list of residuals, predictions,
+    records).
 
     Built from ``build_residual_fn`` with the two overrides that its README names. ``custom_rollout`` starts each run
-    where its first
-    state's parameters say. ``modify_residual`` because (1) ``arrays2traj`` stamps MjSensor values with the time of the state that
-    follows them ("sensordata times are shifted by one time step"), while positions out of the state have their own; (2)
-    ``normalize_residual`` divides by the norm of what was measured: an angle that is far from zero counts less, one
-    that stands still gives nan; here all are divided by the spread over all runs, still ones by one; (3) the bias is added.
+    where its first state's parameters say. ``modify_residual`` because (1) ``arrays2traj`` stamps MjSensor values with
+    the time of the state that follows them ("sensordata times are shifted by one time step"), while positions out of
+    the state have their own; (2) ``normalize_residual`` divides by the norm of what was measured: an angle that is far
+    from zero counts less, one that stands still gives nan; here all are divided by the spread over all runs, still ones
+    by one; (3) the bias is added.
     """
     from mujoco import sysid
 
@@ -335,9 +337,9 @@ def fit_sysid(
 ) -> Sysid:
     """A rig's dissipation fitted by ``mujoco.sysid`` to free runs over the recordings, or over windows of them.
 
-    window [s]; left_out: stretches of each recording [s]. held: whether efforts stay from sample to sample; None: whichever fits
-    better. inertial: sets out of ``com`` and ``armature``, tried in turn; the best fit is kept. starts: see
-    ``STARTS``. Raises ImportError where the package is not installed.
+    window [s]; left_out: stretches of each recording [s]. held: whether efforts stay from sample to sample; None:
+    whichever fits better. inertial: sets out of ``com`` and ``armature``, tried in turn; the best fit is kept. starts:
+    see ``STARTS``. Raises ImportError where the package is not installed.
     """
     from absl import logging
     from mujoco import sysid

@@ -20,6 +20,8 @@ from harness.proof.concealments import CONCEALMENTS
 from harness.proof.peers.greedy import greedy_claims
 from harness.proof.peers.practitioner import practitioner_claims
 from harness.proof.peers.regression import regression_claims
+from harness.proof.peers.runs import NotForIt
+from harness.proof.peers.servo_friction import servo_claims
 from harness.proof.peers.sysid import sysid_claims
 from harness.proof.score import CaseScore
 from harness.proof.seal import unseal
@@ -27,6 +29,7 @@ from harness.proof.seal import unseal
 PEERS: dict[str, Callable[[Path], dict[str, Any]]] = {
     "mujoco.sysid": sysid_claims,
     "practitioner": practitioner_claims,
+    "BAM's ladder": servo_claims,
     "greedy forward selection": greedy_claims,
     "pysindy": regression_claims,
 }
@@ -39,12 +42,15 @@ def ask(folder: Path, peer: str) -> dict[str, Any]:
         return {**PEERS[peer](folder), "seconds": round(time.perf_counter() - began, 1)}
     except ImportError as error:
         return {"skipped": str(missing_package(error) or f"not installed: {error}")}
+    except NotForIt as error:
+        return {"skipped": str(error)}
     except Exception as error:  # a peer may fail in any way; the proof says so and goes on
         return {"error": f"{type(error).__name__}: {error}"}
 
 
 def to_ask(scores: Sequence[CaseScore], most: int) -> list[CaseScore]:
-    """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, all in the order of the draw.
+    """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, all in the order of
+    the draw.
 
     What a model states as an effect cannot be handed to them, nor can links that bend.
     """

@@ -1,4 +1,5 @@
-"""Claims of peers in the words of ``denoc.claims/1``, made of recordings as peers are given them (``compare.peers.runs``)."""
+"""Claims of peers in the words of ``denoc.claims/1``, made of recordings as peers are given them
+(``compare.peers.runs``)."""
 
 from __future__ import annotations
 
@@ -8,7 +9,12 @@ import numpy as np
 
 from harness.compare.peers.runs import Run, as_run
 
-__all__ = ["Run", "as_run", "finding"]
+__all__ = ["NotForIt", "Run", "as_run", "finding"]
+
+
+class NotForIt(ValueError):
+    """A rig that a peer is not made for: it is not asked, which counts neither for nor against it."""
+
 
 # On the angle of one joint that swings freely these leave the same trace; peers that do not say so are given it.
 ALIKE = {

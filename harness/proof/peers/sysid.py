@@ -15,11 +15,12 @@ __all__ = ["fit_sysid", "sysid_claims"]
 
 
 def sysid_claims(folder: Path) -> dict[str, Any]:
-    """What it claims of a folder with ``model.toml`` and ``run*.csv``, the last run left out: ``joint:effect`` by its intervals.
+    """What it claims of a folder with ``model.toml`` and ``run*.csv``, the last run left out: ``joint:effect`` by its
+    intervals.
 
-    It reports 95 % intervals and no claims. Several parameters are freed, so one interval in twenty of each leaves out the truth by
-    chance; a careful reader asks for 95 % that none does (Bonferroni), which is what ``claims`` are. ``beyond95`` has those outside
-    of the single intervals.
+    It reports 95 % intervals and no claims. Several parameters are freed, so one interval in twenty of each leaves out
+    the truth by chance; a careful reader asks for 95 % that none does (Bonferroni), which is what ``claims`` are.
+    ``beyond95`` has those outside of the single intervals.
     """
     import harness
     from harness.recording import read_recordings
