@@ -71,6 +71,7 @@ EXTRAS = {
     "pandas": "peers",
     "pysindy": "peers",
     "cmaes": "peers",
+    "figaroh": "peers",
 }
 
 

@@ -42,6 +42,7 @@ def test_every_extra_that_is_named_is_one_that_pip_knows():
         "distributed",
         "pysindy",
         "cmaes",
+        "figaroh",
         "example-robot-data",
     }
 

@@ -118,6 +118,17 @@ def _swing(
             q += v * h + 0.5 * acceleration * h * h
 
 
+def swing_of_one_joint(
+    state: Array, time: Array, tau: Array, inertia: float, cosine: float, sine: float, viscous: float, dry: float
+) -> Array:
+    """Positions (T,) of one joint under gravity a cos q + b sin q, a known force (T,), viscous and dry friction that sticks."""
+    p = np.zeros(len(NAMES))
+    p[[INERTIA, ALPHA, BASE, VISCOUS]] = 1.0, 1.0, max(dry, 0.0), max(viscous, 0.0)
+    out = np.empty(len(time))
+    _swing(state[0], state[1], time, np.ascontiguousarray(tau), inertia, cosine, sine, p, False, out)
+    return out
+
+
 @dataclass(frozen=True)
 class Servo:
     """A fit. values: by parameter, SI; model: its step on the ladder. mae: mean absolute error [rad]; heldout: root

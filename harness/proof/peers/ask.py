@@ -17,6 +17,7 @@ from harness.errors import missing_package
 from harness.parallel import parallel_map
 from harness.proof.claims import score_claims, tally
 from harness.proof.concealments import CONCEALMENTS
+from harness.proof.peers.figaroh import figaroh_claims
 from harness.proof.peers.greedy import greedy_claims
 from harness.proof.peers.practitioner import practitioner_claims
 from harness.proof.peers.regression import regression_claims
@@ -30,6 +31,7 @@ PEERS: dict[str, Callable[[Path], dict[str, Any]]] = {
     "mujoco.sysid": sysid_claims,
     "practitioner": practitioner_claims,
     "BAM's ladder": servo_claims,
+    "FIGAROH": figaroh_claims,
     "greedy forward selection": greedy_claims,
     "pysindy": regression_claims,
 }
