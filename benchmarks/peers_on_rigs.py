@@ -27,7 +27,6 @@ from harness.effects.scale import swings
 from harness.proof.peers.runs import as_run
 from harness.proof.peers.servo_friction import arm_of
 from harness.recording import Recording
-from harness.system import System
 
 from afternoon import divided, fit  # isort: skip
 from real_recordings import SPLITS, Pushed, folder_of_recordings, judge, piece, pushed  # isort: skip

@@ -7,7 +7,8 @@ thanhndv212/figaroh-plus, 1.0: ``figaroh/identification/base_identification.py``
 - Motion: positions through a zero-phase Butterworth filter of order 4 at ten times the fastest swing (Gautier, Venture, ICRA
   2013: well above the dynamics, well below Nyquist), central differences, the borders of the filter cut. Done before it is
   handed over, since its own filter has recordings at an even step in mind and leaves its borders in.
-- Viscous and dry friction, the rotor's inertia and an offset of the effort freed, as its defaults are; weighted least squares.
+- Effort and regressor go through one low-pass and are thinned together, its ``decimate`` ("parallel filtering").
+- Viscous and dry friction, the rotor's inertia and an offset of the effort freed, as its defaults are; least squares.
 - The physically consistent fit (linear matrix inequalities, CVXOPT) is asked for beside it (``physical_fit``).
 - Its "prediction" on data held out is of the effort along the measured motion; "execution" says only that numbers came out.
   Here it also runs freely, with J, gravity, friction and offset read off its regressor, as every other model is judged.
@@ -37,6 +38,7 @@ Array = NDArray[np.float64]
 
 ABOVE = 10.0  # times the fastest swing, where positions are filtered
 ORDER = 4
+MOST_DECIMATED = 10  # its default
 BORDER = 0.25  # s cut at either end, that the filter spoils
 FREED = {"fv": "viscous", "fs": "dry", "off": "offset"}
 
@@ -92,6 +94,8 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
             self.processed_data = {name: self.raw_data[name] for name in names}
 
     (name,) = system.joint_names
+    step = float(np.median(np.diff(train[0].time)))
+    factor = int(np.clip(0.5 / (ABOVE * frequency * step), 1, MOST_DECIMATED))
     with (
         tempfile.TemporaryDirectory() as folder,
         contextlib.redirect_stdout(io.StringIO()),
@@ -107,7 +111,7 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
         # Not made by its configuration; the examples that come with it set them by hand, too.
         rig.identif_config |= {"act_idxq": [0], "act_idxv": [0]}
         rig.initialize()
-        phi = rig.solve(decimate=False, plotting=False, save_results=False)
+        phi = rig.solve(decimate=True, decimation_factor=factor, plotting=False, save_results=False)
         labels = list(rig.result["base parameters names"])
         relative = np.asarray(rig.result["std dev of estimated param"], dtype=np.float64)
 
@@ -144,7 +148,7 @@ def _motion(runs: Sequence[Run], frequency: float) -> dict[str, Array]:
         q = filtfilt(*butter(ORDER, share), q)
         v = np.gradient(q, step)
         a = np.gradient(v, step)
-        tau = filtfilt(*butter(ORDER, share), np.interp(time, run.time, run.efforts[:, 0]))
+        tau = np.interp(time, run.time, run.efforts[:, 0])
         cut = slice(round(BORDER / step), len(time) - round(BORDER / step))
         pieces.append((time[cut], q[cut], v[cut], a[cut], tau[cut]))
     t, q, v, a, tau = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
