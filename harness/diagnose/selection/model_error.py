@@ -39,7 +39,6 @@ SETTLED = 0.2  # relative change of a variance, or of samples that count as one,
 ROUNDS = 5  # of estimating the force and weighing again
 SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
-MOSTLY = 0.2  # of what the nominal model leaves (RMS), that ordinary dissipation leaves where it is most of the answer
 FAR_LESS = (
     10.0  # times less that one error of a known shape has to leave than any set, to be what laws only stand in for
 )
@@ -105,22 +104,22 @@ def begun_ordinary(
     structure: Structure,
     reached: list[Study],
 ) -> tuple[Study, list[Fit]] | None:
-    """The same at once where ordinary dissipation is most of the answer, and still leaves far more than noise; None elsewhere.
+    """The same at once where ordinary dissipation is part of the answer, and still leaves far more than noise; None elsewhere.
 
     The noise would there have a search among ever stranger sets, each of them far more than significant. As laws are found the
     force shrinks, and more of them show beside it (a graduated search; Blake and Zisserman, Visual Reconstruction (1987)).
     short: the fit of ordinary dissipation on short windows, where it has no wrong valleys.
     """
-    empty, usual = study.empty(), everywhere(study, short)
+    usual = everywhere(study, short)
     if usual is None:
         return None
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = _as_scattered(study)
-    before, after = (_under(rough, study, f).residuals([(f.x, f.states)])[0][0] for f in (empty, usual))
-    if after > MOSTLY**2 * before or after < LOUD**2 * rough.samples(study.windows):
+    after = _under(rough, study, usual).residuals([(usual.x, usual.states)])[0][0]
+    if after < LOUD**2 * rough.samples(study.windows):
         return None
-    return under_model_error(study, [usual, empty], period, effort, progress, structure, reached, early=True)
+    return under_model_error(study, [usual, study.empty()], period, effort, progress, structure, reached, early=True)
 
 
 def _under(likelihood: Likelihood, study: Study, fitted: Fit) -> Objective:
