@@ -25,7 +25,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.estimation.misfit import Misfit, misfit, squares
-from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.objective import LOST, Objective
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -42,6 +42,7 @@ SHRUNK = 0.6  # of a force's size that is left, below which further laws may sho
 FAR_LESS = (
     10.0  # times less that one error of a known shape has to leave than any set, to be what laws only stand in for
 )
+ABREAST = 2  # sets that members are left out of side by side: of two that are as good, one may have the wrong law
 LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
 
@@ -91,8 +92,26 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     return [one for one in found if one is not None]
 
 
-Structure = Callable[[Study, Fit], float]
-"""What the likeliest error of one known shape (a jump, a leak, a force over the state …) gains beyond its price beside a set."""
+@dataclass(frozen=True)
+class KnownError:
+    """An error of a known shape: what it gains in cost, by so many numbers, chosen among so many of its kind."""
+
+    gain: float
+    numbers: int
+    choices: float = 1.0
+
+    def price(self, samples: float) -> float:
+        """What it costs in the Bayesian criterion."""
+        return self.numbers * float(np.log(max(samples, 1.0))) + 2.0 * float(np.log(self.choices))
+
+    def pays(self, score: float, independent: float) -> bool:
+        """Whether it is worth its price where what is left is the measure, in so many samples that err independently."""
+        left = max(score - self.gain, 1e-12 * score)
+        return independent * float(np.log(score / left)) > self.price(independent)
+
+
+Structure = Callable[[Study, Fit], Sequence[KnownError]]
+"""Errors of known shapes (a jump, a leak, a force over the state …) that may be what a set leaves."""
 
 
 def begun_ordinary(
@@ -133,7 +152,7 @@ def under_model_error(
     period: float,
     effort: Effort,
     progress: Callable[[str], None],
-    structure: Structure = lambda study, fitted: 0.0,
+    structure: Structure = lambda study, fitted: (),
     reached: list[Study] | None = None,
     *,
     early: bool = False,
@@ -151,11 +170,13 @@ def under_model_error(
         return None
     near = sorted(study.fits.values(), key=study.criterion)[:COMPARED]
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
-    if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure)):
+    if rows[0].force is None:
         return None
-    progress("a force that is left out")
     rough = _as_scattered(study)
     taken, ranked, search = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows], True
+    if not (early or _shapeless(study, rows[0].value, structure, taken)):
+        return None
+    progress("a force that is left out")
     for _ in range(ROUNDS):
         wider = study.unfitted((taken.fainter(SOUGHT) if early and search else taken).likelihood)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
@@ -180,11 +201,14 @@ def under_model_error(
         if settled:
             break
     if early:
-        # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone.
-        part = study.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
+        # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone. The colour
+        # of noise that was estimated beside a nominal model that is far off could explain anything.
+        alone = study.unfitted(rough)
+        part = alone.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
         while part.hypothesis.members:
-            part = min((study.below(part, k) for k in range(len(part.hypothesis.members))), key=study.criterion)
-        if not _shapeless(study, weighed(study, ways, ranked[0]).value, structure):
+            part = min((alone.below(part, k) for k in range(len(part.hypothesis.members))), key=alone.criterion)
+        own = weighed(alone, answers(alone, ranked[0], period), ranked[0])
+        if not _shapeless(alone, own.value, structure, taken):
             return None
     wider = study.unfitted(taken.likelihood)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
@@ -221,21 +245,26 @@ def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy) -> M
     return misfit(rough, fitted.windows, residuals, force)
 
 
-def _shapeless(study: Study, value: float, structure: Structure) -> bool:
+def _shapeless(study: Study, value: float, structure: Structure, left: Misfit) -> bool:
     """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
 
     A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
     an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves far
-    less beside some laws than any set does: the others then only stand in for it.
+    less beside some laws than any set does, and is worth that where what is left is the measure: the others then only stand in for
+    it. left: what the best set leaves.
     """
     lowest = min(fitted.score for fitted in study.fits.values())
+    independent = study.unfitted(left.likelihood).samples
     for fitted in _best_of_each_size(study):
-        worth = structure(study, fitted)
-        if fitted.score - worth < lowest / FAR_LESS:
-            return False
-        explained = fitted.score - worth < HOPELESS * study.samples
-        if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
-            return False
+        if fitted.score >= LOST:
+            continue
+        for known in structure(study, fitted):
+            after = fitted.score - min(known.gain, max(fitted.score - study.samples, 0.0)) + known.price(study.samples)
+            if after < lowest / FAR_LESS and known.pays(fitted.score, independent):
+                return False
+            value_with = study.criterion(fitted) - fitted.score + after + study.likelihood.spread(study.windows)
+            if after < HOPELESS * study.samples and value_with < value:
+                return False
     return True
 
 
@@ -267,7 +296,7 @@ def least(
     ordered: Sequence[Fit],
     progress: Callable[[str], None],
 ) -> Fit:
-    """The likeliest set, what it leaves as loud as it is, of those found and the best one's parts, member after member left out.
+    """The likeliest set, what it leaves as loud as it is, of those found and the best ones' parts, member after member left out.
 
     together: samples of every channel that err together.
     """
@@ -280,16 +309,20 @@ def least(
         own = np.sum(sizes / np.array(together) * (np.log(variance) + left / sizes / variance))
         return float(own) + study.criterion(fitted) - fitted.cost
 
-    def least_of(fits: Sequence[Fit]) -> tuple[float, Fit]:
-        return min(((value(fitted), fitted) for fitted in fits), key=lambda pair: pair[0])
+    def likeliest(fits: Sequence[Fit]) -> list[tuple[float, Fit]]:
+        return sorted(((value(fitted), fitted) for fitted in fits), key=lambda pair: pair[0])[:ABREAST]
 
-    lowest, best = least_of(ordered[:COMPARED])
-    while best.hypothesis.members:
+    front = likeliest(ordered[:COMPARED])
+    lowest, best = front[0]
+    while front:
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
-        plainer = [study.below(best, k) for k in range(len(best.hypothesis.members))] + specialized(study, best)
-        least_there, smaller = least_of(plainer)
-        if least_there >= lowest:
-            break
-        lowest, best = least_there, smaller
-        progress(" + ".join(best.hypothesis.keys) or "nothing")
+        shorter: dict[frozenset[str], Fit] = {}
+        for above, fitted in front:
+            members = range(len(fitted.hypothesis.members))
+            plainer = [study.below(fitted, k) for k in members] + specialized(study, fitted)
+            shorter |= {f.hypothesis.identity: f for f in plainer if value(f) < above}
+        front = likeliest(list(shorter.values()))
+        if front and front[0][0] < lowest:
+            lowest, best = front[0]
+            progress(" + ".join(best.hypothesis.keys) or "nothing")
     return best
