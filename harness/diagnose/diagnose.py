@@ -19,7 +19,7 @@ from harness.diagnose.conditioning.free_motion import free_parts
 from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
-from harness.diagnose.levels.known_error import known_errors
+from harness.diagnose.levels.known_error import worth_of_known_error
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
 from harness.diagnose.problem.problem import pose
@@ -99,7 +99,7 @@ def diagnose(
     frequency = swings(system, read[0])[0] / (2.0 * np.pi)
     try:
         outcome = investigate(
-            problem, known, frequency, effort=effort, progress=tell, structure=known_errors, deadline=deadline
+            problem, known, frequency, effort=effort, progress=tell, structure=worth_of_known_error, deadline=deadline
         )
         tell("weighing what was found")
         conclusion = conclude(outcome)

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from harness.diagnose.criticism.doubt import LEVEL
-from harness.diagnose.criticism.structure import structures
+from harness.diagnose.criticism.structure import worth_of_structure
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.levels.differing_levels import comparable
 from harness.diagnose.levels.unequal_friction import unequal_friction
-from harness.diagnose.selection.model_error import KnownError
 from harness.diagnose.selection.study import Study
 
 
-def known_errors(study: Study, fitted: Fit) -> list[KnownError]:
-    """All such errors that may be what a set leaves: one of a shape, or friction of several levels."""
-    return structures(study, fitted) + _levels(study, fitted)
+def worth_of_known_error(study: Study, fitted: Fit) -> float:
+    """What the likeliest such error gains in the criterion beyond its price: one of a shape, or friction of several levels."""
+    return max(worth_of_structure(study, fitted), _worth_of_levels(study, fitted))
 
 
-def _levels(study: Study, fitted: Fit) -> list[KnownError]:
-    """A level of dry friction of its own in every recording."""
-    asked = unequal_friction(study, fitted) if comparable(study.problem) else None
+def _worth_of_levels(study: Study, fitted: Fit) -> float:
+    """The same of a level of dry friction of its own in every recording."""
+    if not comparable(study.problem):
+        return 0.0
+    asked = unequal_friction(study, fitted)
     if asked is None or asked.chance > LEVEL:
-        return []
+        return 0.0
     there = max(fitted.score - study.samples, 0.0)
-    return [KnownError(asked.share * there, len(asked.levels) - 1)]
+    return asked.share * there - (len(asked.levels) - 1) * float(np.log(study.samples))

@@ -39,9 +39,7 @@ SETTLED = 0.2  # relative change of a variance, or of samples that count as one,
 ROUNDS = 5  # of estimating the force and weighing again
 SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
-FAR_LESS = (
-    10.0  # times less that one error of a known shape has to leave than any set, to be what laws only stand in for
-)
+LINEAR = 0.2  # of what laws leave (RMS), by which a linear view of an error that would explain it may be wrong
 ABREAST = 2  # sets that members are left out of side by side: of two that are as good, one may have the wrong law
 LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
@@ -92,26 +90,8 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     return [one for one in found if one is not None]
 
 
-@dataclass(frozen=True)
-class KnownError:
-    """An error of a known shape: what it gains in cost, by so many numbers, chosen among so many of its kind."""
-
-    gain: float
-    numbers: int
-    choices: float = 1.0
-
-    def price(self, samples: float) -> float:
-        """What it costs in the Bayesian criterion."""
-        return self.numbers * float(np.log(max(samples, 1.0))) + 2.0 * float(np.log(self.choices))
-
-    def pays(self, score: float, independent: float) -> bool:
-        """Whether it is worth its price where what is left is the measure, in so many samples that err independently."""
-        left = max(score - self.gain, 1e-12 * score)
-        return independent * float(np.log(score / left)) > self.price(independent)
-
-
-Structure = Callable[[Study, Fit], Sequence[KnownError]]
-"""Errors of known shapes (a jump, a leak, a force over the state …) that may be what a set leaves."""
+Structure = Callable[[Study, Fit], float]
+"""What the likeliest error of one known shape (a jump, a leak, a force over the state …) gains beyond its price beside a set."""
 
 
 def begun_ordinary(
@@ -152,7 +132,7 @@ def under_model_error(
     period: float,
     effort: Effort,
     progress: Callable[[str], None],
-    structure: Structure = lambda study, fitted: (),
+    structure: Structure = lambda study, fitted: 0.0,
     reached: list[Study] | None = None,
     *,
     early: bool = False,
@@ -170,13 +150,11 @@ def under_model_error(
         return None
     near = sorted(study.fits.values(), key=study.criterion)[:COMPARED]
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
-    if rows[0].force is None:
-        return None
-    rough = _as_scattered(study)
-    taken, ranked, search = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows], True
-    if not (early or _shapeless(study, rows[0].value, structure, taken)):
+    if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure)):
         return None
     progress("a force that is left out")
+    rough = _as_scattered(study)
+    taken, ranked, search = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows], True
     for _ in range(ROUNDS):
         wider = study.unfitted((taken.fainter(SOUGHT) if early and search else taken).likelihood)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
@@ -208,7 +186,7 @@ def under_model_error(
         while part.hypothesis.members:
             part = min((alone.below(part, k) for k in range(len(part.hypothesis.members))), key=alone.criterion)
         own = weighed(alone, answers(alone, ranked[0], period), ranked[0])
-        if not _shapeless(alone, own.value, structure, taken):
+        if not _shapeless(alone, own.value, structure):
             return None
     wider = study.unfitted(taken.likelihood)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
@@ -245,26 +223,24 @@ def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy) -> M
     return misfit(rough, fitted.windows, residuals, force)
 
 
-def _shapeless(study: Study, value: float, structure: Structure, left: Misfit) -> bool:
+def _shapeless(study: Study, value: float, structure: Structure) -> bool:
     """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
 
     A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
-    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves far
-    less beside some laws than any set does, and is worth that where what is left is the measure: the others then only stand in for
-    it. left: what the best set leaves.
+    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves as
+    little beside some laws, held against what any set leaves, as a linear view of it may be wrong by: it may then leave nothing,
+    and the others only stand in for it.
     """
     lowest = min(fitted.score for fitted in study.fits.values())
-    independent = study.unfitted(left.likelihood).samples
     for fitted in _best_of_each_size(study):
         if fitted.score >= LOST:
             continue
-        for known in structure(study, fitted):
-            after = fitted.score - min(known.gain, max(fitted.score - study.samples, 0.0)) + known.price(study.samples)
-            if after < lowest / FAR_LESS and known.pays(fitted.score, independent):
-                return False
-            value_with = study.criterion(fitted) - fitted.score + after + study.likelihood.spread(study.windows)
-            if after < HOPELESS * study.samples and value_with < value:
-                return False
+        worth = structure(study, fitted)
+        if fitted.score - worth < LINEAR**2 * lowest:
+            return False
+        explained = fitted.score - worth < HOPELESS * study.samples
+        if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
+            return False
     return True
 
 
