@@ -13,6 +13,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from harness.errors import missing_package
 from harness.parallel import parallel_map
 from harness.proof.claims import score_claims, tally
@@ -27,6 +29,7 @@ from harness.proof.peers.sysid import sysid_claims
 from harness.proof.score import CaseScore
 from harness.proof.seal import unseal
 
+OURS = "denoc"
 PEERS: dict[str, Callable[[Path], dict[str, Any]]] = {
     "mujoco.sysid": sysid_claims,
     "practitioner": practitioner_claims,
@@ -72,13 +75,14 @@ def compare_peers(
     progress: Callable[[str, int, int], None] | None = None,
     most: int = 40,
 ) -> dict[str, Any]:
-    """What each peer claims on clean cases and on those with one effect, a ``tally`` each.
+    """What each peer claims on clean cases and on those with one effect, a ``tally`` each; the diagnosis itself beside them.
 
     most: cases asked of each peer, see ``to_ask``.
     """
     chosen = to_ask(scores, most)
     digests = json.loads((out / "digests.json").read_text(encoding="utf-8"))
     result: dict[str, Any] = {}
+    found = {s.name: own(out, s.name) for s in chosen}
     for peer in PEERS:
         saved = out / "peers" / f"{peer.replace(' ', '_')}.json"
         said = json.loads(saved.read_text(encoding="utf-8"))["cases"] if saved.exists() else {}
@@ -111,8 +115,21 @@ def compare_peers(
             )
         # Answers are opened only now that everything has been said.
         answers = {s.name: unseal(s.name, out / "sealed", digests[s.name]) for s in chosen}
-        result[peer] = tally(score_claims(said, answers), said, answers)
+        asked = {name: what for name, what in said.items() if name in answers}
+        result.setdefault(OURS, tally(list(chosen), found, answers))
+        result[peer] = tally(score_claims(asked, answers), asked, answers)
     return result
+
+
+def own(out: Path, name: str) -> dict[str, Any]:
+    """What was found of a case, as far as a tally asks for it beside its score: error held out [rad] and seconds."""
+    found = json.loads((out / "found" / f"{name}.json").read_text(encoding="utf-8"))
+    errors = [row["augmented"]["heldout_rmse"] for row in found.get("fit", ()) if row["channel"].endswith(".position")]
+    known = [e for e in errors if e is not None]
+    return {
+        "heldout_rmse": float(np.sqrt(np.mean(np.square(known)))) if known else None,
+        "seconds": found.get("seconds"),
+    }
 
 
 def _save(path: Path, peer: str, said: dict[str, Any]) -> None:
