@@ -60,7 +60,9 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     "Ctrl-C once does the same, twice stops.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
-@output_options("Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page.")
+@output_options(
+    "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page."
+)
 def diagnose(
     recordings: tuple[str, ...],
     model: str | None,
