@@ -16,7 +16,14 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 
 @click.command()
 @click.argument("recordings", nargs=-1, required=True, metavar="RECORDING …")
-@click.option("--model", required=True, metavar="MODEL", help="The nominal model: URDF, MJCF or TOML.")
+@click.option(
+    "--model",
+    "models",
+    required=True,
+    multiple=True,
+    metavar="MODEL",
+    help="The nominal model: URDF, MJCF or TOML. Repeat it, one for each recording in their order, where known payloads differ.",
+)
 @click.option(
     "--map",
     "mapping",
@@ -46,7 +53,7 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 @output_options("Write diagnosis.json, report.html and the augmented model there.")
 def diagnose(
     recordings: tuple[str, ...],
-    model: str,
+    models: tuple[str, ...],
     mapping: tuple[str, ...],
     holdout: str | None,
     allow: tuple[str, ...],
@@ -64,6 +71,7 @@ def diagnose(
     Examples:
       denoc diagnose run1.csv run2.csv --model rig.urdf
       denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
+      denoc diagnose empty.csv 1kg.csv 2kg.csv --model empty.urdf --model 1kg.urdf --model 2kg.urdf
     """
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
@@ -80,7 +88,7 @@ def diagnose(
     with progress("diagnose") as step, answers_to_interrupt(deadline.interrupt):
         found = find(
             list(recordings),
-            model=load(model, physical=False, allow=allow),
+            model=[load(model, physical=False, allow=allow) for model in models],
             mapping=mapping,
             holdout=holdout,
             tolerance=tolerance,
