@@ -5,11 +5,16 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from harness.cli.interrupt import answers_to_interrupt
 from harness.cli.options import allow_option, console, output_options, progress, say_notes, write_json
+
+if TYPE_CHECKING:
+    from harness.diagnose.problem.deadline import Deadline
+    from harness.system import System
 
 USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 
@@ -19,10 +24,21 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 @click.option(
     "--model",
     "models",
-    required=True,
     multiple=True,
     metavar="MODEL",
     help="The nominal model: URDF, MJCF or TOML. Repeat it, one for each recording in their order, where known payloads differ.",
+)
+@click.option(
+    "--compare",
+    nargs=2,
+    metavar="MODEL_A MODEL_B",
+    help="Hold two identified models against the recordings: which predicts better where, in what they agree, what is open.",
+)
+@click.option(
+    "--transfer",
+    "published",
+    metavar="MODEL",
+    help="Parameters published for one unit on recordings of another: which carry over, which do not.",
 )
 @click.option(
     "--map",
@@ -50,10 +66,14 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     "Ctrl-C once does the same, twice stops.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
-@output_options("Write diagnosis.json, report.html and the augmented model there.")
+@output_options(
+    "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page."
+)
 def diagnose(
     recordings: tuple[str, ...],
     models: tuple[str, ...],
+    compare: tuple[str, str] | None,
+    published: str | None,
     mapping: tuple[str, ...],
     holdout: str | None,
     allow: tuple[str, ...],
@@ -72,36 +92,87 @@ def diagnose(
       denoc diagnose run1.csv run2.csv --model rig.urdf
       denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
       denoc diagnose empty.csv 1kg.csv 2kg.csv --model empty.urdf --model 1kg.urdf --model 2kg.urdf
+      denoc diagnose run*.csv --compare toolbox_a.urdf toolbox_b.urdf --out compared
+      denoc diagnose run*.csv --transfer published.urdf
+
+    --compare and --transfer ask for no search and need no --model; with one, the diagnosis comes first.
     """
+    from harness.cli.held_against import held_against, tell
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
-    from harness.diagnose.diagnose import diagnose as find
     from harness.diagnose.problem.deadline import Deadline
-    from harness.report.diagnosis import print_diagnosis, write_diagnosis
+    from harness.errors import InputError
     from harness.report.json_text import json_text
     from harness.system import load
 
+    identified = compare is not None or published is not None
+    if not models:
+        if not identified:
+            raise InputError("no --model given", mend="give the nominal model, or --compare or --transfer")
+        asked_of_a_search = {
+            "--tolerance": tolerance is not None,
+            "--fit-effort": fit_effort,
+            "--effects": effects_files,
+        }
+        for option, given in {**asked_of_a_search, "--strict": strict}.items():
+            if given:
+                raise InputError(
+                    f"{option} is for a diagnosis, which needs a --model", mend="give --model, or leave it away"
+                )
     ahead.start(ahead.DIAGNOSE)
     if time_limit is None and sys.stderr.isatty():
         time_limit = USUAL_LIMIT
-    deadline = Deadline(time_limit)
+    document: dict[str, Any] | None = None
+    if models:
+        document = _searched(
+            recordings, [load(m, physical=False, allow=allow) for m in models], mapping=mapping, holdout=holdout, tolerance=tolerance,
+            fit_effort=fit_effort, effects=effects_files, deadline=Deadline(time_limit), out=out, json_file=json_file,
+            command=click.get_current_context().meta[COMMAND],
+        )  # fmt: skip
+    if identified:
+        deadline = Deadline(time_limit)
+        with progress("compare") as step, answers_to_interrupt(deadline.interrupt):
+            found = held_against(
+                recordings, compare, published, lambda m: load(m, physical=False, allow=allow), holdout=holdout, mapping=mapping,
+                step=step, deadline=deadline,
+            )  # fmt: skip
+        plain = tell(found, out, json_file)
+        if document is not None:
+            document |= plain
+        else:
+            first, *others = plain.values()
+            document = {**first, **({"transfer": others[0]} if others else {})}
+    assert document is not None
+    write_json(json_text(document), json_file)
+    return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0
+
+
+def _searched(
+    recordings: tuple[str, ...],
+    systems: list[System],
+    *,
+    mapping: tuple[str, ...],
+    holdout: str | None,
+    tolerance: float | None,
+    fit_effort: bool,
+    effects: tuple[str, ...],
+    deadline: Deadline,
+    out: Path | None,
+    json_file: str | None,
+    command: str,
+) -> dict[str, Any]:
+    """The diagnosis, printed and written; its document."""
+    from harness.diagnose.diagnose import diagnose as find
+    from harness.report.diagnosis import print_diagnosis, write_diagnosis
+
     with progress("diagnose") as step, answers_to_interrupt(deadline.interrupt):
         found = find(
-            list(recordings),
-            model=[load(model, physical=False, allow=allow) for model in models],
-            mapping=mapping,
-            holdout=holdout,
-            tolerance=tolerance,
-            fit_effort=fit_effort,
-            effects=effects_files,
-            progress=step,
-            time_limit=deadline,
-        )
+            list(recordings), model=systems, mapping=mapping, holdout=holdout, tolerance=tolerance, fit_effort=fit_effort,
+            effects=effects, progress=step, time_limit=deadline,
+        )  # fmt: skip
         if not deadline.over:
             found = found.replayed()
-    found = replace(
-        found, provenance={**(found.provenance or {}), "command": click.get_current_context().meta[COMMAND]}
-    )
+    found = replace(found, provenance={**(found.provenance or {}), "command": command})
     document = found.to_json()
     screen = console(json_file)
     say_notes(document["notes"])
@@ -109,5 +180,4 @@ def diagnose(
     if out is not None:
         for path in write_diagnosis(found, out, said=lambda line: screen.print(line, markup=False)):
             screen.print(f"wrote {path}", markup=False)
-    write_json(json_text(document), json_file)
-    return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0
+    return document
