@@ -42,6 +42,12 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     help="Give the best answer so far after so long, and say what was not tried; default: 120 on a terminal, else none (inf). "
     "Ctrl-C once does the same, twice stops.",
 )
+@click.option(
+    "--engine",
+    metavar="NAME",
+    help="Doubt the equations of motion of this engine instead of the model: which of their terms, held against the native ones, "
+    "does the recording ask to be mended?",
+)
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
 @output_options("Write diagnosis.json, report.html and the augmented model there.")
 def diagnose(
@@ -54,6 +60,7 @@ def diagnose(
     fit_effort: bool,
     effects_files: tuple[str, ...],
     time_limit: float | None,
+    engine: str | None,
     strict: bool,
     out: Path | None,
     json_file: str | None,
@@ -64,7 +71,20 @@ def diagnose(
     Examples:
       denoc diagnose run1.csv run2.csv --model rig.urdf
       denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
+      denoc diagnose ancf.csv --model examples/paper/one_mode.toml --engine as_printed
     """
+    if engine is not None:
+        from harness.cli.balance import diagnose_engine
+        from harness.errors import InputError
+
+        others = {"--holdout": holdout, "--tolerance": tolerance, "--fit-effort": fit_effort or None,
+                  "--effects": effects_files or None, "--time-limit": time_limit}  # fmt: skip
+        for option, given in others.items():
+            if given is not None:
+                raise InputError(
+                    f"{option} does not go with --engine", mend="leave it out: nothing is fitted to the model"
+                )
+        return diagnose_engine(recordings, model, engine, mapping, allow, out, json_file, strict)
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
     from harness.diagnose.diagnose import diagnose as find

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from harness.cases.beams import PAPER_MASS, PRINTED_MASS, PRINTED_THICKNESS, flexible_pendulum, strip
 from harness.cases.case import NATIVE, Array, Series, thin
 from harness.cases.paper.rig import Run, flexible, release_flexible, release_rigid, rigid
+from harness.cases.paper.study import Study
 from harness.cases.pendulums import LENGTH, paper_inertia, paper_small_frequency
 from harness.compare.decay import estimate
 from harness.compare.decay.bands import bands
@@ -33,16 +33,7 @@ class Fact:
     note: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class Figures:
-    """Lines to draw, figure by figure, and the table of published figures beside ours."""
-
-    series: tuple[Series, ...]
-    facts: tuple[Fact, ...]
-    numbers: Mapping[str, float]
-
-
-def figures() -> Figures:
+def figures() -> Study:
     """Figures 6(a), 6(b), 7(a), 7(b) and every published frequency and damping beside ours."""
     wide, small = release_rigid(rigid(), -HORIZONTAL), release_rigid(rigid(), math.radians(-7.0), duration=20.0)
     bent = release_flexible(flexible(), -HORIZONTAL)
@@ -55,7 +46,9 @@ def figures() -> Figures:
                  scaled=numbers["accelerometer_scale_7"]),
         *_tips(bent),
     )  # fmt: skip
-    return Figures(series, tuple(facts), numbers)
+    heads = ("what", "where", "published", "ours", "why")
+    rows = [(fact.what, fact.where, fact.published, fact.ours, fact.note) for fact in facts]
+    return Study({"facts": (heads, rows)}, series, numbers)
 
 
 def _rigid_facts(wide: Run, small: Run, numbers: dict[str, float]) -> list[Fact]:

@@ -124,7 +124,7 @@ def configurations(kinds: str, angles: Sequence[float], elements: int) -> list[t
     return found
 
 
-def links(*, quick: bool = False, progress: Progress = silent) -> Study:
+def links(*, quick: bool = False, workers: int | None = None, progress: Progress = silent) -> Study:
     """Tip error against modes for every arm and motion, and frequency against configuration; quick leaves most out."""
     arms = (ARMS[0], ARMS[2]) if quick else ARMS
     modes = MODES[:3] if quick else MODES
@@ -144,7 +144,7 @@ def links(*, quick: bool = False, progress: Progress = silent) -> Study:
         count += 1
         progress(count, total, motions[index].kinds)
 
-    ran = parallel_map(compared, motions, done=done)
+    ran = parallel_map(compared, motions, workers=workers, done=done)
     angles = np.radians(np.linspace(0.0, 150.0, 4 if quick else 11))
     turned = {kinds: configurations(kinds, angles.tolist(), elements) for kinds in ("FF", "RF")}
     progress(total, total, "frequencies")
