@@ -12,8 +12,10 @@ from harness.cli.resume import UNFINISHED, folder_of, journal_in, resumable
 
 if TYPE_CHECKING:
     from harness.cases.paper.study import Study
+    from harness.journal import Journal
 
 DRAWN = ("damping", "departure", "readings")  # of a seed
+LONG = ("damping", "links")
 
 
 @click.command()
@@ -32,7 +34,7 @@ DRAWN = ("damping", "departure", "readings")  # of a seed
     "--resume",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Go on with an interrupted `damping --out DIR`, with the same options.",
+    help="Go on with an interrupted run (damping, links) with --out DIR, with the same options.",
 )
 @click.option(
     "--workers", type=click.IntRange(min=1), metavar="N", help="Processes (damping, links); default: all cores."
@@ -74,25 +76,19 @@ def paper(
 
     if what not in DRAWN and (seed is not None or draws is not None):
         raise InputError(f"{what} conceals nothing", mend="leave out --seed and --draws")
-    if resume is not None and what != "damping":
+    if resume is not None and what not in LONG:
         raise InputError(f"{what} is not interrupted for long", mend="leave out --resume")
     screen = console(json_file)
     out = folder_of(out, resume)
     if what in DRAWN:
         seed = (_seed_in(resume) if resume is not None else secrets.randbelow(2**31)) if seed is None else seed
         screen.print(f"seed {seed}")
-    if what == "damping":
-        of = {"what": what, "seed": seed, "draws": draws, "quick": quick}
+    journal = None
+    if what in LONG:
+        of = {"what": what, "quick": quick, **({"seed": seed, "draws": draws} if what in DRAWN else {})}
         journal = journal_in(out, of, anew=resume is None)
-        with progress("damping") as step, resumable("paper damping", out):
-            from harness.proof.paper_damping import DRAWS, damping
-
-            study = damping(
-                seed or 0, draws=draws or DRAWS, quick=quick, workers=workers, progress=step, journal=journal
-            )
-    else:
-        journal = None
-        study = _study(what, seed or 0, draws, quick, workers)
+    with resumable(f"paper {what}", out if what in LONG else None):
+        study = _study(what, seed or 0, draws, quick, workers, journal)
     for name, (heads, rows) in study.tables.items():
         print_table(screen, heads, rows, title=name.replace("_", " "))
     numbers = {**({} if seed is None else {"seed": seed}), **study.numbers}
@@ -118,7 +114,7 @@ def _seed_in(folder: Path) -> int | None:
         return None  # the journal itself says what is wrong with it
 
 
-def _study(what: str, seed: int, draws: int | None, quick: bool, workers: int | None) -> Study:
+def _study(what: str, seed: int, draws: int | None, quick: bool, workers: int | None, journal: Journal | None) -> Study:
     if what == "figures":
         from harness.cases.paper.figures import figures
 
@@ -127,16 +123,20 @@ def _study(what: str, seed: int, draws: int | None, quick: bool, workers: int | 
         from harness.cases.paper.equations import equations
 
         return equations()
-    if what == "readings":
-        from harness.cases.paper.readings import readings
-
-        with progress("readings") as step:
-            return readings(seed, progress=step)
     if what == "departure":
         from harness.proof.paper_damping import DRAWS, departures
 
         return departures(seed, draws=draws or DRAWS)
-    from harness.cases.paper.links import links
+    with progress(what) as step:
+        if what == "readings":
+            from harness.cases.paper.readings import readings
 
-    with progress("links") as step:
-        return links(quick=quick, workers=workers, progress=step)
+            return readings(seed, workers=workers, progress=step)
+        if what == "damping":
+            from harness.proof.paper_damping import DRAWS, damping
+
+            count = draws or DRAWS
+            return damping(seed, draws=count, quick=quick, workers=workers, progress=step, journal=journal)
+        from harness.cases.paper.links import links
+
+        return links(quick=quick, workers=workers, progress=step, journal=journal)

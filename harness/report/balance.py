@@ -15,6 +15,7 @@ from harness.report.figures.canvas import FAINT, INK, canvas
 from harness.report.pictures import alone
 
 BLUE = "#0a7bbd"
+EXCERPT = 300  # samples: a whole recording of a vibration is a black band
 
 
 def summary(found: Balance, engine: str) -> str:
@@ -98,15 +99,17 @@ def print_balance(document: dict[str, Any], console: Console) -> None:
 
 
 def balance_picture(found: Balance, engine: str) -> str:
-    """SVG: for every row what the engine's equation lacks along the recording, and what the mends give of it."""
+    """SVG: for every row what the engine's equation lacks in an excerpt of the recording, and what the mends give of it."""
+    middle = len(found.time) // 2
+    shown = slice(max(0, middle - EXCERPT // 2), middle + EXCERPT // 2)
     with canvas("balance", 9.2, 2.6 * len(found.names), rows=len(found.names)) as (made, axes):
         for ax, name, unit, lacking, explained in zip(
             axes[:, 0], found.names, found.units, found.lacking.T, found.explained.T, strict=True
         ):
-            ax.plot(found.time, lacking, color=FAINT, lw=1.6, label=f"what {engine} lacks")
-            ax.plot(found.time, explained, color=BLUE, lw=0.9, ls="--", label="what the mends give")
-            ax.plot(found.time, lacking - explained, color=INK, lw=0.6, label="left")
+            ax.plot(found.time[shown], lacking[shown], color=FAINT, lw=1.6, label=f"what {engine} lacks")
+            ax.plot(found.time[shown], explained[shown], color=BLUE, lw=0.9, ls="--", label="what the mends give")
+            ax.plot(found.time[shown], (lacking - explained)[shown], color=INK, lw=0.6, label="left")
             ax.set_ylabel(f"{name} [{unit}]")
         axes[-1, 0].set_xlabel("time [s]")
-        axes[0, 0].legend(loc="upper right", labelcolor=INK, fontsize=9, ncols=3)
+        axes[0, 0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), labelcolor=INK, fontsize=9, ncols=3)
     return alone(str(made.svg))
