@@ -36,6 +36,7 @@ LONG = ("damping", "links")
     metavar="DIR",
     help="Go on with an interrupted run (damping, links) with --out DIR, with the same options.",
 )
+@click.option("--so-far", is_flag=True, help="With --resume: only tell what the interrupted `damping` has answered.")
 @click.option(
     "--workers", type=click.IntRange(min=1), metavar="N", help="Processes (damping, links); default: all cores."
 )
@@ -46,6 +47,7 @@ def paper(
     seed: int | None,
     draws: int | None,
     resume: Path | None,
+    so_far: bool,
     workers: int | None,
     out: Path | None,
     json_file: str | None,
@@ -78,6 +80,8 @@ def paper(
         raise InputError(f"{what} conceals nothing", mend="leave out --seed and --draws")
     if resume is not None and what not in LONG:
         raise InputError(f"{what} is not interrupted for long", mend="leave out --resume")
+    if so_far and (resume is None or what != "damping"):
+        raise InputError("--so-far goes with `damping --resume DIR`", mend="name the folder of the interrupted run")
     screen = console(json_file)
     out = folder_of(out, resume)
     if what in DRAWN:
@@ -88,7 +92,7 @@ def paper(
         of = {"what": what, "quick": quick, **({"seed": seed, "draws": draws} if what in DRAWN else {})}
         journal = journal_in(out, of, anew=resume is None)
     with resumable(f"paper {what}", out if what in LONG else None):
-        study = _study(what, seed or 0, draws, quick, workers, journal)
+        study = _study(what, seed or 0, draws, quick, so_far, workers, journal)
     for name, (heads, rows) in study.tables.items():
         print_table(screen, heads, rows, title=name.replace("_", " "))
     numbers = {**({} if seed is None else {"seed": seed}), **study.numbers}
@@ -97,7 +101,7 @@ def paper(
         files = {f"{name}.md": markdown_table(heads, rows) for name, (heads, rows) in study.tables.items()}
         for path in write_folder(out, {**files, **drawn(study.series), f"{what}.json": made}):
             screen.print(f"wrote {path}", markup=False)
-        if journal is not None:
+        if journal is not None and not so_far:
             journal.remove()
     write_json(made, json_file)
     return 0
@@ -114,7 +118,9 @@ def _seed_in(folder: Path) -> int | None:
         return None  # the journal itself says what is wrong with it
 
 
-def _study(what: str, seed: int, draws: int | None, quick: bool, workers: int | None, journal: Journal | None) -> Study:
+def _study(
+    what: str, seed: int, draws: int | None, quick: bool, so_far: bool, workers: int | None, journal: Journal | None
+) -> Study:
     if what == "figures":
         from harness.cases.paper.figures import figures
 
@@ -136,7 +142,9 @@ def _study(what: str, seed: int, draws: int | None, quick: bool, workers: int | 
             from harness.proof.paper_damping import DRAWS, damping
 
             count = draws or DRAWS
-            return damping(seed, draws=count, quick=quick, workers=workers, progress=step, journal=journal)
+            return damping(
+                seed, draws=count, quick=quick, so_far=so_far, workers=workers, progress=step, journal=journal
+            )
         from harness.cases.paper.links import links
 
         return links(quick=quick, workers=workers, progress=step, journal=journal)

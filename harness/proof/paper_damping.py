@@ -8,7 +8,7 @@ without the answer.
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -36,6 +36,7 @@ KINDS = ("coulomb_friction", "stribeck_friction", "quadratic_drag", "load_depend
 # What the diagnosis may blame: everything that takes energy out, and what a potentiometer does to an angle.
 MAY = (*KINDS, "viscous_damping", "sensor_offset", "sensor_gain", "sensor_nonlinearity", "constant_torque")
 DURATIONS, RELEASES, DRAWS = (4.0, 7.0, 10.0, 20.0), (20.0, 45.0, 90.0), 2
+ASKED_FIRST = (10.0, 20.0, 4.0, 7.0)
 RATE = 100.0
 LEAVES, PUBLISHED = "when the linear model leaves", 7.0  # s, section 5.1 of the paper: released from the horizontal
 
@@ -191,19 +192,20 @@ def damping(
     *,
     draws: int = DRAWS,
     quick: bool = False,
+    so_far: bool = False,
     workers: int | None = None,
     progress: Progress = silent,
     journal: Journal | None = None,
 ) -> Study:
     """Every kind, release and length diagnosed, truths drawn from the seed. quick: one draw, from 90° alone, three lengths.
 
-    journal: keeps each answer as it comes; what it has is not asked again.
+    journal: keeps each answer as it comes; what it has is not asked again, and with so_far nothing else is.
     """
     asking = (
         trials(seed, draws=1, releases=(90.0,), durations=(4.0, 10.0, 20.0)) if quick else trials(seed, draws=draws)
     )
     known = {} if journal is None else dict(journal.found)
-    left = [trial for trial in asking if trial.key not in known]
+    left = [] if so_far else [trial for trial in sorted(asking, key=_turn) if trial.key not in known]
     answers = {trial.key: answer_of(trial, known[trial.key]) for trial in asking if trial.key in known}
 
     def done(index: int, answer: Answer) -> None:
@@ -213,7 +215,12 @@ def damping(
         progress(len(answers), len(asking), left[index].key)
 
     parallel_map(asked, left, workers=workers, done=done)
-    return told([answers[trial.key] for trial in asking])
+    return told([answers[trial.key] for trial in asking if trial.key in answers])
+
+
+def _turn(trial: Trial) -> tuple[float, ...]:
+    """Which trial is asked first: what was asked when a study is stopped should say most."""
+    return trial.draw, ASKED_FIRST.index(trial.duration), -trial.release
 
 
 def facts_of(answer: Answer) -> dict[str, Any]:
@@ -230,7 +237,7 @@ def told(answers: Sequence[Answer]) -> Study:
     """Tables and curves of the answers."""
     releases = sorted({a.trial.release for a in answers}, reverse=True)
     durations = sorted({a.trial.duration for a in answers})
-    by = {(a.trial.truth.kind, a.trial.release, a.trial.duration): [] for a in answers}  # type: dict[tuple[str, float, float], list[Answer]]
+    by: dict[tuple[str, float, float], list[Answer]] = defaultdict(list)
     for answer in answers:
         by[answer.trial.truth.kind, answer.trial.release, answer.trial.duration].append(answer)
     kinds = [kind for kind in KINDS if any(kind == key[0] for key in by)]
@@ -266,9 +273,7 @@ def told(answers: Sequence[Answer]) -> Study:
         ("and told from the others", ("named",), "dashed"),
     ):
         for release in releases:
-            shares = [
-                float(np.mean([a.outcome in good for kind in kinds for a in by[kind, release, d]])) for d in durations
-            ]
+            shares = [_share([a.outcome in good for kind in kinds for a in by[kind, release, d]]) for d in durations]
             series.append(
                 Series(
                     "paper",
@@ -301,6 +306,10 @@ def _concealed(answers: Sequence[Answer]) -> Table:
     return ("draw", "kind", "share of the first loss", "viscous [N·m·s]", "parameters"), rows
 
 
+def _share(held: Sequence[bool]) -> float:
+    return float(np.mean(held)) if held else math.nan
+
+
 def _words(name: str) -> str:
     return name.replace("_", " ")
 
@@ -324,15 +333,20 @@ def _cell(answers: Sequence[Answer]) -> str:
         if word in ("another", "in a class"):
             word += ": " + " + ".join(_words(effect) for effect in answer.found if effect in KINDS)
         said.append(word)
+    if not said:
+        return "not asked"
     return "; ".join(f"{count} {word}" if count > 1 else word for word, count in Counter(said).items())
 
 
 def _needed(by_duration: Mapping[float, Sequence[Answer]]) -> str:
     """The length from which on the kind is found alone in every draw."""
+    by_duration = {d: answers for d, answers in by_duration.items() if answers}
     good = [d for d in sorted(by_duration) if all(a.outcome in ("named", "likeliest") for a in by_duration[d])]
     needed = math.inf
     for duration in sorted(by_duration, reverse=True):
         if duration not in good:
             break
         needed = duration
+    if not by_duration:
+        return "not asked"
     return f"{needed:g} s" if math.isfinite(needed) else f"more than {max(by_duration):g} s"
