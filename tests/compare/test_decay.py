@@ -134,9 +134,7 @@ def dry_amplitudes(first, ratio, shift, count):
     return np.array(found)
 
 
-@pytest.mark.parametrize(
-    ("viscous", "dry", "duration"), [(0.10, 0.35, 25.0), (0.02, 0.5, 25.0), (0.0, 2.4, 8.0)]
-)
+@pytest.mark.parametrize(("viscous", "dry", "duration"), [(0.10, 0.35, 25.0), (0.02, 0.5, 25.0), (0.0, 2.4, 8.0)])
 def test_the_linear_model_departs_when_the_exact_amplitudes_say_so(viscous, dry, duration):
     """An exponential through the first four swings, off by a tenth for good; the last one stops before the swings are four."""
     frequency = 1.3
