@@ -96,8 +96,8 @@ def decay(
                 from harness.compare.decay.apart import apart
 
                 told = apart(read, system, parts[1])
-                whole["apart"] = apart_document(told)
-                print_apart(whole["apart"], screen)  # type: ignore[arg-type]
+                whole |= {"apart": apart_document(told)}
+                print_apart(apart_document(told), screen)
             label = f"{chosen.name} [{written(chosen.unit)}]"
             picture, name = bands_picture(parts, (time, signal), label), "bands"
         else:

@@ -9,10 +9,11 @@ import shlex
 import tomllib
 from pathlib import Path
 
+import click
 import pytest
 
 from harness.cases.paper import beside
-from harness.cli.main import main
+from harness.cli.main import denoc
 from harness.proof.paper_damping import PUBLISHED
 
 ROOT = Path(__file__).parents[2]
@@ -51,7 +52,7 @@ def test_commands_exist_with_their_options_and_files(page):
         words = shlex.split(line, comments=True)
         if not words or words[0] != "denoc":
             continue
-        verb = main.get_command(None, words[1])
+        verb = denoc.get_command(click.Context(denoc), words[1])
         known = {name for parameter in verb.params for name in parameter.opts}
         assert {word for word in words if word.startswith("--")} <= known, line
         for word in words:

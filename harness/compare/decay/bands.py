@@ -119,8 +119,8 @@ def _away_from(found: HalfSwings, reach: float, time: Array) -> HalfSwings:
 def _ratio(rate: Interval, frequency: Interval) -> Interval:
     """Damping ratio of a decay, with what both widths make of its own."""
     value = rate[0] / float(np.hypot(2.0 * np.pi * frequency[0], rate[0]))
-    widths = [abs(one[2] - one[1]) / 2.0 / max(abs(one[0]), 1e-300) for one in (rate, frequency)]
-    reach = abs(value) * float(np.hypot(*widths))
+    of_rate, of_frequency = (abs(one[2] - one[1]) / 2.0 / max(abs(one[0]), 1e-300) for one in (rate, frequency))
+    reach = abs(value) * float(np.hypot(of_rate, of_frequency))
     return value, value - reach, value + reach
 
 
