@@ -65,6 +65,12 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     help="Give the best answer so far after so long, and say what was not tried; default: 120 on a terminal, else none (inf). "
     "Ctrl-C once does the same, twice stops.",
 )
+@click.option(
+    "--engine",
+    metavar="NAME",
+    help="Doubt the equations of motion of this engine instead of the model: which of their terms, held against the native ones, "
+    "does the recording ask to be mended?",
+)
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
 @output_options(
     "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page."
@@ -81,6 +87,7 @@ def diagnose(
     fit_effort: bool,
     effects_files: tuple[str, ...],
     time_limit: float | None,
+    engine: str | None,
     strict: bool,
     out: Path | None,
     json_file: str | None,
@@ -94,14 +101,30 @@ def diagnose(
       denoc diagnose empty.csv 1kg.csv 2kg.csv --model empty.urdf --model 1kg.urdf --model 2kg.urdf
       denoc diagnose run*.csv --compare toolbox_a.urdf toolbox_b.urdf --out compared
       denoc diagnose run*.csv --transfer published.urdf
+      denoc diagnose ancf.csv --model examples/paper/one_mode.toml --engine as_printed
 
     --compare and --transfer ask for no search and need no --model; with one, the diagnosis comes first.
     """
     from harness.cli.held_against import held_against, tell
+    from harness.errors import InputError
+
+    if engine is not None:
+        from harness.cli.balance import diagnose_engine
+
+        others = {"--holdout": holdout, "--tolerance": tolerance, "--fit-effort": fit_effort or None,
+                  "--effects": effects_files or None, "--time-limit": time_limit, "--compare": compare,
+                  "--transfer": published}  # fmt: skip
+        for option, given in others.items():
+            if given is not None:
+                raise InputError(
+                    f"{option} does not go with --engine", mend="leave it out: nothing is fitted to the model"
+                )
+        if len(models) != 1:
+            raise InputError("--engine is doubted beside one --model", mend="give the model that the recordings are of")
+        return diagnose_engine(recordings, models[0], engine, mapping, allow, out, json_file, strict)
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
     from harness.diagnose.problem.deadline import Deadline
-    from harness.errors import InputError
     from harness.report.json_text import json_text
     from harness.system import load
 
@@ -124,8 +147,9 @@ def diagnose(
         time_limit = USUAL_LIMIT
     document: dict[str, Any] | None = None
     if models:
+        systems = [load(m, physical=False, allow=allow) for m in models]
         document = _searched(
-            recordings, [load(m, physical=False, allow=allow) for m in models], mapping=mapping, holdout=holdout, tolerance=tolerance,
+            recordings, systems, mapping=mapping, holdout=holdout, tolerance=tolerance,
             fit_effort=fit_effort, effects=effects_files, deadline=Deadline(time_limit), out=out, json_file=json_file,
             command=click.get_current_context().meta[COMMAND],
         )  # fmt: skip
