@@ -487,13 +487,13 @@ class Denoc:
 
     def integrate(self, q: ArrayLike, step: ArrayLike) -> Array:
         """Positions (nq,) reached from q (nq,) by a step (n,) of velocities held for a second; a sum where nq = nv."""
-        from harness.denoc.chart.manifold import integrate
+        from harness.system.manifold import integrate
 
         return integrate(self.system, self.position("q", q), self.vector("step", step))
 
     def difference(self, q0: ArrayLike, q1: ArrayLike) -> Array:
         """The step (n,) that ``integrate`` takes from q0 to q1, each (nq,)."""
-        from harness.denoc.chart.manifold import difference
+        from harness.system.manifold import difference
 
         return difference(self.system, self.position("q0", q0), self.position("q1", q1))
 
@@ -513,7 +513,7 @@ class Denoc:
         """Rates q̇ (nq,) of the positions q (nq,) at velocities qd (n,), which they are where nq = nv."""
         if self.nq == self.n:
             return self.vector("qd", qd)
-        from harness.denoc.chart.manifold import position_rates
+        from harness.system.manifold import position_rates
 
         return position_rates(self.system, self.position("q", q), self.vector("qd", qd))
 

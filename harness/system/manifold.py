@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from harness.denoc.recursion.tree import Array
-from harness.system import System
+from harness.system.description import Array, System
 from harness.system.lowering import position_of_rate
 
 
