@@ -84,11 +84,16 @@ class Denoc:
     # The class of systems part of whose weight is carried, which ``harness.denoc.compensated`` puts here.
     of_carried_weight: type[Denoc] | None = None
 
+    # The class of systems that loops close, which ``harness.denoc.loops.closed`` puts here.
+    of_loops: type[Denoc] | None = None
+
     def __new__(cls, system: System) -> Denoc:
         """An object of the class that holds what the system has."""
         kind = cls
         if cls is Denoc and Denoc.of_carried_weight and any(link.gravcomp for link in system.links):
             kind = Denoc.of_carried_weight
+        if cls is Denoc and Denoc.of_loops and system.loops:
+            kind = Denoc.of_loops
         return object.__new__(kind)
 
     def __init__(self, system: System) -> None:

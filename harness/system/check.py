@@ -220,6 +220,13 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
             mend="add a revolute, continuous or prismatic joint",
             source=system.source,
         )
+    found = idle_joint(system)
+    if found is not None:
+        raise _no_inertia(system, *found, lines)
+
+
+def idle_joint(system: System) -> tuple[str, str] | None:
+    """A joint of a tree of simple joints that moves no inertia, and whether that is zero or negative; None if there is none."""
     rng = np.random.default_rng(20)
     best = {joint.name: -np.inf for joint in system.movable_joints}
     for pose in range(_POSES):
@@ -227,11 +234,12 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
         for name, share in _articulated(system, q).items():
             best[name] = -np.inf if share < -_ROUNDING else max(best[name], share)
             if share < -_ROUNDING:
-                raise _no_inertia(system, name, "is negative", lines)
+                return name, "is negative"
     # The outermost one is named: joints nearer the base have none because it has none.
     for name, share in reversed(best.items()):
         if share <= _ROUNDING:
-            raise _no_inertia(system, name, "is zero", lines)
+            return name, "is zero"
+    return None
 
 
 def _no_inertia(system: System, name: str, how: str, lines: Mapping[tuple[str, str], int] | None) -> InputError:

@@ -8,7 +8,6 @@ from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from harness.errors import InputError, UnsupportedError
 from harness.system.description import Array, System
@@ -179,7 +178,7 @@ def stated_position(system: System) -> Array:
 
 
 def closed_position(system: System, q: Array | None = None, *, held: Collection[str] = ()) -> Array:
-    """Positions where all loops are closed, the nearest to q (the file's zero if None) that is found; joints ``held`` stay where they are.
+    """Positions where all loops are closed, the nearest to q (the file's zero if None) that is found; joints ``held`` stay.
 
     Raises InputError naming the loop that cannot close, or the loops that contradict one another.
     """
@@ -267,6 +266,8 @@ def _blame(system: System, start: Array, left: float) -> NoReturn:
 
 def rank(system: System, q: Array) -> int:
     """Number of independent conditions at closed positions q, by QR with column pivoting of the scaled Jacobian."""
+    from scipy.linalg import qr  # slow to import, and most systems are trees
+
     found = opening(system, q)
     if not len(found.value):
         return 0
@@ -277,6 +278,18 @@ def rank(system: System, q: Array) -> int:
     scaled = rows[lengths > 0.0] / lengths[lengths > 0.0, None]
     diagonal = np.abs(np.diag(qr(scaled.T, mode="r", pivoting=True)[0]))
     return int((diagonal > RANK * diagonal[0]).sum())
+
+
+def independent_conditions(system: System, q: Array) -> frozenset[tuple[str, str]]:
+    """Loop and motion of conditions that say all there is to say at closed positions q, none of them twice."""
+    from scipy.linalg import qr
+
+    found = opening(system, q)
+    rows = found.jacobian / _units(system, found)[:, None]
+    lengths = np.linalg.norm(rows, axis=1)
+    rows = rows / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    order = qr(rows.T, mode="r", pivoting=True)[1]
+    return frozenset(found.names[k] for k in order[: rank(system, q)])
 
 
 def usual_rank(system: System, q: Array) -> int:

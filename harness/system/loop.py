@@ -74,8 +74,8 @@ class Coupling:
         return float(polynomial(x)), float(first(x)), float(first.deriv()(x))
 
 
-# Axes (of the first frame, of the second) whose cosine is zero while a turn is closed, and the sign that makes the cosine's rate the
-# rate of that turn where the frames coincide. About one free axis, the pair of conditions is that both axes are the same.
+# Axes (of the first frame, of the second) whose cosine is zero while a turn is closed, and the sign that makes the cosine's rate
+# the rate of that turn where the frames coincide. About one free axis, the pair of conditions is that both axes are the same.
 _PAIRS = {"rx": (1, 2, -1.0), "ry": (0, 2, 1.0), "rz": (0, 1, -1.0)}
 _FREE_ABOUT_Y = {"rx": (2, 1, 1.0), "rz": (0, 1, -1.0)}
 
@@ -88,3 +88,30 @@ def turn_pairs(closed: tuple[str, ...]) -> dict[str, tuple[int, int, float]]:
     turns = [turn for turn in TURNS if turn in closed]
     pairs = _FREE_ABOUT_Y if turns == ["rx", "rz"] else _PAIRS
     return {turn: pairs[turn] for turn in turns}
+
+
+# A revolute cut is two connections, this far apart along its axis [m].
+APART = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Connection:
+    """Two frames whose origins coincide, and whose axes do too where they are welded: what other engines hold together."""
+
+    first: Frame
+    second: Frame
+    welded: bool
+
+
+def connections(loop: Loop) -> tuple[Connection, ...]:
+    """A ball, revolute or welded cut as connections: a revolute one as two along its axis."""
+    turns = [turn for turn in TURNS if turn in loop.closed]
+    found = [Connection(loop.first, loop.second, len(turns) == 3)]
+    if len(turns) == 2:
+        (axis,) = (k for k, turn in enumerate(TURNS) if turn not in loop.closed)
+        first, second = (
+            Frame(frame.link, frame.xyz + APART * frame.rotation[:, axis], frame.rotation)
+            for frame in (loop.first, loop.second)
+        )
+        found.append(Connection(first, second, False))
+    return tuple(found)

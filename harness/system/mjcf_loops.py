@@ -85,9 +85,7 @@ def _frames(
     return first, second
 
 
-def _coupling(
-    model: Any, i: int, name: str, joints: Sequence[str], following: Mapping[str, Mimic]
-) -> Coupling | None:
+def _coupling(model: Any, i: int, name: str, joints: Sequence[str], following: Mapping[str, Mimic]) -> Coupling | None:
     """A joint equality, about positions relative to ``qpos0`` in the file, as a polynomial of positions."""
     import mujoco
 
@@ -100,7 +98,7 @@ def _coupling(
     polynomial = Polynomial(terms if second >= 0 else terms[:1])(Polynomial([-rest[1], 1.0])) + rest[0]
     joint, leader = joints[first], joints[second] if second >= 0 else None
     # What follows another joint is said of that one.
-    while leader in following:
+    while leader is not None and leader in following:
         mimic = following[leader]
         polynomial, leader = polynomial(Polynomial([mimic.offset, mimic.multiplier])), mimic.joint
     while joint in following:

@@ -24,6 +24,7 @@ from harness.system.description import (
     constant,
 )
 from harness.system.flexible_link import read_flexible_link
+from harness.system.loop import Coupling, Loop
 from harness.system.rotation import from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.table import TableReader, locate
@@ -121,7 +122,10 @@ def read_toml(
         link = _link(table, tolerance, notes)
         links.append(link)
         _note_line(lines, "link", link.name, table.line)
-    loops = [*(read_loop(table) for table in loop_tables), *(read_coupling(table) for table in coupling_tables)]
+    loops: list[Loop | Coupling] = [
+        *(read_loop(table) for table in loop_tables),
+        *(read_coupling(table) for table in coupling_tables),
+    ]
     for loop, table in zip(loops, (*loop_tables, *coupling_tables), strict=True):
         _note_line(lines, "loop", loop.name, table.line)
     described = {link.name for link in links}

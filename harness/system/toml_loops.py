@@ -54,7 +54,9 @@ def read_coupling(table: TableReader) -> Coupling:
     coefficients = table.numbers("polynomial")
     most = 1 if leader is None else 5
     if not 1 <= len(coefficients) <= most:
-        mend = "ascending: [0.0, 2.0] is twice the leader's position; at most five" if leader else "one: where it is held"
+        mend = (
+            "ascending: [0.0, 2.0] is twice the leader's position; at most five" if leader else "one: where it is held"
+        )
         table.refuse(f"'polynomial' has {len(coefficients)} coefficients", mend, "polynomial")
     c0, c1, c2, c3, c4 = (*coefficients, 0.0, 0.0, 0.0, 0.0, 0.0)[:5]
     table.finish()
@@ -69,7 +71,12 @@ def write_loops(loops: tuple[Loop | Coupling, ...]) -> dict[str, Any]:
 
 
 def _loop(loop: Loop) -> dict[str, Any]:
-    return {"name": loop.name, "first": _placed(loop.first), "second": _placed(loop.second), "closed": list(loop.conditions)}
+    return {
+        "name": loop.name,
+        "first": _placed(loop.first),
+        "second": _placed(loop.second),
+        "closed": list(loop.conditions),
+    }
 
 
 def _placed(frame: Frame) -> dict[str, Any]:
@@ -82,4 +89,6 @@ def _placed(frame: Frame) -> dict[str, Any]:
 def _coupled(coupling: Coupling) -> dict[str, Any]:
     leader = {} if coupling.leader is None else {"leader": coupling.leader}
     count = 1 if coupling.leader is None else 5
-    return {"name": coupling.name, "joint": coupling.joint} | leader | {"polynomial": list(coupling.coefficients[:count])}
+    return (
+        {"name": coupling.name, "joint": coupling.joint} | leader | {"polynomial": list(coupling.coefficients[:count])}
+    )

@@ -8,19 +8,16 @@ import numpy as np
 from lxml import etree
 
 from harness.system.closure import completed
-from harness.system.description import Array, System
-from harness.system.loop import BALL, REVOLUTE, TURNS, WELD, Coupling, Frame, Loop
+from harness.system.description import System
+from harness.system.loop import BALL, REVOLUTE, WELD, Coupling, Frame, connections
 from harness.system.rotation import quaternion
-
-# A revolute cut is two connections, this far apart along its axis [m].
-APART = 0.1
 
 
 def close_loops(root: etree._Element, world: etree._Element, system: System) -> None:
     """Write the loops of a system whose bodies are written.
 
-    MJCF connects and welds; a revolute cut is two connections along its axis. What is closed beside that must follow from the rest of
-    the mechanism. Raises UnsupportedError where it does not.
+    MJCF connects and welds; a revolute cut is two connections along its axis. What is closed beside that must follow from the rest
+    of the mechanism. Raises UnsupportedError where it does not.
     """
     equality = root.find("equality")
     if equality is None:
@@ -33,27 +30,18 @@ def close_loops(root: etree._Element, world: etree._Element, system: System) -> 
             terms = _words(loop.coefficients)
             etree.SubElement(equality, "joint", name=loop.name, joint1=loop.joint, polycoef=terms, **other)
             continue
-        for k, (word, shift) in enumerate(points(cut[loop.name])):
+        for k, connection in enumerate(connections(cut[loop.name])):
             name = loop.name if k == 0 else f"{loop.name}__{k + 1}"
             sites = {}
-            for side, frame in (("site1", loop.first), ("site2", loop.second)):
+            for side, frame in (("site1", connection.first), ("site2", connection.second)):
                 sites[side] = f"{name}__{side}"
-                _site(bodies[frame.link], sites[side], frame, shift)
-            etree.SubElement(equality, word, name=name, **sites)
+                _site(bodies[frame.link], sites[side], frame)
+            etree.SubElement(equality, "weld" if connection.welded else "connect", name=name, **sites)
 
 
-def points(loop: Loop) -> Iterable[tuple[str, Array]]:
-    """The equalities that say a loop: MuJoCo's word, and where along the frames' axes it is [m], shape (3,)."""
-    turns = [turn for turn in TURNS if turn in loop.closed]
-    yield ("weld" if len(turns) == 3 else "connect"), np.zeros(3)
-    if len(turns) == 2:
-        (axis,) = (k for k, turn in enumerate(TURNS) if turn not in loop.closed)
-        yield "connect", APART * np.eye(3)[axis]
-
-
-def _site(body: etree._Element, name: str, frame: Frame, shift: Array) -> None:
-    place = np.asarray(frame.xyz) + np.asarray(frame.rotation) @ shift
-    etree.SubElement(body, "site", name=name, pos=_words(place), quat=_words(quaternion(np.asarray(frame.rotation))))
+def _site(body: etree._Element, name: str, frame: Frame) -> None:
+    turned = _words(quaternion(np.asarray(frame.rotation)))
+    etree.SubElement(body, "site", name=name, pos=_words(np.asarray(frame.xyz)), quat=turned)
 
 
 def _words(values: Iterable[float]) -> str:

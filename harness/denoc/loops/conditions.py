@@ -1,8 +1,8 @@
 """What the loops ask at a state: how far each condition is open, its rate and acceleration, and the wrenches that hold it.
 
-A shift along the first frame's axis u is u · d, d being the way from one origin to the other; a turn is the cosine of an axis a of the
-first frame and an axis b of the second, which are to stay orthogonal. Accelerations are those that the rows of the tree hold; gravity,
-which they hold as well, is the same for both frames.
+A shift along the first frame's axis u is u · d, d being the way from one origin to the other; a turn is the cosine of an axis a
+of the first frame and an axis b of the second, which are to stay orthogonal. Accelerations are those that the rows of the tree
+hold; gravity, which they hold as well, is the same for both frames.
 """
 
 from __future__ import annotations

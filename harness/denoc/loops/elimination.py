@@ -1,10 +1,10 @@
 """The shortest solution of a few equations: rows made orthogonal, those that say nothing new left out.
 
-Equations y_k · z = r_k in coordinates where the mass matrix is the identity: the shortest z is what constraint forces add to the free
-acceleration (Gauss's principle), and the span of the rows is theirs; what is orthogonal to it is the loops' natural orthogonal
-complement. Rows are orthogonalised by Gram and Schmidt, twice for rounding; where that shows that rows depend on one another, by
-one-sided Jacobi rotations, which reveal the rank and treat all equations alike (Demmel and Veselić, Jacobi's method is more accurate
-than QR, SIAM J. Matrix Anal. Appl. 13 (1992)).
+Equations y_k · z = r_k in coordinates where the mass matrix is the identity: the shortest z is what constraint forces add to the
+free acceleration (Gauss's principle), and the span of the rows is theirs; what is orthogonal to it is the loops' natural
+orthogonal complement. Rows are orthogonalised by Gram and Schmidt, twice for rounding; where that shows that rows depend on one
+another, by one-sided Jacobi rotations, which reveal the rank and treat all equations alike (Demmel and Veselić, Jacobi's method
+is more accurate than QR, SIAM J. Matrix Anal. Appl. 13 (1992)).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Loops over a rigid tree by the factors U D Uᵀ that its articulated-body recursion leaves behind: O(n) in the tree.
 
-A condition is a wrench at each of two bodies. Swept inwards over their ancestors alone it gives a row of D^(-1/2) L⁻¹ Jᵀ, L being the
-factor of the mass matrix M = L D Lᵀ: the inverse of the operational-space inertia at the cuts is this times its transpose. What the
-conditions add to accelerations is swept outwards once.
+A condition is a wrench at each of two bodies. Swept inwards over their ancestors alone it gives a row of D^(-1/2) L⁻¹ Jᵀ, L being
+the factor of the mass matrix M = L D Lᵀ: the inverse of the operational-space inertia at the cuts is this times its transpose.
+What the conditions add to accelerations is swept outwards once.
 """
 
 from __future__ import annotations
@@ -62,7 +62,13 @@ def equations(places: Places, x: Numbers, d: Rows, t: Topology, which: int) -> N
 
 @internal
 def _wrench(
-    x: Numbers, d: Rows, t: Topology, body: int, moment: tuple[float, float, float], force: tuple[float, float, float], out: int
+    x: Numbers,
+    d: Rows,
+    t: Topology,
+    body: int,
+    moment: tuple[float, float, float],
+    force: tuple[float, float, float],
+    out: int,
 ) -> None:
     """Add what a wrench on a body, at its origin, gives to a row; swept inwards."""
     nx, ny, nz = moment

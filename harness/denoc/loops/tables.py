@@ -15,7 +15,8 @@ from harness.system import Coupling, Frame, Loop, System
 from harness.system.closure import coordinate, size
 from harness.system.loop import SHIFTS, turn_pairs
 
-# Head of ``places``. RANK: number of independent conditions in general. COLUMNS: not 0 where the mass matrix is made column by column.
+# Head of ``places``. RANK: number of independent conditions in general. COLUMNS: not 0 where the mass matrix is made column by
+# column.
 LOOPS, CONDITIONS, COUPLINGS, N, NQ, RANK, COLUMNS = range(7)
 HEAD = 7
 # Of a condition: kind, number of its loop or coupling, axis of the first frame, axis of the second.
@@ -35,7 +36,9 @@ VALUE, VELOCITY, ACCELERATION, FIRST, SECOND = 0, 1, 2, 3, 9
 STATE = 15
 
 
-def tables(system: System, seats: Mapping[str, Seat], names: Mapping[Frame, str], rank: int, columns: bool) -> tuple[Integers, Array]:
+def tables(
+    system: System, seats: Mapping[str, Seat], names: Mapping[Frame, str], rank: int, columns: bool
+) -> tuple[Integers, Array]:
     """Places and numbers of the loops of a system; names: the link whose seat each frame has."""
     loops = [loop for loop in system.loops if isinstance(loop, Loop)]
     couplings = [loop for loop in system.loops if isinstance(loop, Coupling)]
