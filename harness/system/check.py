@@ -152,11 +152,11 @@ def check_loops(system: System, lines: Mapping[tuple[str, str], int] | None = No
             mend="leave a motion open, or take a loop out",
             source=system.source,
         )
-    counted = f"{len(system.loops)} loop{'s' * (len(system.loops) > 1)}: {conditions} conditions"
+    counted = f"{len(system.loops)} loop{'s' * (len(system.loops) > 1)}: {conditions} condition{'s' * (conditions > 1)}"
     freedom = system.nv - independent
-    moving = f"{freedom} of {system.nv} degrees of freedom are left"
+    moving = f"{freedom} of {system.nv} degrees of freedom {'are' if freedom > 1 else 'is'} left"
     if independent == conditions:
-        return (f"{counted}, all independent; {moving}",)
+        return (f"{counted}, {'all ' * (conditions > 1)}independent; {moving}",)
     return (
         f"{counted}, {independent} of them independent (rank of their Jacobian); {moving}; what the other "
         f"{conditions - independent} say is said already: motion does not depend on them, constraint forces are the least ones",

@@ -280,6 +280,27 @@ def rank(system: System, q: Array) -> int:
     return int((diagonal > RANK * diagonal[0]).sum())
 
 
+def closed_velocity(system: System, q: Array, qd: Array, *, held: Collection[str] = ()) -> Array:
+    """The velocities nearest to qd (n,) that keep loops closed at closed positions q; coordinates ``held`` keep theirs.
+
+    Raises InputError where they cannot.
+    """
+    found = opening(system, q)
+    free = np.array([name not in held for name in system.coordinate_names])
+    rows = found.jacobian / _units(system, found)[:, None]
+    moved = qd.copy()
+    moved[free] += np.linalg.lstsq(rows[:, free], -rows @ qd, rcond=RANK)[0]
+    left = np.abs(rows @ moved)
+    if left.max(initial=0.0) > 1e-9 * (1.0 + np.abs(qd).max(initial=0.0)):
+        name = found.names[int(np.argmax(left))][0]
+        raise InputError(
+            f"with the velocities of {', '.join(held)} as given loop {name!r} opens",
+            mend="give fewer of them, or such as go together",
+            source=system.source,
+        )
+    return moved
+
+
 def independent_conditions(system: System, q: Array) -> frozenset[tuple[str, str]]:
     """Loop and motion of conditions that say all there is to say at closed positions q, none of them twice."""
     from scipy.linalg import qr

@@ -14,7 +14,7 @@ from harness.denoc.compiling.compiled import allocating, compiled
 from harness.denoc.compiling.pipeline import Kernel
 from harness.denoc.loops import columns, factors
 from harness.denoc.loops import places as at_
-from harness.denoc.loops.elimination import shortest
+from harness.denoc.loops.elimination import NOTHING, shortest
 from harness.denoc.loops.places import numbers_of, places_of
 from harness.denoc.loops.tables import (
     ACCELERATION,
@@ -42,6 +42,9 @@ from harness.denoc.recursion.dynamics_call import SIGNATURE, call
 # Positions are corrected until nothing is open by more, over the mechanism's size or in radians.
 _SHUT = 1e-14
 _CORRECTIONS = 6
+# Next to a singular position a motion is lost to the conditions, and with it what they say of where it goes on: rounding ε of a
+# position, s away from it, tilts what they hold by ε / s². Within this distance corrections leave that motion alone.
+_NEARLY_SINGULAR = 1e-4
 
 
 @functools.cache
@@ -85,7 +88,7 @@ def closed_forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
             return status
         factors.at_state(places, x, d, t, position, velocity, out)
         factors.equations(places, x, d, t, ACCELERATION)
-        shortest(places, x, z)
+        shortest(places, x, z, NOTHING)
         factors.add(places, x, d, t, z, out)
         return 0
     status = columns.linearise(places, x, tree, d, t, q, qd, velocity, position)
@@ -95,7 +98,7 @@ def closed_forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         return status
     free = columns.accelerations(places, x, vector_at(tau, n))
     columns.equations(places, x, ACCELERATION, free)
-    shortest(places, x, z)
+    shortest(places, x, z, NOTHING)
     for i in range(n):
         out[i] = x[free + i]
     columns.add(places, x, z, out)
@@ -159,11 +162,11 @@ def _solve(places: Any, x: Any, d: Any, t: Any, which: int, z: int, change: Any)
         change[i] = 0.0
     if places[COLUMNS] == 0:
         factors.equations(places, x, d, t, which)
-        shortest(places, x, z)
+        shortest(places, x, z, _NEARLY_SINGULAR)
         factors.add(places, x, d, t, z, change)
     else:
         columns.equations(places, x, which, -1)
-        shortest(places, x, z)
+        shortest(places, x, z, _NEARLY_SINGULAR)
         columns.add(places, x, z, change)
 
 

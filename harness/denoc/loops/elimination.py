@@ -20,9 +20,10 @@ from harness.denoc.loops.tables import CONDITIONS, RANK, N
 Places = Any
 Numbers = Any
 
-# What is left of a row of length one below which rows are taken to depend on one another; the longest that is left out.
+# What is left of a row of length one below which rows are taken to depend on one another.
 _DEPENDENT = 1e-5
-_NOTHING = 1e-11
+# Of rows made orthogonal, the longest that is left out, relative to the longest of all: it is rounding.
+NOTHING = 1e-11
 _SWEEPS = 30
 _ROUNDING = 1e-15
 
@@ -36,19 +37,22 @@ def dot(x: Numbers, a: int, b: int, n: int) -> float:
 
 
 @internal
-def shortest(places: Places, x: Numbers, out: int) -> int:
-    """The shortest solution to x[out:out + n]; the rows are overwritten. Returns the number of independent equations."""
+def shortest(places: Places, x: Numbers, out: int, least: float) -> int:
+    """The shortest solution to x[out:out + n]; the rows are overwritten. Returns the number of independent equations.
+
+    least: rows that are shorter, relative to the longest, are left out.
+    """
     c, n = places[CONDITIONS], places[N]
     for k in range(c):
         _normalise(x, row(places, k), n)
         for i in range(n + 1):
             x[copy(places, k) + i] = x[row(places, k) + i]
-    if places[RANK] < c or not _gram_schmidt(places, x):
+    if places[RANK] < c or not _gram_schmidt(places, x, max(_DEPENDENT, least)):
         for k in range(c):
             for i in range(n + 1):
                 x[row(places, k) + i] = x[copy(places, k) + i]
         _jacobi(places, x)
-    return _sum(places, x, out)
+    return _sum(places, x, out, least)
 
 
 @internal
@@ -60,8 +64,8 @@ def _normalise(x: Numbers, at: int, n: int) -> None:
 
 
 @internal
-def _gram_schmidt(places: Places, x: Numbers) -> bool:
-    """Make rows orthogonal, of length one; False where they are not independent."""
+def _gram_schmidt(places: Places, x: Numbers, least: float) -> bool:
+    """Make rows orthogonal, of length one; False where less than ``least`` is left of one."""
     n = places[N]
     for k in range(places[CONDITIONS]):
         at = row(places, k)
@@ -71,7 +75,7 @@ def _gram_schmidt(places: Places, x: Numbers) -> bool:
                 share = dot(x, at, before, n)
                 for i in range(n + 1):
                     x[at + i] -= share * x[before + i]
-        if not dot(x, at, at, n) > _DEPENDENT * _DEPENDENT:
+        if not dot(x, at, at, n) > least * least:
             return False
         _normalise(x, at, n)
     return True
@@ -104,7 +108,7 @@ def _jacobi(places: Places, x: Numbers) -> None:
 
 
 @internal
-def _sum(places: Places, x: Numbers, out: int) -> int:
+def _sum(places: Places, x: Numbers, out: int, least: float) -> int:
     """Σ r_k y_k / |y_k|² over the longest rows, RANK of them at most."""
     c, n = places[CONDITIONS], places[N]
     for i in range(n):
@@ -119,7 +123,7 @@ def _sum(places: Places, x: Numbers, out: int) -> int:
             length = dot(x, row(places, k), row(places, k), n)
             if length > best:
                 best, found = length, k
-        if found < 0 or best <= _NOTHING * _NOTHING * longest:
+        if found < 0 or best <= least * least * longest:
             break
         at = row(places, found)
         share = x[at + n] / best
