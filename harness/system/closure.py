@@ -268,16 +268,22 @@ def rank(system: System, q: Array) -> int:
     """Number of independent conditions at closed positions q, by QR with column pivoting of the scaled Jacobian."""
     from scipy.linalg import qr  # slow to import, and most systems are trees
 
-    found = opening(system, q)
-    if not len(found.value):
+    rows = _scaled(opening(system, q))
+    if not np.any(rows):
         return 0
-    rows = found.jacobian / _units(system, found)[:, None]
-    lengths = np.linalg.norm(rows, axis=1)
-    if not lengths.max() > 0.0:
-        return 0
-    scaled = rows[lengths > 0.0] / lengths[lengths > 0.0, None]
-    diagonal = np.abs(np.diag(qr(scaled.T, mode="r", pivoting=True)[0]))
+    diagonal = np.abs(np.diag(qr(rows.T, mode="r", pivoting=True)[0]))
     return int((diagonal > RANK * diagonal[0]).sum())
+
+
+def _scaled(found: Opening) -> Array:
+    """The Jacobian with the longest row of the shifts, and of the turns, of every loop as long as one.
+
+    Not every row: one that vanishes at a singular position is to be seen to.
+    """
+    lengths = np.linalg.norm(found.jacobian, axis=1)
+    groups = [(name, motion in SHIFTS) for name, motion in found.names]
+    longest = {group: max(x for x, g in zip(lengths, groups, strict=True) if g == group) for group in groups}
+    return found.jacobian / np.array([longest[group] or 1.0 for group in groups]).reshape(-1, 1)
 
 
 def closed_velocity(system: System, q: Array, qd: Array, *, held: Collection[str] = ()) -> Array:
@@ -306,9 +312,7 @@ def independent_conditions(system: System, q: Array) -> frozenset[tuple[str, str
     from scipy.linalg import qr
 
     found = opening(system, q)
-    rows = found.jacobian / _units(system, found)[:, None]
-    lengths = np.linalg.norm(rows, axis=1)
-    rows = rows / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    rows = _scaled(found)
     order = qr(rows.T, mode="r", pivoting=True)[1]
     return frozenset(found.names[k] for k in order[: rank(system, q)])
 

@@ -88,6 +88,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     # What is compiled apart.
     "kernel rigid": ("chain_2/acceleration/*", "tree_20/acceleration/*"),
     "kernel rigid_others": ("tree_20/mass_matrix/*", "tree_20/energy/*"),
+    "kernel loops": ("four_bar/acceleration/*", "bricard/acceleration/*", "andrews_squeezer/positions_at_end/*"),
     "kernel chain": ("hinges_4/acceleration/*", "hinges_5/acceleration/*", "hinges_8/acceleration/*"),
     "kernel flexible": ("flexible_pendulum/*", "two_flexible_links/*"),
     "kernel flexible_others": ("*/mass_matrix_straight/*", "beam_paths/tip_acceleration*"),

@@ -14,18 +14,21 @@ from typing import Any
 import numpy as np
 
 from harness.denoc.compiling.compiled import internal
-from harness.denoc.loops.places import copy, row
-from harness.denoc.loops.tables import CONDITIONS, RANK, N
+from harness.denoc.loops.places import condition, copy, row
+from harness.denoc.loops.tables import CONDITIONS, KIND, OF, RANK, N
 
 Places = Any
 Numbers = Any
 
 # What is left of a row of length one below which rows are taken to depend on one another.
-_DEPENDENT = 1e-5
+_DEPENDENT = 1e-3
 # Of rows made orthogonal, the longest that is left out, relative to the longest of all: it is rounding.
 NOTHING = 1e-11
+# Next to a singular position, where a row vanishes, rounding of positions turns the motion that is lost there into the wrong way
+# out of it: on from here what the row asks is let go, smoothly, as integrators of high order want it.
+_FADING = 5e-6
 _SWEEPS = 30
-_ROUNDING = 1e-15
+_ROUNDING = 1e-14
 
 
 @internal
@@ -43,8 +46,8 @@ def shortest(places: Places, x: Numbers, out: int, least: float) -> int:
     least: rows that are shorter, relative to the longest, are left out.
     """
     c, n = places[CONDITIONS], places[N]
+    _scale(places, x)
     for k in range(c):
-        _normalise(x, row(places, k), n)
         for i in range(n + 1):
             x[copy(places, k) + i] = x[row(places, k) + i]
     if places[RANK] < c or not _gram_schmidt(places, x, max(_DEPENDENT, least)):
@@ -53,6 +56,33 @@ def shortest(places: Places, x: Numbers, out: int, least: float) -> int:
                 x[row(places, k) + i] = x[copy(places, k) + i]
         _jacobi(places, x)
     return _sum(places, x, out, least)
+
+
+@internal
+def _scale(places: Places, x: Numbers) -> None:
+    """Make the longest row of the shifts, and of the turns, of every loop as long as one.
+
+    Not every row: one that vanishes at a singular position is to be seen to.
+    """
+    c, n = places[CONDITIONS], places[N]
+    first = 0
+    while first < c:
+        here = condition(places, first)
+        last = first + 1
+        while (
+            last < c
+            and places[condition(places, last) + KIND] == places[here + KIND]
+            and places[condition(places, last) + OF] == places[here + OF]
+        ):
+            last += 1
+        longest = 0.0
+        for k in range(first, last):
+            longest = max(longest, dot(x, row(places, k), row(places, k), n))
+        scale = 1.0 / np.sqrt(longest) if longest > 1e-300 else 0.0
+        for k in range(first, last):
+            for i in range(n + 1):
+                x[row(places, k) + i] *= scale
+        first = last
 
 
 @internal
@@ -126,7 +156,7 @@ def _sum(places: Places, x: Numbers, out: int, least: float) -> int:
         if found < 0 or best <= least * least * longest:
             break
         at = row(places, found)
-        share = x[at + n] / best
+        share = x[at + n] / best / (1.0 + (_FADING * _FADING * longest / best) ** 4)
         for i in range(n):
             x[out + i] += share * x[at + i]
             # Used up.
