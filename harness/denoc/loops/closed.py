@@ -189,6 +189,14 @@ class Closed(Denoc):
         Raises InputError where q0 or qd0 leave a loop open: ``assemble`` and ``closed_velocity`` close them.
         """
         q0, qd0 = self.position("q0", q0).copy(), self.vector("qd0", qd0).copy()
+        rubbing = [joint.name for joint in self.system.joints if joint.friction]
+        if len(rubbing) > 1:
+            # Joints of a loop stop at once, and the events of each would have to be told apart.
+            raise UnsupportedError(
+                f"dry friction at several joints ({', '.join(rubbing)}) of a closed mechanism",
+                mend="give it at one joint, or damping in its place",
+                source=self.system.source,
+            )
         self.refuse_open(q0, qd0)
         self._settle(q0, qd0)
         return super().simulate(q0, qd0, time, **more)
