@@ -67,10 +67,6 @@ class Closed(Denoc):
     def __reduce__(self) -> tuple[type[Denoc], tuple[System]]:
         return Denoc, (self.system,)
 
-    @property
-    def closed(self) -> bool:
-        return True
-
     def assemble(self, q: ArrayLike | None = None, *, held: Collection[str] = ()) -> Array:
         """Positions (nq,) where the loops are closed, the nearest to q (the file's zero if None) that is found.
 
@@ -197,9 +193,11 @@ class Closed(Denoc):
                 mend="give it at one joint, or damping in its place",
                 source=self.system.source,
             )
+        if more.get("method") == "gauss":
+            raise UnsupportedError("method 'gauss' does not keep loops closed", mend="leave method out, or take 'rk4'")
         self.refuse_open(q0, qd0)
         self._settle(q0, qd0)
-        return super().simulate(q0, qd0, time, **more)
+        return super().simulate(q0, qd0, time, **{**more, "method": more.get("method") or "dop853"})
 
     def refuse_open(self, q: Array, qd: Array) -> None:
         """Raise InputError naming the loop that a state leaves open."""
