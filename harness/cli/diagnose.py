@@ -42,6 +42,16 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     help="Give the best answer so far after so long, and say what was not tried; default: 120 on a terminal, else none (inf). "
     "Ctrl-C once does the same, twice stops.",
 )
+@click.option(
+    "--actuators/--no-actuators",
+    default=True,
+    help="Whether the MJCF's actuators act where no effort is recorded, by columns <joint>.command, else with command 0.",
+)
+@click.option(
+    "--limits/--no-limits",
+    default=True,
+    help="Whether the MJCF's limits act, as soft constraints, where a recording meets them.",
+)
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
 @output_options("Write diagnosis.json, report.html and the augmented model there.")
 def diagnose(
@@ -54,6 +64,8 @@ def diagnose(
     fit_effort: bool,
     effects_files: tuple[str, ...],
     time_limit: float | None,
+    actuators: bool,
+    limits: bool,
     strict: bool,
     out: Path | None,
     json_file: str | None,
@@ -88,6 +100,8 @@ def diagnose(
             effects=effects_files,
             progress=step,
             time_limit=deadline,
+            actuators=actuators,
+            limits=limits,
         )
         if not deadline.over:
             found = found.replayed()

@@ -20,6 +20,7 @@ from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.known_error import worth_of_known_error
+from harness.diagnose.problem.acting import acting, coupled
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
 from harness.diagnose.problem.problem import pose
@@ -55,6 +56,8 @@ def diagnose(
     effort: Effort | None = None,
     progress: Progress | None = None,
     time_limit: float | Deadline | None = None,
+    actuators: bool = True,
+    limits: bool = True,
 ) -> Diagnosis:
     """Locate where a model leaves recordings, name the physics it left out, and judge the improvement on data held out.
 
@@ -63,20 +66,26 @@ def diagnose(
     lengths, inertias and stiffnesses, overriding the model's. fit_effort: efforts are measurements to fit, not known inputs (see
     ``diagnose_effort``). effects: effects of the user's own. only: restricts the catalogue
     to these names. progress: called with (done, total, what). time_limit: after so long [s] the best answer so far is given, with
-    what was not tried; a ``Deadline`` can be interrupted, too.
+    what was not tried; a ``Deadline`` can be interrupted, too. actuators: whether those of an MJCF act where no effort is recorded,
+    by their recorded commands (``<joint>.command``) or held at 0. limits: whether its joints' limits act where a recording meets
+    them.
     Raises InputError for recordings, models or time limits that cannot be used.
     """
     deadline = deadline_of(time_limit)
     if isinstance(recordings, (str, Path, Recording)):
         recordings = [recordings]
     system = model if isinstance(model, System) else load(model, physical=False)
+    mechanism = system
     system = one_degree(freed(system), "a diagnosis")
     if tolerance is not None:
         if not 0.0 < tolerance < 1.0:
             raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
         system = replace(system, tolerance=tolerance)
-    stated = conventional(system, _read(recordings, holdout, mapping, system))
-    read = free_parts(system, released(stated))
+    system, read = coupled(mechanism, system, _read(recordings, holdout, mapping, system))
+    system, read = acting(system, read, actuators=actuators, limits=limits)
+    if not system.drives:
+        # What these look for is the motion of a mechanism that nothing holds.
+        read = free_parts(system, released(conventional(system, read)))
     held = read.pop() if holdout is not None else None
     made_from = provenance(system, model, read, held)
     steps = 0
