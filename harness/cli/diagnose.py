@@ -71,6 +71,16 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     help="Doubt the equations of motion of this engine instead of the model: which of their terms, held against the native ones, "
     "does the recording ask to be mended?",
 )
+@click.option(
+    "--actuators/--no-actuators",
+    default=True,
+    help="Whether the MJCF's actuators act where no effort is recorded, by columns <joint>.command, else with command 0.",
+)
+@click.option(
+    "--limits/--no-limits",
+    default=True,
+    help="Whether the MJCF's limits act, as soft constraints, where a recording meets them.",
+)
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
 @output_options(
     "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page."
@@ -88,6 +98,8 @@ def diagnose(
     effects_files: tuple[str, ...],
     time_limit: float | None,
     engine: str | None,
+    actuators: bool,
+    limits: bool,
     strict: bool,
     out: Path | None,
     json_file: str | None,
@@ -111,7 +123,7 @@ def diagnose(
     if engine is not None:
         from harness.cli.balance import diagnose_engine
 
-        others = {"--holdout": holdout, "--tolerance": tolerance, "--fit-effort": fit_effort or None,
+        others: dict[str, Any] = {"--holdout": holdout, "--tolerance": tolerance, "--fit-effort": fit_effort or None,
                   "--effects": effects_files or None, "--time-limit": time_limit, "--compare": compare,
                   "--transfer": published}  # fmt: skip
         for option, given in others.items():
@@ -151,7 +163,7 @@ def diagnose(
         document = _searched(
             recordings, systems, mapping=mapping, holdout=holdout, tolerance=tolerance,
             fit_effort=fit_effort, effects=effects_files, deadline=Deadline(time_limit), out=out, json_file=json_file,
-            command=click.get_current_context().meta[COMMAND],
+            command=click.get_current_context().meta[COMMAND], actuators=actuators, limits=limits,
         )  # fmt: skip
     if identified:
         deadline = Deadline(time_limit)
@@ -164,8 +176,8 @@ def diagnose(
         if document is not None:
             document |= plain
         else:
-            first, *others = plain.values()
-            document = {**first, **({"transfer": others[0]} if others else {})}
+            first, *further = plain.values()
+            document = {**first, **({"transfer": further[0]} if further else {})}
     assert document is not None
     write_json(json_text(document), json_file)
     return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0
@@ -184,6 +196,8 @@ def _searched(
     out: Path | None,
     json_file: str | None,
     command: str,
+    actuators: bool,
+    limits: bool,
 ) -> dict[str, Any]:
     """The diagnosis, printed and written; its document."""
     from harness.diagnose.diagnose import diagnose as find
@@ -192,7 +206,7 @@ def _searched(
     with progress("diagnose") as step, answers_to_interrupt(deadline.interrupt):
         found = find(
             list(recordings), model=systems, mapping=mapping, holdout=holdout, tolerance=tolerance, fit_effort=fit_effort,
-            effects=effects, progress=step, time_limit=deadline,
+            effects=effects, progress=step, time_limit=deadline, actuators=actuators, limits=limits,
         )  # fmt: skip
         if not deadline.over:
             found = found.replayed()

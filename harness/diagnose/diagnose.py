@@ -20,6 +20,7 @@ from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.known_error import worth_of_known_error
+from harness.diagnose.problem.acting import acting, coupled
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
 from harness.diagnose.problem.payloads import one_each, payload
@@ -57,6 +58,8 @@ def diagnose(
     effort: Effort | None = None,
     progress: Progress | None = None,
     time_limit: float | Deadline | None = None,
+    actuators: bool = True,
+    limits: bool = True,
 ) -> Diagnosis:
     """Locate where a model leaves recordings, name the physics it left out, and judge the improvement on data held out.
 
@@ -67,7 +70,9 @@ def diagnose(
     lengths, inertias and stiffnesses, overriding the model's. fit_effort: efforts are measurements to fit, not known inputs (see
     ``diagnose_effort``). effects: effects of the user's own. only: restricts the catalogue
     to these names. progress: called with (done, total, what). time_limit: after so long [s] the best answer so far is given, with
-    what was not tried; a ``Deadline`` can be interrupted, too.
+    what was not tried; a ``Deadline`` can be interrupted, too. actuators: whether those of an MJCF act where no effort is recorded,
+    by their recorded commands (``<joint>.command``) or held at 0. limits: whether its joints' limits act where a recording meets
+    them.
     Raises InputError for recordings, models or time limits that cannot be used.
     """
     deadline = deadline_of(time_limit)
@@ -76,16 +81,24 @@ def diagnose(
     models = [model] if isinstance(model, (str, Path, System)) else list(model)
     if not models:
         raise InputError("no model given", mend="name the model of the rig")
-    systems = [_nominal(one, tolerance) for one in models]
-    system = systems[0]
-    notes = tuple(dict.fromkeys(note for one in systems for note in one.notes))
+    stated = [one if isinstance(one, System) else load(one, physical=False) for one in models]
+    systems = [_nominal(one, tolerance) for one in stated]
     if fit_effort and len(systems) > 1:
         raise InputError(
             "efforts are fitted to one model", mend="diagnose the recordings of each payload by themselves"
         )
-    every_system = one_each(systems, len(recordings) + (holdout is not None))
-    read = _conditioned(every_system, _read(recordings, holdout, mapping, system))
+    as_read = _read(recordings, holdout, mapping, systems[0])
+    ready = []
+    for mechanism, one in zip(stated, systems, strict=True):
+        following, read = coupled(mechanism, one, as_read)
+        ready.append(acting(following, read, actuators=actuators, limits=limits))
+    system, read = ready[0]
+    notes = tuple(dict.fromkeys(note for one, _ in ready for note in one.notes))
+    every_system = one_each([one for one, _ in ready], len(as_read))
     payloads = [payload(system, one) for one in every_system]
+    if not system.drives:
+        # What these look for is the motion of a mechanism that nothing holds.
+        read = _conditioned(every_system, read)
     held = read.pop() if holdout is not None else None
     made_from = provenance(system, models, read, held)
     steps = 0
@@ -127,8 +140,7 @@ def diagnose(
     return replace(found, provenance=made_from, notes=notes)
 
 
-def _nominal(model: str | Path | System, tolerance: float | None) -> System:
-    system = model if isinstance(model, System) else load(model, physical=False)
+def _nominal(system: System, tolerance: float | None) -> System:
     system = one_degree(freed(system), "a diagnosis")
     if tolerance is None:
         return system
