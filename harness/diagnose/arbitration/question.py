@@ -109,7 +109,7 @@ def question(
             "the recordings measure no joint's position",
             mend="map a column to <joint>.position; models are judged on it",
         )
-    told = provenance(system, system, read, held)
+    told = provenance(system, [system], read, held)
     return Question(problem, deadline or Deadline(), told)
 
 
