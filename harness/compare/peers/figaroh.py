@@ -1,17 +1,19 @@
-"""FIGAROH, the inverse-dynamics identification of Gautier's school, as its own workflow runs it; for one joint that is driven.
+"""FIGAROH, inverse-dynamics identification as its own workflow runs it; for one joint that is driven.
 
 thanhndv212/figaroh-plus, 1.0: ``figaroh/identification/base_identification.py`` and its unified configuration.
 
 - It regresses the effort on base parameters along filtered motion, so that an effort has to be known: a free swing is the
   null vector of its regression.
-- Motion: positions through a zero-phase Butterworth filter of order 4 at ten times the fastest swing (Gautier, Venture, ICRA
-  2013: well above the dynamics, well below Nyquist), central differences, the borders of the filter cut. Done before it is
-  handed over, since its own filter has recordings at an even step in mind and leaves its borders in.
+- Motion: positions through a zero-phase Butterworth filter of order 4 at ten times the fastest swing or more (Gautier,
+  Venture, ICRA 2013: well above the dynamics, well below Nyquist), whichever predicts best, central differences, the borders
+  of the filter cut. Done before it is handed over: its own filter leaves its borders in.
 - Effort and regressor go through one low-pass and are thinned together, its ``decimate`` ("parallel filtering").
 - Viscous and dry friction, the rotor's inertia and an offset of the effort freed, as its defaults are; least squares.
 - The physically consistent fit (linear matrix inequalities, CVXOPT) is asked for beside it (``physical_fit``).
 - Its "prediction" on data held out is of the effort along the measured motion; "execution" says only that numbers came out.
   Here it also runs freely, with J, gravity, friction and offset read off its regressor, as every other model is judged.
+
+On EMPS it finds what was published of these recordings (docs/peers.md).
 """
 
 from __future__ import annotations
@@ -29,14 +31,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, filtfilt
 
-from harness.compare.peers.runs import Run
+from harness.compare.peers.runs import Run, heldout_error
 from harness.compare.peers.servo_friction import swing_of_one_joint
 from harness.system import System
 from harness.system.write import write
 
 Array = NDArray[np.float64]
 
-ABOVE = 10.0  # times the fastest swing, where positions are filtered
+ABOVE = (10.0, 30.0, 100.0)  # times the fastest swing, where positions are filtered
 ORDER = 4
 MOST_DECIMATED = 10  # its default
 BORDER = 0.25  # s cut at either end, that the filter spoils
@@ -45,8 +47,9 @@ FREED = {"fv": "viscous", "fs": "dry", "off": "offset"}
 
 @dataclass(frozen=True)
 class Identified:
-    """What it found. values, std: of base parameters by its own names [SI]. effort_rmse: left of the effort it was fitted to;
-    prediction: of the effort held out [N·m or N]; physical: whether its physically consistent fit was feasible.
+    """What it found. values, std: of base parameters by its own names [SI]. effort_rmse: left of the effort it was
+    fitted to; prediction: of the effort held out [N·m or N]; physical: whether its physically consistent fit was
+    feasible.
 
     inertia J, gravity's torque a cos q + b sin q + c, viscous, dry: of the free run.
     """
@@ -70,20 +73,26 @@ class Identified:
 
 
 def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], frequency: float) -> Identified:
-    """Base parameters of a rig of one joint from driven recordings.
+    """Base parameters of a rig of one joint from driven recordings, filtered where free runs over these are best.
 
-    frequency: of its fastest swing [Hz]. Raises ImportError where FIGAROH is not installed, ValueError where no effort is
-    known or the joint is not alone.
+    frequency: of its fastest swing [Hz]; where nothing pulls back, one hertz stands for it. Raises ImportError where
+    FIGAROH is not installed, ValueError where no effort is known or the joint is not alone.
     """
     if len(system.joint_names) != 1:
         raise ValueError("it is asked about rigs of one joint")
     if not all(run.driven for run in (*train, *heldout)):
         raise ValueError("it needs a known effort: a free swing is the null vector of its regression")
+    found = [_fitted(system, train, heldout, above * frequency) for above in ABOVE]
+    return min(found, key=lambda one: heldout_error(one.free_run, train))
+
+
+def _fitted(system: System, train: Sequence[Run], heldout: Sequence[Run], cutoff: float) -> Identified:
+    """The same, filtered at ``cutoff`` [Hz]."""
     from figaroh.identification.base_identification import BaseIdentification
     from figaroh.tools.load_robot import load_robot
     from figaroh.tools.regressor import build_regressor_basic, build_regressor_reduced
 
-    fitted_to, judged_on = (_motion(runs, frequency) for runs in (train, heldout))
+    fitted_to, judged_on = (_motion(runs, cutoff) for runs in (train, heldout))
 
     class OneRig(BaseIdentification):
         def load_trajectory_data(self, data_source: str | None = None) -> dict[str, Array]:
@@ -95,7 +104,7 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
 
     (name,) = system.joint_names
     step = float(np.median(np.diff(train[0].time)))
-    factor = int(np.clip(0.5 / (ABOVE * frequency * step), 1, MOST_DECIMATED))
+    factor = int(np.clip(0.5 / (cutoff * step), 1, MOST_DECIMATED))
     with (
         tempfile.TemporaryDirectory() as folder,
         contextlib.redirect_stdout(io.StringIO()),
@@ -136,7 +145,7 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
     )  # fmt: skip
 
 
-def _motion(runs: Sequence[Run], frequency: float) -> dict[str, Array]:
+def _motion(runs: Sequence[Run], cutoff: float) -> dict[str, Array]:
     """Recordings one after the other at an even step, their borders cut."""
     pieces: list[tuple[Array, ...]] = []
     for run in runs:
@@ -144,7 +153,7 @@ def _motion(runs: Sequence[Run], frequency: float) -> dict[str, Array]:
         step = float(np.median(np.diff(run.time)))
         time = np.arange(run.time[0], run.time[-1], step)
         q = np.interp(time, run.time, run.positions[:, 0])
-        share = min(ABOVE * frequency * 2.0 * step, 0.8)
+        share = min(2.0 * cutoff * step, 0.8)
         q = filtfilt(*butter(ORDER, share), q)
         v = np.gradient(q, step)
         a = np.gradient(v, step)
