@@ -20,7 +20,9 @@ LONG = ("damping", "links")
 
 @click.command()
 @click.argument("what", type=click.Choice(["figures", "equations", "readings", "departure", "damping", "links"]))
-@click.option("--quick", is_flag=True, help="Fewer angles, lengths, modes and elements (damping, links).")
+@click.option(
+    "--quick", is_flag=True, help="Shorter motions, fewer angles, lengths, modes and elements (damping, links)."
+)
 @click.option(
     "--seed",
     type=click.IntRange(min=0),
