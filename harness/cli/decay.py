@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import console, output_options, write_json
+from harness.cli.options import allow_option, console, output_options, say_notes, write_json
 
 if TYPE_CHECKING:
     from harness.recording import Recording
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     "--split", type=float, metavar="HZ", help="Where --bands parts them; default: between their spectral lines."
 )
 @click.option("--plot", metavar="FILE", help="The picture alone, to an .svg.")
+@allow_option
 @output_options("Write decay.json and decay.svg (bands.svg with --bands) there.")
 def decay(
     recording: str,
@@ -49,6 +50,7 @@ def decay(
     bands: bool,
     split: float | None,
     plot: str | None,
+    allow: tuple[str, ...],
     out: Path | None,
     json_file: str | None,
 ) -> int:
@@ -73,7 +75,9 @@ def decay(
 
     if plot is not None and not plot.lower().endswith(".svg"):
         raise InputError(f"unknown ending {Path(plot).suffix!r}", source=plot, mend="name an .svg file")
-    system = None if model is None else one_degree(freed(load(model, physical=False)), "a decay")
+    system = None if model is None else one_degree(freed(load(model, physical=False, allow=allow)), "a decay")
+    if system is not None:
+        say_notes(system.notes)
     read = read_recording(recording, mapping=mapping, system=system)
     chosen = _channel(read, channel)
     good = chosen.values == chosen.values

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Container, Iterator
 from typing import Any
 
 import numpy as np
@@ -59,12 +59,6 @@ def _equalities(model: Any, kept: Container[int]) -> Iterator[str]:
                 f"{called} left out: joint {model.joint(first).name!r} as a polynomial ({terms}) of {other}; "
                 "both move independently here"
             )
-        elif kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-            objects: Callable[[int], Any] = (
-                model.site if int(model.eq_objtype[i]) == int(mujoco.mjtObj.mjOBJ_SITE) else model.body
-            )
-            word = "connects" if kind == mujoco.mjtEq.mjEQ_CONNECT else "welds"
-            yield f"{called} left out: it {word} {objects(first).name!r} and {objects(second).name!r} (a loop)"
         else:
             yield f"{called} left out ({kind.name.removeprefix('mjEQ_').lower()})"
 
@@ -110,7 +104,7 @@ def _compensation(model: Any) -> Iterator[str]:
         more = f" and {len(by_body) - _MOST_NAMED} more" if len(by_body) > _MOST_NAMED else ""
         yield (
             f"gravity compensation differs by body (gravcomp of {', '.join(by_body[:_MOST_NAMED])}{more}): it acts in "
-            "`denoc validate` and `denoc simulate`, `denoc diagnose` lets the whole weight act"
+            "`denoc validate` and `denoc simulate`, `denoc diagnose` refuses it"
         )
     for k in range(model.njnt):
         if model.jnt_actgravcomp[k] and model.jnt_actfrclimited[k]:
