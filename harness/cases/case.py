@@ -18,7 +18,7 @@ from harness.system import System
 Array = NDArray[np.float64]
 
 NATIVE = "denoc"
-GROUPS = ("rigid", "chaos", "scale", "lanes", "robots", "flexible", "models")
+GROUPS = ("rigid", "chaos", "scale", "lanes", "robots", "loops", "flexible", "models")
 
 
 @dataclass(frozen=True)

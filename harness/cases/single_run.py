@@ -171,6 +171,9 @@ def run_once(
     model = adapter.build(whole)
     names = list(system.coordinate_names)
     q0, qd0 = initial_state(whole, dict(position), dict(velocity))
+    if whole.loops:
+        begins = (f"{n} = {x:.6g}" for n, x in zip(whole.position_names, q0, strict=True) if n not in position)
+        notes += (f"the loops are closed at {', '.join(begins)}",)
     arriving = None if tau is None else _arriving(system, whole, tau, time)
     if arriving is not None and hold == "linear":
         from harness.denoc.motion.hold import kept

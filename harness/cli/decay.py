@@ -29,7 +29,12 @@ if TYPE_CHECKING:
     show_default=True,
     help="What draws it back: a pendulum's weight (sine), a spring (linear), or whichever the frequencies agree with.",
 )
-@click.option("--bands", is_flag=True, help="Part swing and vibration first, and tell the decay of each.")
+@click.option(
+    "--bands",
+    is_flag=True,
+    help="Part swing and vibration first, and tell the decay of each; with --model also what of it is the joint's damping and what "
+    "the link's own.",
+)
 @click.option(
     "--split", type=float, metavar="HZ", help="Where --bands parts them; default: between their spectral lines."
 )
@@ -57,9 +62,9 @@ def decay(
     \b
     Examples:
       denoc decay swing.csv --model rig.urdf --out decay
-      denoc decay run.csv --channel rod.root_strain --bands --plot bands.svg
+      denoc decay run.csv --channel rod.root_strain --bands --model rig.toml --plot bands.svg
     """
-    from harness.compare.decay.document import bands_document, document
+    from harness.compare.decay.document import apart_document, bands_document, document
     from harness.errors import InputError
     from harness.recording import read_recording
     from harness.recording.units import written
@@ -81,7 +86,7 @@ def decay(
     try:
         if bands:
             from harness.compare.decay.bands import bands as part
-            from harness.report.decay import bands_picture, print_bands
+            from harness.report.decay import bands_picture, print_apart, print_bands
 
             parts = part(time, signal, split=split)
             whole = {
@@ -91,7 +96,14 @@ def decay(
                 "bands": bands_document(parts),
             }
             print_bands(whole["bands"], chosen.unit, screen)  # type: ignore[arg-type]
-            picture, name = bands_picture(parts, (time, signal), f"{chosen.name} [{written(chosen.unit)}]"), "bands"
+            if system is not None:
+                from harness.compare.decay.apart import apart
+
+                told = apart(read, system, parts[1])
+                whole |= {"apart": apart_document(told)}
+                print_apart(apart_document(told), screen)
+            label = f"{chosen.name} [{written(chosen.unit)}]"
+            picture, name = bands_picture(parts, (time, signal), label), "bands"
         else:
             from harness.compare.decay import estimate
             from harness.report.decay import decay_picture, print_decay

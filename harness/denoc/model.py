@@ -84,11 +84,16 @@ class Denoc:
     # The class of systems part of whose weight is carried, which ``harness.denoc.compensated`` puts here.
     of_carried_weight: type[Denoc] | None = None
 
+    # The class of systems that loops close, which ``harness.denoc.loops.closed`` puts here.
+    of_loops: type[Denoc] | None = None
+
     def __new__(cls, system: System) -> Denoc:
         """An object of the class that holds what the system has."""
         kind = cls
         if cls is Denoc and Denoc.of_carried_weight and any(link.gravcomp for link in system.links):
             kind = Denoc.of_carried_weight
+        if cls is Denoc and Denoc.of_loops and system.loops:
+            kind = Denoc.of_loops
         return object.__new__(kind)
 
     def __init__(self, system: System) -> None:
@@ -487,13 +492,13 @@ class Denoc:
 
     def integrate(self, q: ArrayLike, step: ArrayLike) -> Array:
         """Positions (nq,) reached from q (nq,) by a step (n,) of velocities held for a second; a sum where nq = nv."""
-        from harness.denoc.chart.manifold import integrate
+        from harness.system.manifold import integrate
 
         return integrate(self.system, self.position("q", q), self.vector("step", step))
 
     def difference(self, q0: ArrayLike, q1: ArrayLike) -> Array:
         """The step (n,) that ``integrate`` takes from q0 to q1, each (nq,)."""
-        from harness.denoc.chart.manifold import difference
+        from harness.system.manifold import difference
 
         return difference(self.system, self.position("q0", q0), self.position("q1", q1))
 
@@ -513,7 +518,7 @@ class Denoc:
         """Rates q̇ (nq,) of the positions q (nq,) at velocities qd (n,), which they are where nq = nv."""
         if self.nq == self.n:
             return self.vector("qd", qd)
-        from harness.denoc.chart.manifold import position_rates
+        from harness.system.manifold import position_rates
 
         return position_rates(self.system, self.position("q", q), self.vector("qd", qd))
 

@@ -135,6 +135,8 @@ class Analytic:
         return f"scipy {scipy.__version__}"
 
     def refuses(self, system: System) -> str | None:
+        if system.loops:
+            return "closed forms here have no loops"
         if not system.simple:
             return "closed forms here have joints of one independent degree of freedom each alone"
         if bends(system):

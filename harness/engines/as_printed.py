@@ -177,6 +177,8 @@ class AsPrinted:
         return f"equations (7) and (10), scipy {scipy.__version__}"
 
     def refuses(self, system: System) -> str | None:
+        if system.loops:
+            return "the printed equations have no loops"
         if not system.simple:
             return "the printed equations have joints of one independent degree of freedom each alone"
         reason = refusal("the printed equation", system, forces=False)

@@ -144,6 +144,13 @@ class NativeModel:
         signals = channels(self.model, position, velocity, acceleration) if self.system.flexible else {}
         return Trajectory(time, self.names, position, velocity, channels=signals)
 
+    def closed_state(self, q: Array, qd: Array) -> tuple[Array, Array]:
+        """The nearest state whose loops are closed; the same where there are none."""
+        if not self.system.loops:
+            return q, qd
+        q = self.model.assemble(q)
+        return q, np.asarray(self.model.closed_velocity(q, qd))
+
     def frequencies(self, q: Array) -> Array:
         return np.asarray(self.model.frequencies(vector("q", q, len(self.position_names))))
 
@@ -166,6 +173,10 @@ class Native:
             expressed = express(without_mimics(system))
         except InputError as error:
             return str(error)
+        if system.loops and (expressed.laws or system.drives or system.stops):
+            return "beside loops the native dynamics has damping, springs and dry friction alone, no drives, limits or other laws"
+        if system.loops and any(link.gravcomp for link in system.links):
+            return "the native dynamics has no gravity compensation of single links beside loops"
         if bends(system) and any(link.gravcomp for link in system.links):
             return "the native dynamics has no gravity compensation of single links beside links that bend"
         if beyond_lanes(expressed.system, expressed.laws) or (_acting(system) and follows(system)):

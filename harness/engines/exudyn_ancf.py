@@ -408,6 +408,8 @@ class Ancf:
     def refuses(self, system: System) -> str | None:
         if not system.flexible:
             return "the system has no elastic link"
+        if system.loops:
+            return "exudyn_ancf has no loops"
         if not system.simple:
             return "exudyn_ancf has joints of one independent degree of freedom each alone"
         if system.attachments:

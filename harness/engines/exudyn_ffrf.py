@@ -263,6 +263,8 @@ class Ffrf:
     def refuses(self, system: System) -> str | None:
         if not system.flexible:
             return "the system has no elastic link"
+        if system.loops:
+            return "exudyn_ffrf has no loops"
         if not system.simple:
             return "exudyn_ffrf has joints of one independent degree of freedom each alone"
         if system.attachments:

@@ -73,6 +73,8 @@ class OwnEngine:
         if ask is not None:
             reason: str | None = ask(system)
             return reason
+        if system.loops:
+            return f"{self.name} does not say that it takes loops"
         if not system.simple:
             return f"{self.name} does not say that it takes joints of several degrees of freedom, or that follow others"
         if system.flexible:

@@ -1,282 +1,21 @@
-"""Pinocchio: articulated-body and recursive Newton-Euler algorithms, built through its API, not through files.
-
-Pinocchio knows ``armature`` and no other joint property, so damping, springs and the joint laws of attached
-effects are put on the right-hand side here.
-"""
+"""Pinocchio as an engine: what it is asked for, and what it is not; the model is in ``pinocchio_model``."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.denoc.compensated import carried
-from harness.engines.checked import (
-    finite_result,
-    held_forces,
-    installed_version,
-    positive_step,
-    sample_times,
-    vector,
-    vectors,
-)
+from harness.engines.checked import installed_version
 from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
-from harness.engines.expressed import JointForces, bends, express, refusal
-from harness.engines.march import march
-from harness.engines.protocol import Array
-from harness.engines.small_motion import frequencies, jacobian
-from harness.errors import UnsupportedError, cannot_be_loaded, install
-from harness.system import Joint, JointType, Link, System, Trajectory
+from harness.engines.expressed import bends, express, refusal
+from harness.engines.loops import closing, refuses_loops
+from harness.engines.pinocchio_model import LARGEST, PinocchioModel, _by_velocity, _pinocchio, pinocchio_model
+from harness.errors import UnsupportedError
+from harness.system import JointType, System
 from harness.system.lowering import chained, position_of_rate
-from harness.system.rotation import from_quaternion
-
-# pinocchio.Data holds four tensors of n³ doubles: 0.26 GB at n = 200, 3.9 GB at n = 500.
-LARGEST = 200
-
-
-def _pinocchio() -> Any:
-    try:
-        import pinocchio
-    except ImportError as error:
-        raise cannot_be_loaded("Pinocchio", error, install("engines")) from None
-    return pinocchio
-
-
-def pinocchio_model(system: System) -> Any:
-    """The rigid system as a ``pinocchio.Model``; what hangs on the base by fixed joints is left out of it.
-
-    Conventions, all of them: the link frame is Pinocchio's joint frame; a fixed link rides on the joint frame of the
-    nearest movable joint above it; inertias are given about the centre of mass in link axes, as Pinocchio's are;
-    continuous joints get one coordinate, an angle, like revolute ones (not Pinocchio's cosine and sine);
-    gravity is the acceleration of free fall in both. A free joint is Pinocchio's free flyer, whose quaternion has w last and whose
-    linear velocity is in the child's axes, where ours is in the joint frame's (``_turned``); a ball is its spherical joint, whose
-    quaternion has w last and whose velocity is ours. Joints are added depth first, because ``crba`` takes a subtree's
-    velocities to be contiguous and is silently wrong otherwise; ``PinocchioModel.order`` maps by name.
-    """
-    pin = _pinocchio()
-    model = pin.Model()
-    model.name = system.name
-    model.gravity.linear = np.array(system.gravity)
-    model.gravity.angular = np.zeros(3)
-    frames = {system.base: (0, pin.SE3.Identity())}
-    armature = []
-    for joint, link in depth_first(system):
-        parent, ride = frames[joint.parent]
-        placement = ride * pin.SE3(np.array(joint.rotation), np.array(joint.xyz))
-        if joint.turns_in_space:
-            made = pin.JointModelFreeFlyer() if joint.type is JointType.FREE else pin.JointModelSpherical()
-            parent = model.addJoint(parent, made, placement, joint.name)
-            placement = pin.SE3.Identity()
-            armature += [joint.armature] * len(joint.velocity_names)
-        elif joint.movable:
-            kind = pin.JointModelPrismaticUnaligned if joint.prismatic else pin.JointModelRevoluteUnaligned
-            parent = model.addJoint(parent, kind(np.array(joint.axis)), placement, joint.name)
-            placement = pin.SE3.Identity()
-            armature.append(joint.armature)
-        frames[joint.child] = (parent, placement)
-        if parent:
-            inertia = pin.Inertia(float(link.mass), np.array(link.com), np.array(link.inertia))
-            model.appendBodyToJoint(parent, inertia, placement)
-    model.armature = np.array(armature, dtype=np.float64)
-    return model
-
-
-def depth_first(system: System) -> Iterator[tuple[Joint, Link]]:
-    """Joints with the links they carry, every subtree in one run."""
-    carried: dict[str, list[tuple[Joint, Link]]] = {}
-    for joint, link in zip(system.joints, system.links, strict=True):
-        carried.setdefault(joint.parent, []).append((joint, link))
-    waiting = carried.get(system.base, [])[::-1]
-    while waiting:
-        joint, link = waiting.pop()
-        yield joint, link
-        waiting += carried.get(link.name, [])[::-1]
-
-
-@dataclass(frozen=True, eq=False)
-class PinocchioModel:
-    """A system in Pinocchio; see ``EngineModel``.
-
-    order: [k] is our index of Pinocchio's velocity k, places: of its position k. free: where a free joint's velocities begin among
-    ours, and its quaternion among our positions. local: where our positions stand that joint laws see, -1 for none.
-    bare: the model without armature. lifts: signs and models of what is carried of
-    the links' weight: Pinocchio sums no negative masses.
-    """
-
-    names: tuple[str, ...]
-    position_names: tuple[str, ...]
-    places: NDArray[np.intp]
-    free: tuple[tuple[int, int], ...]
-    local: NDArray[np.int64]
-    system: System
-    model: Any
-    bare: Any
-    data: Any
-    order: NDArray[np.intp]
-    armature: Array = field(repr=False)
-    damping: Array = field(repr=False)
-    stiffness: Array = field(repr=False)
-    rest: Array = field(repr=False)
-    forces: JointForces = field(repr=False)
-    lifts: tuple[tuple[float, PinocchioModel], ...] = field(repr=False, default=())
-
-    def _carried(self, q: Array) -> Array | float:
-        """Generalized forces of what compensates weight."""
-        return sum((sign * lift.gravity(q) for sign, lift in self.lifts), 0.0)
-
-    def _angles(self, q: Array) -> Array:
-        """Positions by velocity, zero for spins, as joint laws want them."""
-        return q if len(q) == len(self.names) else np.where(self.local >= 0, q[self.local], 0.0)
-
-    def _passive(self, q: Array, qd: Array) -> Array:
-        x = self._angles(q)
-        return -self.damping * qd - self.stiffness * (x - self.rest) + self.forces(x, qd)
-
-    def _turned(self, q: Array, value: Array, *, back: bool = False) -> Array:
-        """Velocities or forces in Pinocchio's axes from ours, or back: linear parts of free joints are turned to the child's."""
-        if not self.free:
-            return value
-        result = np.array(value)
-        for at, quaternion in self.free:
-            turn = from_quaternion(q[quaternion : quaternion + 4])
-            result[at : at + 3] = (turn if back else turn.T) @ result[at : at + 3]
-        return result
-
-    def _q(self, q: Array) -> Array:
-        found = q[self.places]
-        if len(q) != len(self.names):
-            # Quaternions that are not unit mean nothing to Pinocchio.
-            found = _pinocchio().normalize(self.model, found)
-        return np.asarray(found)
-
-    def _in(self, q: Array, value: Array) -> Array:
-        return self._turned(q, value)[self.order]
-
-    def _turning(self, q: Array, qd: Array) -> Array:
-        """w × Rᵀ v of free joints, zero elsewhere: in axes that turn, d(Rᵀ v) = Rᵀ v̇ - w × Rᵀ v."""
-        result = np.zeros_like(qd)
-        turned = self._turned(q, qd) if self.free else qd
-        for at, _ in self.free:
-            result[at : at + 3] = np.cross(qd[at + 3 : at + 6], turned[at : at + 3])
-        return result
-
-    def _acceleration_in(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """Accelerations for Pinocchio."""
-        return np.asarray((self._turned(q, qdd) - self._turning(q, qd))[self.order])
-
-    def _acceleration_out(self, q: Array, qd: Array, value: Array) -> Array:
-        result = np.empty_like(value)
-        result[self.order] = value
-        return self._turned(q, result + self._turning(q, qd), back=True)
-
-    def _out(self, q: Array, value: Array) -> Array:
-        """Generalized forces from Pinocchio's."""
-        result = np.empty_like(value)
-        result[self.order] = value
-        return self._turned(q, result, back=True)
-
-    def _acceleration(self, q: Array, qd: Array, tau: Array) -> Array:
-        pin = _pinocchio()
-        total = tau + self._passive(q, qd) + self._carried(q)
-        # Armature resists v̇, not the rate of what turns.
-        applied = (self._turned(q, total) - self.armature * self._turning(q, qd))[self.order]
-        found = pin.aba(self.model, self.data, self._q(q), self._in(q, qd), applied)
-        return self._acceleration_out(q, qd, found)
-
-    def _state(self, q: Array, **others: Array) -> Iterator[Array]:
-        """Positions, and what has the size of velocities, checked."""
-        yield vector("q", q, len(self.position_names))
-        yield from vectors(len(self.names), **others)
-
-    def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        q, qd, tau = self._state(q, qd=qd, tau=tau)
-        return finite_result("pinocchio", "forward dynamics", self._acceleration(q, qd, tau))
-
-    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        q, qd, qdd = self._state(q, qd=qd, qdd=qdd)
-        pin = _pinocchio()
-        tau = pin.rnea(self.model, self.data, self._q(q), self._in(q, qd), self._acceleration_in(q, qd, qdd))
-        tau = tau + (self.armature * self._turning(q, qd))[self.order]
-        return self._out(q, tau) - self._passive(q, qd) - self._carried(q)
-
-    def mass_matrix(self, q: Array) -> Array:
-        q = vector("q", q, len(self.position_names))
-        # `crba` fills the upper triangle only in some releases.
-        upper = np.triu(_pinocchio().crba(self.model, self.data, self._q(q)))
-        result = np.empty_like(upper)
-        result[np.ix_(self.order, self.order)] = upper + np.triu(upper, 1).T
-        if self.free:
-            result = np.array([self._turned(q, row, back=True) for row in result])
-            result = np.array([self._turned(q, row, back=True) for row in result.T])
-        return result
-
-    def bias(self, q: Array, qd: Array) -> Array:
-        q, qd = self._state(q, qd=qd)
-        idle = self._acceleration_in(q, qd, np.zeros_like(qd))
-        pin, at, rates = _pinocchio(), self._q(q), self._in(q, qd)
-        if not self.free:
-            found = pin.nonLinearEffects(self.model, self.data, at, rates)
-        else:
-            found = pin.rnea(self.bare, self.data, at, rates, idle)
-        return self._out(q, found.copy()) - self._carried(q)
-
-    def gravity(self, q: Array) -> Array:
-        q = vector("q", q, len(self.position_names))
-        found = _pinocchio().computeGeneralizedGravity(self.model, self.data, self._q(q)).copy()
-        return self._out(q, found) - self._carried(q)
-
-    def energy(self, q: Array, qd: Array) -> tuple[float, float]:
-        q, qd = self._state(q, qd=qd)
-        pin = _pinocchio()
-        x = self._angles(q)
-        spring = 0.5 * float(self.stiffness @ (x - self.rest) ** 2) + self.forces.potential(x)
-        potential = float(pin.computePotentialEnergy(self.model, self.data, self._q(q)))
-        potential -= sum(sign * lift.energy(q, np.zeros_like(qd))[1] for sign, lift in self.lifts)
-        # Pinocchio 4.1 counts the armature of some kinds of joint and forgets it for revolute ones with a general axis.
-        kinetic = float(pin.computeKineticEnergy(self.bare, self.data, self._q(q), self._in(q, qd)))
-        kinetic += 0.5 * float(self.armature @ qd**2)
-        return kinetic, potential + spring
-
-    def simulate(
-        self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
-    ) -> Trajectory:
-        """RK4 with steps of at most ``step`` [s], or DOP853 (relative 1e-12) if it is None."""
-        sticky = [joint.name for joint in self.system.movable_joints if joint.friction]
-        if sticky:
-            raise UnsupportedError(
-                f"Pinocchio has no dry friction, joint {sticky[0]} has", mend="simulate with denoc or mujoco"
-            )
-        n = len(self.names)
-        if len(self.position_names) != n:
-            raise UnsupportedError(
-                "motion with quaternions is not integrated over Pinocchio's accelerations", mend="take denoc or mujoco"
-            )
-        q0, qd0 = vectors(n, q0=q0, qd0=qd0)
-        time = sample_times(time)
-        position, velocity = march(
-            self._acceleration, q0, qd0, time, held_forces(tau, time.size, n), positive_step(step)
-        )
-        energy = np.array([sum(self.energy(q, qd)) for q, qd in zip(position, velocity, strict=True)])
-        return Trajectory(time=time, names=self.names, position=position, velocity=velocity, energy=energy)
-
-    def frequencies(self, q: Array) -> Array:
-        q = vector("q", q, len(self.position_names))
-        if len(q) != len(self.names):
-            raise UnsupportedError("frequencies beside joints that turn in space are not asked of Pinocchio")
-        slope = _pinocchio().computeGeneralizedGravityDerivatives(self.model, self.data, q[self.order])
-        stiffness = np.empty_like(slope)
-        stiffness[np.ix_(self.order, self.order)] = slope
-        stiffness -= sum((sign * jacobian(lift.gravity, q) for sign, lift in self.lifts), 0.0)
-        springs = np.diag(self.stiffness) - jacobian(lambda x: self.forces(x, np.zeros_like(x)), q)
-        return frequencies(self.mass_matrix(q), stiffness + springs)
-
-
-def _by_velocity(system: System, key: str) -> Array:
-    """A number of the joints, one a velocity."""
-    return np.array([getattr(joint, key) for joint in system.joints for _ in joint.velocity_names])
 
 
 @dataclass(frozen=True)
@@ -294,6 +33,11 @@ class Pinocchio:
         n = system.nv
         if n == 0:
             return "the system has no movable joint"
+        if system.loops and follows(chained(system)):
+            return "joints that follow others beside loops are not told Pinocchio here"
+        reason = refuses_loops("Pinocchio", system, couplings=False)
+        if reason:
+            return reason
         if n > LARGEST:
             return f"{n} coordinates: pinocchio.Data would take {32 * n**3 / 1e9:.1f} GB (four tensors of n³)"
         return refusal("Pinocchio", system, compensation=True)
@@ -334,7 +78,7 @@ class Pinocchio:
                 free.append((first, at + 3))
         bare = pin.Model(model)
         bare.armature = np.zeros(model.nv)
-        return PinocchioModel(
+        made = PinocchioModel(
             names=names,
             position_names=positions,
             places=places,
@@ -352,6 +96,11 @@ class Pinocchio:
             forces=expressed.forces,
             lifts=tuple(self._lifts(system)),
         )
+        if not system.loops:
+            return made
+        from harness.engines.pinocchio_loops import closed
+
+        return closed(made, closing(system))
 
     def _lifts(self, system: System) -> Iterator[tuple[float, PinocchioModel]]:
         """Models that weigh what is carried of the links, and what hangs on them beside their weight."""

@@ -14,6 +14,7 @@ GROUP_TITLES = {
     "scale": "Random chains and trees",
     "lanes": "Lanes and joint laws",
     "robots": "Real robots",
+    "loops": "Closed loops",
     "flexible": "Flexible links",
     "models": "Your models",
 }

@@ -15,6 +15,7 @@ from harness.system.description import (
     System,
 )
 from harness.system.load import load
+from harness.system.loop import Coupling, Frame, Loop
 from harness.system.random_systems import random_chain, random_tree
 from harness.system.trajectory import Trajectory
 from harness.system.write import write
@@ -24,10 +25,13 @@ __all__ = [
     "Attachment",
     "Audit",
     "Beam",
+    "Coupling",
+    "Frame",
     "Joint",
     "JointType",
     "Keyframe",
     "Link",
+    "Loop",
     "Mimic",
     "Stops",
     "System",

@@ -10,10 +10,13 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.system.description import Array, Joint, Link, System, constant
-from harness.system.inertia import about_origin, impossible, rounded_away
+from harness.system.inertia import impossible, rounded_away
+from harness.system.kinematics import spatial_inertia
+from harness.system.loop import Coupling, Loop
 from harness.system.lowering import followed, lower
 from harness.system.magnitudes import check_magnitudes
 from harness.system.rotation import about_axis, skew
+from harness.system.suggest import did_you_mean
 
 # Below this share of the body's inertia, what is left about an axis is rounding.
 _ROUNDING = 1e-13
@@ -116,6 +119,78 @@ def check_mimics(system: System, lines: Mapping[tuple[str, str], int] | None = N
             raise InputError(error.what, mend=error.mend, source=system.source, line=line) from None
 
 
+def check_loops(system: System, lines: Mapping[tuple[str, str], int] | None = None) -> tuple[str, ...]:
+    """Refuse loops that cannot close, contradict one another or leave nothing to move; notes on those that say things twice.
+
+    Raises InputError naming the loop.
+    """
+    if not system.loops:
+        return ()
+    # Slow to import, and most systems are trees.
+    from harness.system.closure import closed_position, usual_rank
+
+    lines = lines or {}
+    names = {link.name for link in system.links} | {system.base}
+    taken: set[str] = set()
+    for loop in system.loops:
+        why, mend = _unfit(system, loop, names, taken)
+        if why:
+            line = lines.get(("loop", loop.name))
+            raise InputError(f"loop {loop.name!r}: {why}", mend=mend, source=system.source, line=line)
+        taken.add(loop.name)
+    try:
+        closed = closed_position(system)
+    except InputError as error:
+        named = next((loop.name for loop in system.loops if repr(loop.name) in error.what), "")
+        line = lines.get(("loop", named))
+        raise InputError(error.what, mend=error.mend, source=system.source, line=line) from None
+    conditions = sum(len(loop.conditions) for loop in system.loops)
+    independent = usual_rank(system, closed)
+    if independent >= system.nv:
+        raise InputError(
+            f"the loops hold everything: {independent} independent conditions on {system.nv} degrees of freedom",
+            mend="leave a motion open, or take a loop out",
+            source=system.source,
+        )
+    counted = f"{len(system.loops)} loop{'s' * (len(system.loops) > 1)}: {conditions} condition{'s' * (conditions > 1)}"
+    freedom = system.nv - independent
+    moving = f"{freedom} of {system.nv} degrees of freedom {'are' if freedom > 1 else 'is'} left"
+    if independent == conditions:
+        return (f"{counted}, {'all ' * (conditions > 1)}independent; {moving}",)
+    return (
+        f"{counted}, {independent} of them independent (rank of their Jacobian); {moving}; what the other "
+        f"{conditions - independent} say is said already: motion does not depend on them, constraint forces are the least ones",
+    )
+
+
+def _unfit(system: System, loop: Loop | Coupling, links: set[str], taken: set[str]) -> tuple[str, str]:
+    """Why a loop cannot be, and how to mend it; empty if it can."""
+    if loop.name in taken:
+        return "two loops have this name", "names must be unique; rename one"
+    if isinstance(loop, Loop):
+        for frame in (loop.first, loop.second):
+            if frame.link not in links:
+                return f"{frame.link!r} is not a link of this model", did_you_mean(frame.link, sorted(links))
+            if not (np.isfinite(frame.xyz).all() and np.isfinite(frame.rotation).all()):
+                return "a number is NaN or infinite", "give finite numbers"
+        if loop.first.link == loop.second.link:
+            return f"both frames are on {loop.first.link!r}", "a loop joins two links"
+        return ("", "") if loop.conditions else ("nothing is closed", 'add closed = ["x", "y", "z"]')
+    names = [loop.joint] if loop.leader is None else [loop.joint, loop.leader]
+    if len(set(names)) < len(names):
+        return f"joint {loop.joint!r} is coupled to itself", "name another joint"
+    for name in names:
+        try:
+            joint = system.joint(name)
+        except KeyError:
+            return f"{name!r} is no joint of this model", did_you_mean(name, list(system.joint_names))
+        if joint.mimic is not None:
+            return f"joint {name!r} mimics {joint.mimic.joint!r}", f"couple {joint.mimic.joint!r}"
+        if len(joint.velocity_names) != 1:
+            return f"joint {name!r} has not one degree of freedom", "couple joints that turn or slide"
+    return "", ""
+
+
 def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | None = None) -> None:
     """Refuse a system without coordinates, or a movable joint with nothing down the tree that resists its motion.
 
@@ -124,6 +199,18 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
     """
     check_finite(system, lines=lines)
     check_magnitudes(system, lines=lines)
+    if system.loops:
+        from harness.system.closure import closed_position, unresisted
+
+        # A massless strut between two bodies resists as they do.
+        idle = unresisted(system, closed_position(system))
+        if idle is not None:
+            raise InputError(
+                f"{idle!r} moves no inertia, with the loops closed, so its acceleration is not determined",
+                mend="give the links that it moves mass and inertia, or the joint an armature",
+                source=system.source,
+            )
+        return
     if not system.simple:
         # Balls too, as three turns: what moves no inertia does not in any pose.
         system = lower(system).system
@@ -133,6 +220,13 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
             mend="add a revolute, continuous or prismatic joint",
             source=system.source,
         )
+    found = idle_joint(system)
+    if found is not None:
+        raise _no_inertia(system, *found, lines)
+
+
+def idle_joint(system: System) -> tuple[str, str] | None:
+    """A joint of a tree of simple joints that moves no inertia, and whether that is zero or negative; None if there is none."""
     rng = np.random.default_rng(20)
     best = {joint.name: -np.inf for joint in system.movable_joints}
     for pose in range(_POSES):
@@ -140,11 +234,12 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
         for name, share in _articulated(system, q).items():
             best[name] = -np.inf if share < -_ROUNDING else max(best[name], share)
             if share < -_ROUNDING:
-                raise _no_inertia(system, name, "is negative", lines)
+                return name, "is negative"
     # The outermost one is named: joints nearer the base have none because it has none.
     for name, share in reversed(best.items()):
         if share <= _ROUNDING:
-            raise _no_inertia(system, name, "is zero", lines)
+            return name, "is zero"
+    return None
 
 
 def _no_inertia(system: System, name: str, how: str, lines: Mapping[tuple[str, str], int] | None) -> InputError:
@@ -161,7 +256,7 @@ def _no_inertia(system: System, name: str, how: str, lines: Mapping[tuple[str, s
 def _articulated(system: System, q: Array) -> dict[str, float]:
     """Articulated-body inertia about (along) each movable joint's axis, as a share of its body's inertia."""
     index = {link.name: k for k, link in enumerate(system.links)}
-    inertia = [_spatial_inertia(link) for link in system.links]
+    inertia = [spatial_inertia(link) for link in system.links]
     shares: dict[str, float] = {}
     coordinate = len(q)
     for k in range(len(system.joints) - 1, -1, -1):
@@ -185,12 +280,6 @@ def _articulated(system: System, q: Array) -> dict[str, float]:
             x = _to_child(joint, position)
             inertia[index[joint.parent]] = inertia[index[joint.parent]] + x.T @ body @ x
     return shares
-
-
-def _spatial_inertia(link: Link) -> Array:
-    """Generalized inertia matrix of a link about its origin, (angular, linear), shape (6, 6)."""
-    first = link.mass * skew(link.com)
-    return np.block([[about_origin(link), first], [first.T, link.mass * np.eye(3)]])
 
 
 def _to_child(joint: Joint, position: float) -> Array:

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.notebook import html_table
+from harness.system.loop import Coupling, Loop
 
 Array = NDArray[np.float64]
 
@@ -309,10 +310,11 @@ class Keyframe:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A tree-structured mechanism on a base, which floats where its first joint is free.
+    """A mechanism: a tree of joints on a base, which floats where its first joint is free, and the loops that close it.
 
     joints: in topological order (a joint's parent link is ``base`` or the child of an earlier joint).
     links: in the order of the joints that carry them; the base is not among them.
+    loops: what joins links beside the tree's joints.
     gravity: free-fall acceleration in base coordinates [m/s²], shape (3,).
     tolerance: relative 1σ of the nominal masses, lengths, inertias and stiffnesses.
     attachments: effects beyond the nominal physics.
@@ -337,15 +339,17 @@ class System:
     keyframes: tuple[Keyframe, ...] = ()
     source: Path | None = None
     notes: tuple[str, ...] = ()
+    loops: tuple[Loop | Coupling, ...] = ()
 
     def __repr__(self) -> str:
         many = "" if len(self.movable_joints) == 1 else "s"
         bending = sum(link.beam is not None for link in self.links)
         flexible = f", {bending} flexible" if bending else ""
         degrees = "" if self.simple else f", {self.nv} degrees of freedom"
+        closed = f", {len(self.loops)} loop{'s' * (len(self.loops) > 1)}" if self.loops else ""
         return (
             f"<System {self.name!r}: {len(self.movable_joints)} movable joint{many}, {len(self.links)} links"
-            f"{flexible}{degrees}>"
+            f"{flexible}{degrees}{closed}>"
         )
 
     def _repr_html_(self) -> str:

@@ -64,8 +64,9 @@ class Lowered:
 def one_degree(system: System, who: str) -> System:
     """The system with planar and universal joints as chains of simple ones, whose coordinates have the same names.
 
-    Raises UnsupportedError, saying ``who`` cannot take it, for a joint that no chain of simple joints stands for.
+    Raises UnsupportedError, saying ``who`` cannot take it, for a joint that no chain of simple joints stands for, and for loops.
     """
+    refuse_loops(system, who)
     if system.simple:
         return system
     for joint in system.joints:
@@ -77,6 +78,16 @@ def one_degree(system: System, who: str) -> System:
                 source=system.source,
             )
     return lower(system).system
+
+
+def refuse_loops(system: System, who: str) -> None:
+    """Raise UnsupportedError, saying ``who`` cannot take it, where a system has loops."""
+    if system.loops:
+        raise UnsupportedError(
+            f"{system.loops[0].name!r} closes a loop, which {who} does not support yet",
+            mend="take the loops out, or use harness.Denoc, denoc simulate and denoc validate",
+            source=system.source,
+        )
 
 
 def freed(system: System) -> System:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Container, Iterator
 from typing import Any
 
 import numpy as np
@@ -59,12 +59,6 @@ def _equalities(model: Any, kept: Container[int]) -> Iterator[str]:
                 f"{called} left out: joint {model.joint(first).name!r} as a polynomial ({terms}) of {other}; "
                 "both move independently here"
             )
-        elif kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-            objects: Callable[[int], Any] = (
-                model.site if int(model.eq_objtype[i]) == int(mujoco.mjtObj.mjOBJ_SITE) else model.body
-            )
-            word = "connects" if kind == mujoco.mjtEq.mjEQ_CONNECT else "welds"
-            yield f"{called} left out: it {word} {objects(first).name!r} and {objects(second).name!r} (a loop)"
         else:
             yield f"{called} left out ({kind.name.removeprefix('mjEQ_').lower()})"
 

@@ -8,7 +8,8 @@ Conventions, MuJoCo to ours:
 - A joint position is MuJoCo's ``qpos``: ``ref`` is kept as a turn (shift) by -ref at our zero.
 - A free joint hangs on ``world`` at its origin, so that its positions are MuJoCo's too: those of its body as the file places it
   are in the keyframe ``qpos0``. Quaternions, and velocities of free and ball joints, are MuJoCo's.
-- A joint equality whose polynomial is linear makes its first joint follow the second.
+- A joint equality whose polynomial is linear makes its first joint follow the second; others, and what is connected or welded, are
+  loops.
 - A body without joints becomes a link on a fixed joint; ``world`` is the base.
 """
 
@@ -26,12 +27,13 @@ from typing import Any
 import numpy as np
 
 from harness.errors import InputError
-from harness.system.check import check_bodies, check_dynamics, check_joints
+from harness.system.check import check_bodies, check_dynamics, check_joints, check_loops
 from harness.system.description import Array, Attachment, Joint, JointType, Keyframe, Link, Stops, System, constant
 from harness.system.mjcf_actuators import actuators, reflected
 from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
+from harness.system.mjcf_loops import loops
 from harness.system.rotation import about_axis, from_quaternion
 from harness.system.soft_constraints import limit_law
 from harness.system.topology import arrange
@@ -63,8 +65,10 @@ def read_mjcf(
     names = names_of_joints(model)
     drives, told_drives = actuators(model, names)
     following, followed = mimics(model, names)
-    notes += [*left_out(model, followed), *told_drives]
-    joints, links, effects = _tree(model, notes)
+    own: list[str] = []
+    joints, links, effects, body_in_link = _tree(model, own)
+    closed, told_loops = loops(model, _body_names(model), body_in_link, names, following, followed)
+    notes += [*left_out(model, followed | set(closed)), *told_drives, *own, *told_loops]
     joints = [replace(joint, mimic=following.get(joint.name)) for joint in joints]
     lines = _lines(spec) if root.find(".//include") is None else {}
     ordered_joints, ordered_links = arrange(joints, links, BASE, source=source, lines=lines)
@@ -85,7 +89,9 @@ def read_mjcf(
         keyframes=_keyframes(model, names),
         source=source,
         notes=tuple(notes),
+        loops=tuple(closed.values()),
     )
+    system = replace(system, notes=(*system.notes, *check_loops(system, lines)))
     check_dynamics(system, lines=lines)
     return system
 
@@ -145,7 +151,7 @@ def _line(element: Any) -> int | None:
 
 def _lines(spec: Any) -> dict[tuple[str, str], int]:
     lines = {}
-    for kind, elements in (("link", spec.bodies), ("joint", spec.joints)):
+    for kind, elements in (("link", spec.bodies), ("joint", spec.joints), ("loop", spec.equalities)):
         for element in elements:
             line = _line(element)
             if element.name and line is not None:
@@ -250,8 +256,11 @@ def _named(model: Any, joints: list[str], values: Array, which: str) -> dict[str
     return found
 
 
-def _tree(model: Any, notes: list[str]) -> tuple[list[Joint], list[Link], list[Attachment]]:
-    """Joints, links and joint laws of a compiled model, one fixed joint for a body without joints."""
+def _tree(model: Any, notes: list[str]) -> tuple[list[Joint], list[Link], list[Attachment], list[Array]]:
+    """Joints, links and joint laws of a compiled model, one fixed joint for a body without joints.
+
+    The last is where each body's frame lies in the frame of the link that stands for it (axes are parallel).
+    """
     joints: list[Joint] = []
     links: list[Link] = []
     effects: list[Attachment] = []
@@ -259,7 +268,6 @@ def _tree(model: Any, notes: list[str]) -> tuple[list[Joint], list[Link], list[A
     joint_names = _joint_names(model, names)
     # Names of the links and joints that no body or joint of the file stands for.
     link_names, all_joints = set(names), set(joint_names)
-    # Where each body's frame lies in the frame of the link that stands for it (axes are parallel).
     body_in_link = [np.zeros(3) for _ in range(model.nbody)]
     for b in range(1, model.nbody):
         parent = int(model.body_parentid[b])
@@ -311,7 +319,7 @@ def _tree(model: Any, notes: list[str]) -> tuple[list[Joint], list[Link], list[A
                 gravcomp=compensation(model, b),
             )
         )
-    return joints, links, effects
+    return joints, links, effects, body_in_link
 
 
 def _joint_in_space(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from harness.errors import InputError
-from harness.system.check import check_bodies, check_dynamics, check_mimics
+from harness.system.check import check_bodies, check_dynamics, check_loops, check_mimics
 from harness.system.description import (
     STANDARD_GRAVITY,
     Array,
@@ -23,9 +24,11 @@ from harness.system.description import (
     constant,
 )
 from harness.system.flexible_link import read_flexible_link
+from harness.system.loop import Coupling, Loop
 from harness.system.rotation import from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.table import TableReader, locate
+from harness.system.toml_loops import read_coupling, read_loop
 from harness.system.topology import arrange
 
 DEFAULT_TOLERANCE = 0.01
@@ -102,6 +105,7 @@ def read_toml(
     joint_tables = _tables(top, "joint", places)
     link_tables = _tables(top, "link", places)
     effect_tables = _tables(top, "effect", places)
+    loop_tables, coupling_tables = _tables(top, "loop", places), _tables(top, "coupling", places)
     top.finish()
     if not joint_tables:
         top.refuse("there is no [[joint]]", "a system has at least one joint on its base")
@@ -118,6 +122,12 @@ def read_toml(
         link = _link(table, tolerance, notes)
         links.append(link)
         _note_line(lines, "link", link.name, table.line)
+    loops: list[Loop | Coupling] = [
+        *(read_loop(table) for table in loop_tables),
+        *(read_coupling(table) for table in coupling_tables),
+    ]
+    for loop, table in zip(loops, (*loop_tables, *coupling_tables), strict=True):
+        _note_line(lines, "loop", loop.name, table.line)
     described = {link.name for link in links}
     for joint in joints:
         if joint.child not in described and joint.child != base:
@@ -140,8 +150,10 @@ def read_toml(
         attachments=tuple(_attachment(table) for table in effect_tables),
         source=source,
         notes=tuple(notes),
+        loops=tuple(loops),
     )
     check_mimics(system, lines)
+    system = replace(system, notes=(*system.notes, *check_loops(system, lines)))
     check_dynamics(system, lines=lines)
     return system
 

@@ -48,6 +48,14 @@ def from_quaternion(quaternion: ArrayLike) -> Array:
     )
 
 
+def quaternion(rotation: Array) -> Array:
+    """Unit quaternion (w, x, y, z) of a rotation matrix, shape (4,)."""
+    from scipy.spatial.transform import Rotation  # slow to import, and most systems are only read
+
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    return np.array([w, x, y, z])
+
+
 def about_axis(axis: ArrayLike, angle: float) -> Array:
     """Matrix of a turn by ``angle`` [rad] about a unit axis (Rodrigues), shape (3, 3)."""
     k = skew(axis)

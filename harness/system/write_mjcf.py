@@ -11,6 +11,7 @@ from lxml import etree
 from harness.errors import UnsupportedError
 from harness.system.description import Array, Joint, JointType, Link, System
 from harness.system.lowering import chained
+from harness.system.rotation import quaternion
 from harness.system.soft_constraints import friction_solver, limit_solver, limits, soft_friction, soft_stops
 
 # MuJoCo takes no principal moment below 1e-15 kg·m²; a slender line has one of zero.
@@ -62,13 +63,17 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
             if math.isfinite(system.joints[i].lower) != math.isfinite(system.joints[i].upper)
         ]
         pending += [(child, body) for child in reversed(children.get(link.name, []))]
-    _follow(root, option, system)
+    _follow(root, system)
+    if system.loops:
+        from harness.system.write_mjcf_loops import close_loops  # slow to import, and most systems are trees
+
+        close_loops(root, world, system)
     said = _constrain(root, option, system)
     left_out += [f"effect {a.effect!r} at {a.site!r}" for a in system.attachments if (a.effect, a.site) not in said]
     return etree.tostring(root, pretty_print=True, encoding="unicode"), tuple(left_out)
 
 
-def _follow(root: etree._Element, option: etree._Element, system: System) -> None:
+def _follow(root: etree._Element, system: System) -> None:
     """Say what follows another joint as equalities."""
     following = [joint for joint in system.joints if joint.mimic is not None]
     if not following:
@@ -167,7 +172,7 @@ def _body(parent: etree._Element, joints: list[Joint], link: Link, system: Syste
         position = position + rotation @ np.asarray(joint.xyz)
         rotation = rotation @ np.asarray(joint.rotation)
         places.append((position, rotation))
-    body = etree.SubElement(parent, "body", name=link.name, pos=_words(position), quat=_words(_quaternion(rotation)))
+    body = etree.SubElement(parent, "body", name=link.name, pos=_words(position), quat=_words(quaternion(rotation)))
     for joint, (place, turn) in zip(joints, places, strict=True):
         if not joint.movable:
             continue
@@ -196,13 +201,6 @@ def _body(parent: etree._Element, joints: list[Joint], link: Link, system: Syste
             attributes["actuatorfrcrange"] = _words((-joint.effort, joint.effort))
         etree.SubElement(body, "joint", attributes)
     return body
-
-
-def _quaternion(rotation: Array) -> Array:
-    from scipy.spatial.transform import Rotation  # slow to import, and most systems are only read
-
-    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
-    return np.array([w, x, y, z])
 
 
 def _inertial(body: etree._Element, link: Link) -> list[str]:

@@ -17,6 +17,12 @@ from harness.system.rotation import to_rpy
 
 def to_urdf(system: System) -> tuple[str, tuple[str, ...]]:
     """URDF text of a system, and what URDF cannot say (armature, springs, bending, gravity, effects), one line each."""
+    if system.loops:
+        raise UnsupportedError(
+            f"{system.loops[0].name!r} closes a loop, which URDF cannot say",
+            mend="write TOML or MJCF",
+            source=system.source,
+        )
     left_out = []
     if not np.allclose(system.gravity, STANDARD_GRAVITY, rtol=0.0, atol=1e-12):
         left_out.append(f"gravity {np.asarray(system.gravity).tolist()} m/s²: URDF leaves it to the simulator")

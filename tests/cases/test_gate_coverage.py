@@ -16,11 +16,14 @@ from harness.denoc.batch.model import BatchModel
 from harness.denoc.compiling.tasks import TASKS
 from harness.denoc.joint_laws import laws
 from harness.denoc.lanes.model import LaneModel
+from harness.denoc.loops.closed import Closed
 from harness.effects import measurement
 from harness.engines import registry
 from harness.system import Beam, Joint, Link
 
 ROOT = Path(__file__).parents[2]
+# Methods that closed mechanisms compute in another way.
+AGAIN = ("forward_dynamics", "inverse_dynamics", "simulate")
 
 
 def functions(owner: object) -> list[str]:
@@ -28,7 +31,11 @@ def functions(owner: object) -> list[str]:
 
 
 def paths_of_the_code() -> set[str]:
-    found = {f"{owner.__name__}.{name}" for owner in (Denoc, LaneModel, BatchModel) for name in functions(owner)}
+    owners = (Denoc, Closed, LaneModel, BatchModel)
+    found = {f"{owner.__name__}.{name}" for owner in owners for name in functions(owner)}
+    # What a closed mechanism does as any other is a path already.
+    found -= {f"Closed.{name}" for name in functions(Denoc)} - {f"Closed.{name}" for name in AGAIN}
+    found |= {f"Closed.{name}" for name in AGAIN}
     found |= {f"law {slot.name}" for slot in laws.SLOTS}
     found |= {f"kernel {name}" for name in TASKS}
     for word, owner in (("joint", Joint), ("link", Link), ("beam", Beam)):

@@ -8,8 +8,8 @@ import pytest
 
 from harness.engines import registry
 from harness.engines.folded import bodies
-from harness.engines.mujoco import mujoco_model
-from harness.engines.pinocchio import depth_first
+from harness.engines.mujoco_model import mujoco_model
+from harness.engines.pinocchio_model import depth_first
 from harness.engines.protocol import Engine, EngineError, EngineModel
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.system import Attachment, Joint, JointType, Link, System

@@ -84,7 +84,8 @@ def test_joint_properties_come_through_defaults_and_units(tmp_path: Path) -> Non
 
 def test_what_acts_there_and_not_here_is_noted(tmp_path: Path) -> None:
     text = """<mujoco><option density="1.2"/><worldbody><geom type="plane" size="1 1 1"/><body name="b" gravcomp="1">
-      <joint name="j" axis="0 1 0" damping="0.1 0.2 0.3" stiffness="4 5 0"/><geom size="0.1" pos="0 0 -1"/></body></worldbody>
+      <joint name="j" axis="0 1 0" damping="0.1 0.2 0.3" stiffness="4 5 0"/><geom size="0.1" pos="0 0 -1"/>
+      <body><joint name="k" axis="0 1 0"/><geom size="0.1" pos="0 0 -1"/></body></body></worldbody>
       <actuator><motor joint="j"/></actuator>
       <equality><joint joint1="j"/></equality></mujoco>"""
     notes = " | ".join(load_text(tmp_path, text).notes)
@@ -122,18 +123,24 @@ def test_free_and_ball_joints_have_mujoco_s_positions_and_velocities(tmp_path: P
     np.testing.assert_allclose(model.forward_dynamics(data.qpos, data.qvel), data.qacc, rtol=1e-11, atol=1e-11)
 
 
-def test_a_linear_joint_equality_is_a_mimic_and_any_other_is_noted(tmp_path: Path) -> None:
+def test_a_linear_joint_equality_is_a_mimic_and_any_other_is_a_loop(tmp_path: Path) -> None:
     text = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="a" ref="0.2"/><geom size="0.1" pos="1 0 0"/>
       <body><joint name="b" ref="0.1"/><geom size="0.1" pos="1 0 0"/><body><joint name="c"/><geom size="0.1" pos="1 0 0"/>
       </body></body></body></worldbody><equality><joint joint1="b" joint2="a" polycoef="0.5 -2 0 0 0"/>
-      <joint joint1="c" joint2="a" polycoef="0 1 1 0 0"/><joint joint1="a" joint2="b"/></equality></mujoco>"""
+      <joint name="bent" joint1="c" joint2="b" polycoef="0 1 1 0 0"/></equality></mujoco>"""
     system = load_text(tmp_path, text)
     mimic = system.joint("b").mimic
     assert mimic is not None and (mimic.joint, mimic.multiplier) == ("a", -2.0)
     # b - 0.1 = 0.5 - 2 (a - 0.2), equalities being about what is beyond qpos0.
     assert mimic.offset == pytest.approx(0.1 + 0.5 + 0.4, rel=1e-15)
     assert (system.nq, system.nv) == (2, 2)
-    assert len([note for note in system.notes if "left out: joint" in note]) == 2
+    # c = (b - 0.1) + (b - 0.1)², and b what a makes it: said of a.
+    (bent,) = system.loops
+    assert isinstance(bent, harness.system.Coupling) and (bent.joint, bent.leader) == ("c", "a")
+    b = mimic.multiplier * 0.3 + mimic.offset - 0.1
+    assert bent.value(0.3)[0] == pytest.approx(b + b * b, rel=1e-14)
+    assert any("'bent' holds exactly here, MuJoCo holds it softly" in note for note in system.notes)
+    assert "1 loop: 1 condition, independent; 1 of 2 degrees of freedom is left" in system.notes
 
 
 @pytest.mark.parametrize(

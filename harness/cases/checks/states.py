@@ -134,6 +134,9 @@ def blamed(
     """
     said: list[str] = []
     place: dict[str, object] = {}
+    if bench.system.loops:
+        # Terms of the equation of motion are asked at accelerations that would open the loops.
+        return "", {}
     try:
         ours, theirs = bench.models[NATIVE], bench.models[name]
         found = attribute(theirs, ours, q, qd, tau, allowed=max(allowed, 1e-10), called=(name, NATIVE))
@@ -269,8 +272,23 @@ def random_states(bench: Bench, count: int, speed: float, effort: float, elastic
             quaternion = rng.standard_normal((count, 4))
             q[:, first : first + 4] = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
     asked = bench.models.get(NATIVE) or next(iter(bench.models.values()))
+    if system.loops:
+        q, qd, qdd = _closed(asked, q, qd, qdd)
     tau = np.array([asked.inverse_dynamics(q[k], qd[k], qdd[k]) for k in range(count)])
     return States(q, qd, qdd, tau)
+
+
+def _closed(model: EngineModel, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array, Array]:
+    """The states brought to where loops are closed, and accelerations that keep them so under random forces."""
+    close = getattr(model, "closed_state", None)
+    if close is None:
+        raise UnsupportedError("states of closed mechanisms are those of the native dynamics")
+    states = [close(*row) for row in zip(q, qd, strict=True)]
+    q, qd = np.array([state[0] for state in states]), np.array([state[1] for state in states])
+    forces = [model.inverse_dynamics(x, v, model.forward_dynamics(x, v, np.zeros_like(v))) for x, v in states]
+    moved = [np.diag(model.mass_matrix(x)) * a for x, a in zip(q, qdd, strict=True)]
+    pairs = zip(q, qd, forces, moved, strict=True)
+    return q, qd, np.array([model.forward_dynamics(x, v, f + m) for x, v, f, m in pairs])
 
 
 def evaluate(quantity: str, model: EngineModel, states: States) -> Array:

@@ -13,6 +13,7 @@ from harness.compare.divergence_shape import by_steps, shape_of
 from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
+from harness.system.closure import closed_position, closed_velocity, opening, stated_position, worst
 from harness.system.lowering import neutral_position
 
 # Engines that choose their steps by tolerance; a step asked for is meant for the others.
@@ -149,14 +150,22 @@ class TrajectoryAgreement:
 
 
 def initial_state(system: System, position: dict[str, float], velocity: dict[str, float]) -> tuple[Array, Array]:
-    """Positions (nq,) and velocities (nv,) by name, others zero or the identity; KeyError for a name the system does not have."""
-    q, qd = neutral_position(system), np.zeros(system.nv)
+    """Positions (nq,) and velocities (nv,) by name, others zero or the identity; KeyError for a name the system does not have.
+
+    Where loops close the mechanism, what is not given is what closes them, the nearest to where the file places it.
+    """
+    q, qd = stated_position(system) if system.loops else neutral_position(system), np.zeros(system.nv)
     for vector, values, known in ((q, position, system.position_names), (qd, velocity, system.coordinate_names)):
         names = list(known)
         for name, value in values.items():
             if name not in names:
                 raise KeyError(name)
             vector[names.index(name)] = value
+    if system.loops:
+        # What is given whole may be rounded: then it is closed without being held.
+        held = () if worst(system, opening(system, q)) < 1e-6 else [n for n in position if n in system.coordinate_names]
+        q = closed_position(system, q, held=held)
+        qd = closed_velocity(system, q, qd, held=[] if len(velocity) == system.nv else list(velocity))
     return q, qd
 
 

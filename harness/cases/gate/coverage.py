@@ -62,6 +62,10 @@ PATHS: dict[str, tuple[str, ...]] = {
     "BatchModel.forward_dynamics": ("batch_tree/forward_dynamics_batch/*",),
     "BatchModel.inverse_dynamics": ("batch_tree/inverse_dynamics_batch/*",),
     "BatchModel.mass_matrix": ("batch_tree/mass_matrix_batch/*", "batch_hinges/mass_matrix_batch/*"),
+    # Loops.
+    "Closed.forward_dynamics": ("four_bar/acceleration/*", "bricard/acceleration/*", "andrews_squeezer/acceleration/*"),
+    "Closed.inverse_dynamics": ("four_bar/inverse_dynamics/*", "bricard/inverse_dynamics/*"),
+    "Closed.simulate": ("four_bar*/*motion/*", "andrews_squeezer/positions_at_end/*", "*/loops_kept/*"),
     # Runs.
     "Denoc.simulate": ("*/trajectory/*", "integrators/*"),
     "method dop853": ("integrators/dop853_error/*", "integrators/event_time/*"),
@@ -85,6 +89,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     # What is compiled apart.
     "kernel rigid": ("chain_2/acceleration/*", "tree_20/acceleration/*"),
     "kernel rigid_others": ("tree_20/mass_matrix/*", "tree_20/energy/*"),
+    "kernel loops": ("four_bar/acceleration/*", "bricard/acceleration/*", "andrews_squeezer/positions_at_end/*"),
     "kernel chain": ("hinges_4/acceleration/*", "hinges_5/acceleration/*", "hinges_8/acceleration/*"),
     "kernel flexible": ("flexible_pendulum/*", "two_flexible_links/*"),
     "kernel flexible_others": ("*/mass_matrix_straight/*", "beam_paths/tip_acceleration*"),
@@ -151,6 +156,12 @@ PATHS: dict[str, tuple[str, ...]] = {
 
 # Numbers of a description that no dynamics hang on, or that another row's pattern cannot hold; each with its reason.
 EXEMPT: dict[str, str] = {
+    "Closed.assemble": "what every row of a closed mechanism begins with",
+    "Closed.closed_velocity": "what every row of a closed mechanism begins with",
+    "Closed.open_by": "what loops_kept is measured with; its own values: tests alone",
+    "Closed.loop_jacobian": "what loops_kept is measured with; its own values: tests alone",
+    "Closed.constraint_forces": "against the whole matrix of masses and conditions: tests alone",
+    "Closed.refuse_open": "makes a refusal, and computes nothing",
     "Denoc.singular": "makes a refusal, and computes nothing",
     "Denoc.vector": "checks an argument, and computes nothing",
     "Denoc.difference": "on the manifold of positions, of joints that turn in space: tests alone",

@@ -57,6 +57,8 @@ BENCHMARKS = {
         "a flexible pendulum against Exudyn's finite elements at the same accuracy",
         ("flexible_pendulum", "flexible_pendulum_many"),
     ),
+    "floating": Benchmark("many states of floating robots on one thread", ("floating_forward_dynamics_batch",)),
+    "loops": Benchmark("a planar four-bar mechanism at equal error", ("four_bar",)),
     "diagnosis": Benchmark(
         "a full diagnosis against one mujoco.sysid fit of the same recordings",
         ("diagnosis", "diagnosis_memory", "diagnosis_one_recording", "diagnosis_one_recording_memory"),

@@ -30,11 +30,12 @@ Array = NDArray[np.float64]
 # Of models whose positions and velocities are not those of their joints of one degree of freedom (``harness.denoc.chart``):
 # POSITIONS: number of positions, COORDINATES being that of velocities. INNER: header of the lowered model. PLACES, NUMBERS: the
 # chart's tables. RATES, SETTLE: addresses of the positions' rates and of what puts a state back on its manifold, 0 for none.
+# Of models that loops close (``harness.denoc.loops``): TREE: header of the tree. CUTS, CUT_NUMBERS: the loops' tables.
 (
     BODIES, COORDINATES, ROWS, TOPOLOGY, ELASTIC, ELASTIC_SIZE, ARRAY_TYPE, FLOAT_TYPE, FORWARD, INVERSE, RECURSION, CHAIN,
-    BARE, POSITIONS, INNER, PLACES, NUMBERS, RATES, SETTLE,
-) = range(19)  # fmt: skip
-HEADER_SIZE = 19
+    BARE, POSITIONS, INNER, PLACES, NUMBERS, RATES, SETTLE, TREE, CUTS, CUT_NUMBERS,
+) = range(22)  # fmt: skip
+HEADER_SIZE = 22
 
 #: What an entry returns besides 0 and the row of a body without inertia.
 NOT_PLAIN, NOT_FINITE = -1, -2

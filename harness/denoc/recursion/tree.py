@@ -36,6 +36,7 @@ from harness.denoc.recursion.rows import (
 from harness.errors import InputError
 from harness.system import Joint, JointType, Link, System
 from harness.system.inertia import about_origin
+from harness.system.lowering import refuse_loops
 from harness.system.rotation import along_z
 
 Array = NDArray[np.float64]
@@ -79,8 +80,10 @@ def compile_tree(system: System) -> Tree:
     """Flat arrays of a system.
 
     Every joint has one independent degree of freedom, or none: others are lowered before (``harness.system.lowering``).
-    Raises InputError naming joint or link if a number is not finite or an axis has no direction.
+    Raises InputError naming joint or link if a number is not finite or an axis has no direction, UnsupportedError for loops, which
+    are closed over the tree (``harness.denoc.loops``).
     """
+    refuse_loops(system, "what knows trees alone")
     count = sum(joint.movable or link.flexible for joint, link in zip(system.joints, system.links, strict=True))
     # A rigid link welded onto a beam keeps a row of its own, without coordinate.
     room = count + sum(not joint.movable for joint in system.joints)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.engines.mujoco import _mujoco
+from harness.engines.mujoco_model import _mujoco
 from harness.engines.protocol import Array
 from harness.engines.readers.reading import Placed
 from harness.errors import InputError, UnsupportedError

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.engines.pinocchio import _pinocchio
+from harness.engines.pinocchio_model import _pinocchio
 from harness.engines.protocol import Array
 from harness.engines.readers.reading import Placed
 from harness.errors import UnsupportedError

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.mujoco import mujoco_model
+from harness.engines.mujoco_model import mujoco_model
 from harness.errors import InputError, cannot_be_loaded
 from harness.report.animation.scene import Motion, seen
 from harness.report.animation.skeleton import Skeleton, skeleton

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.spatial.transform import Rotation
+from typing import TYPE_CHECKING
 
-from harness.denoc.recursion.tree import Array
-from harness.system import System
+import numpy as np
+
+from harness.system.description import Array, System
 from harness.system.lowering import position_of_rate
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 
 def quaternions(system: System) -> tuple[tuple[str, int, int], ...]:
@@ -26,6 +29,10 @@ def integrate(system: System, q: Array, step: Array) -> Array:
     """Positions reached from q (nq,) by a step (nv,): velocities held for one second, rotations by the exponential map."""
     found = np.empty_like(q)
     _shift(system, q, step, found)
+    if system.simple:
+        return found
+    from scipy.spatial.transform import Rotation  # slow to import, and most systems have none
+
     for _, at, spin in quaternions(system):
         turned = _rotation(q[at : at + 4]) * Rotation.from_rotvec(step[spin : spin + 3])
         found[at : at + 4] = turned.as_quat(scalar_first=True)
@@ -70,4 +77,6 @@ def _plain(system: System) -> list[tuple[int, int]]:
 
 
 def _rotation(quaternion: Array) -> Rotation:
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_quat(quaternion, scalar_first=True)
