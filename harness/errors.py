@@ -70,6 +70,8 @@ EXTRAS = {
     "dask": "cluster",
     "pandas": "peers",
     "pysindy": "peers",
+    "cmaes": "peers",
+    "figaroh": "peers",
 }
 
 

@@ -30,11 +30,12 @@ def keyframe(system: System, name: str) -> Keyframe:
 
 
 def driven(
-    system: System, command: Mapping[str, float], without: Collection[str] = ()
+    system: System, command: Mapping[str, float], without: Collection[str] = (), recorded: Collection[str] = ()
 ) -> tuple[System, tuple[str, ...]]:
     """The system with its actuators acting under held commands, and one line for each that acts.
 
-    command: by actuator, 0 where absent. without: joints whose effort is an input already.
+    command: by actuator, 0 where absent. without: joints whose effort is an input already. recorded: actuators whose command comes
+    as the effort that it asks for: they keep their gain.
     A drive without a range of force is a spring and a damper of its joint.
     """
     told, drives = [], []
@@ -42,7 +43,13 @@ def driven(
         asked = command.get(stated.name, 0.0)
         held = min(max(asked, stated.commands[0]), stated.commands[1])
         acting = replace(stated, offset=stated.offset + stated.gain * held, gain=0.0)
-        if stated.joint in without:
+        if stated.name in recorded and stated.joint not in without:
+            told.append(f"actuator {stated.name!r} acts on joint {stated.joint!r} by its recorded command")
+            if _is_spring(stated):
+                system = system.replace_joint(_sprung(system.joint(stated.joint), stated))
+            else:
+                drives.append(stated)
+        elif stated.joint in without:
             told.append(f"actuator {stated.name!r} is left out: the effort of joint {stated.joint!r} is given")
         elif acting.offset or acting.stiffness or acting.damping:
             kept = (
@@ -72,13 +79,16 @@ def _sprung(joint: Joint, drive: Actuator) -> Joint:
     return replace(joint, stiffness=stiffness, rest_position=rest, damping=joint.damping + drive.damping)
 
 
-def bounded(system: System) -> System:
-    """The system with the limits of its joints acting, as softly as its file says or as MuJoCo's defaults are."""
+def bounded(system: System, only: Collection[str] | None = None) -> System:
+    """The system with the limits of its joints acting, as softly as its file says or as MuJoCo's defaults are.
+
+    only: the joints whose limits act; all by default.
+    """
     stated = {stop.joint: stop for stop in system.limits}
     stops = []
     inverse = None
     for joint in system.movable_joints:
-        if not _has_range(joint):
+        if not has_range(joint) or (only is not None and joint.name not in only):
             continue
         if joint.name in stated:
             stops.append(stated[joint.name])
@@ -92,7 +102,8 @@ def bounded(system: System) -> System:
     return replace(system, stops=tuple(stops))
 
 
-def _has_range(joint: Joint) -> bool:
+def has_range(joint: Joint) -> bool:
+    """Whether a joint has limits at both ends, one position and one below the other."""
     own = len(joint.position_names) == 1
     return bool(own and np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper)
 
@@ -101,7 +112,7 @@ def reached(system: System, names: tuple[str, ...], time: Array, position: Array
     """One line for each joint that a motion takes to its limits, and when; position (T, n), columns by ``names``."""
     lines = []
     for joint in system.movable_joints:
-        if not _has_range(joint):
+        if not has_range(joint):
             continue
         course = position[:, names.index(joint.name)]
         beyond = (course > joint.upper) | (course < joint.lower)

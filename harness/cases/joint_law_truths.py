@@ -239,6 +239,11 @@ LAWS = (
         _stop((0.2, 2.0), 0.5, 40.0, 0.3, 0.005), "k δ + d δ' + I δ'' where that pushes", duration=1.0, allowed=1e-7,
     ),
     Law(
+        "stop_both", {"stop_both": 1.0, "stop_lower": 0.2, "stop_angle": 0.5, "stop_stiffness": 30.0}, (0.35, 1.5),
+        lambda time: 0.35 + _bouncing((0.0, 1.5), 0.15, 30.0)(time), "k δ at either end: free flight, half a cosine in each",
+        allowed=1e-7,
+    ),
+    Law(
         "play", {}, (0.0, 1.5), _bouncing((0.0, 1.5), 0.1, 30.0), "free within the play, half a cosine in the teeth",
         teeth=(0.1, 30.0, 0.0), allowed=1e-7,
     ),

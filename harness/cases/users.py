@@ -61,9 +61,9 @@ def case_of(
     )
 
 
-def doubts(name: str, path: Path) -> tuple[Doubt, ...]:
+def doubts(name: str, path: Path, *, allow: Sequence[Path] = ()) -> tuple[Doubt, ...]:
     """What an audit finds impossible or implausible in a model: engines agree on such numbers as on any."""
-    found = audit(read(path, physical=False)).findings
+    found = audit(read(path, physical=False, allow=allow)).findings
     return tuple(Doubt(name, f.severity, f.site, f.what) for f in found if f.severity != "note")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.options import console, output_options, write_json
+from harness.cli.options import allow_option, console, output_options, say_notes, write_json
 
 if TYPE_CHECKING:
     from harness.system.audit_findings import Correction
@@ -22,8 +22,11 @@ if TYPE_CHECKING:
     metavar="LINK=HZ[,HZ…]",
     help="Bending frequencies of a link as mounted, lowest first; repeatable for several links.",
 )
+@allow_option
 @output_options("Write audit.json there.")
-def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: str | None) -> int:
+def audit(
+    system: str, measured: tuple[str, ...], allow: tuple[str, ...], out: Path | None, json_file: str | None
+) -> int:
     """Hold a parameter table against physics and measurement.
 
     Mass against dimensions and density, frequency against stiffness and mass, materials, inertia, units. Where something
@@ -37,9 +40,14 @@ def audit(system: str, measured: tuple[str, ...], out: Path | None, json_file: s
 
     from harness.report.columns import figures, print_table
     from harness.report.json_text import json_text
+    from harness.system import load
     from harness.system.audit import audit as hold
 
-    found = hold(system, measured=_measured(measured))
+    # A TOML is audited as its table stands, though it could not be loaded.
+    read = None if Path(system).suffix.lower() == ".toml" else load(system, physical=False, allow=allow)
+    found = hold(system if read is None else read, measured=_measured(measured))
+    if read is not None:
+        say_notes(read.notes)
     screen = console(json_file)
     colours = {"impossible": "bold red", "implausible": "yellow"}
     for finding in found.findings:

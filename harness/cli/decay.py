@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import console, output_options, write_json
+from harness.cli.options import allow_option, console, output_options, say_notes, write_json
 
 if TYPE_CHECKING:
     from harness.recording import Recording
@@ -29,11 +29,17 @@ if TYPE_CHECKING:
     show_default=True,
     help="What draws it back: a pendulum's weight (sine), a spring (linear), or whichever the frequencies agree with.",
 )
-@click.option("--bands", is_flag=True, help="Part swing and vibration first, and tell the decay of each.")
+@click.option(
+    "--bands",
+    is_flag=True,
+    help="Part swing and vibration first, and tell the decay of each; with --model also what of it is the joint's damping and what "
+    "the link's own.",
+)
 @click.option(
     "--split", type=float, metavar="HZ", help="Where --bands parts them; default: between their spectral lines."
 )
 @click.option("--plot", metavar="FILE", help="The picture alone, to an .svg.")
+@allow_option
 @output_options("Write decay.json and decay.svg (bands.svg with --bands) there.")
 def decay(
     recording: str,
@@ -44,6 +50,7 @@ def decay(
     bands: bool,
     split: float | None,
     plot: str | None,
+    allow: tuple[str, ...],
     out: Path | None,
     json_file: str | None,
 ) -> int:
@@ -55,9 +62,9 @@ def decay(
     \b
     Examples:
       denoc decay swing.csv --model rig.urdf --out decay
-      denoc decay run.csv --channel rod.root_strain --bands --plot bands.svg
+      denoc decay run.csv --channel rod.root_strain --bands --model rig.toml --plot bands.svg
     """
-    from harness.compare.decay.document import bands_document, document
+    from harness.compare.decay.document import apart_document, bands_document, document
     from harness.errors import InputError
     from harness.recording import read_recording
     from harness.recording.units import written
@@ -68,7 +75,9 @@ def decay(
 
     if plot is not None and not plot.lower().endswith(".svg"):
         raise InputError(f"unknown ending {Path(plot).suffix!r}", source=plot, mend="name an .svg file")
-    system = None if model is None else one_degree(freed(load(model, physical=False)), "a decay")
+    system = None if model is None else one_degree(freed(load(model, physical=False, allow=allow)), "a decay")
+    if system is not None:
+        say_notes(system.notes)
     read = read_recording(recording, mapping=mapping, system=system)
     chosen = _channel(read, channel)
     good = chosen.values == chosen.values
@@ -77,17 +86,24 @@ def decay(
     try:
         if bands:
             from harness.compare.decay.bands import bands as part
-            from harness.report.decay import bands_picture, print_bands
+            from harness.report.decay import bands_picture, print_apart, print_bands
 
             parts = part(time, signal, split=split)
-            whole = {
+            whole: dict[str, Any] = {
                 "schema": "denoc.bands/1",
                 "source": recording,
                 "channel": chosen.name,
                 "bands": bands_document(parts),
             }
-            print_bands(whole["bands"], chosen.unit, screen)  # type: ignore[arg-type]
-            picture, name = bands_picture(parts, (time, signal), f"{chosen.name} [{written(chosen.unit)}]"), "bands"
+            print_bands(whole["bands"], chosen.unit, screen)
+            if system is not None:
+                from harness.compare.decay.apart import apart
+
+                told = apart(read, system, parts[1])
+                whole["apart"] = apart_document(told)
+                print_apart(whole["apart"], screen)
+            label = f"{chosen.name} [{written(chosen.unit)}]"
+            picture, name = bands_picture(parts, (time, signal), label), "bands"
         else:
             from harness.compare.decay import estimate
             from harness.report.decay import decay_picture, print_decay

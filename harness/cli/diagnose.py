@@ -5,18 +5,41 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from harness.cli.interrupt import answers_to_interrupt
 from harness.cli.options import allow_option, console, output_options, progress, say_notes, write_json
 
+if TYPE_CHECKING:
+    from harness.diagnose.problem.deadline import Deadline
+    from harness.system import System
+
 USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 
 
 @click.command()
 @click.argument("recordings", nargs=-1, required=True, metavar="RECORDING …")
-@click.option("--model", required=True, metavar="MODEL", help="The nominal model: URDF, MJCF or TOML.")
+@click.option(
+    "--model",
+    "models",
+    multiple=True,
+    metavar="MODEL",
+    help="The nominal model: URDF, MJCF or TOML. Repeat it, one for each recording in their order, where known payloads differ.",
+)
+@click.option(
+    "--compare",
+    nargs=2,
+    metavar="MODEL_A MODEL_B",
+    help="Hold two identified models against the recordings: which predicts better where, in what they agree, what is open.",
+)
+@click.option(
+    "--transfer",
+    "published",
+    metavar="MODEL",
+    help="Parameters published for one unit on recordings of another: which carry over, which do not.",
+)
 @click.option(
     "--map",
     "mapping",
@@ -42,11 +65,31 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     help="Give the best answer so far after so long, and say what was not tried; default: 120 on a terminal, else none (inf). "
     "Ctrl-C once does the same, twice stops.",
 )
+@click.option(
+    "--engine",
+    metavar="NAME",
+    help="Doubt the equations of motion of this engine instead of the model: which of their terms, held against the native ones, "
+    "does the recording ask to be mended?",
+)
+@click.option(
+    "--actuators/--no-actuators",
+    default=True,
+    help="Whether the MJCF's actuators act where no effort is recorded, by columns <joint>.command, else with command 0.",
+)
+@click.option(
+    "--limits/--no-limits",
+    default=True,
+    help="Whether the MJCF's limits act, as soft constraints, where a recording meets them.",
+)
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
-@output_options("Write diagnosis.json, report.html and the augmented model there.")
+@output_options(
+    "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page."
+)
 def diagnose(
     recordings: tuple[str, ...],
-    model: str,
+    models: tuple[str, ...],
+    compare: tuple[str, str] | None,
+    published: str | None,
     mapping: tuple[str, ...],
     holdout: str | None,
     allow: tuple[str, ...],
@@ -54,6 +97,9 @@ def diagnose(
     fit_effort: bool,
     effects_files: tuple[str, ...],
     time_limit: float | None,
+    engine: str | None,
+    actuators: bool,
+    limits: bool,
     strict: bool,
     out: Path | None,
     json_file: str | None,
@@ -64,36 +110,107 @@ def diagnose(
     Examples:
       denoc diagnose run1.csv run2.csv --model rig.urdf
       denoc diagnose log.csv --model rig.toml --map 'theta_meas=pivot.position[deg]' --out diagnosis
+      denoc diagnose empty.csv 1kg.csv 2kg.csv --model empty.urdf --model 1kg.urdf --model 2kg.urdf
+      denoc diagnose run*.csv --compare toolbox_a.urdf toolbox_b.urdf --out compared
+      denoc diagnose run*.csv --transfer published.urdf
+      denoc diagnose ancf.csv --model examples/paper/one_mode.toml --engine as_printed
+
+    --compare and --transfer ask for no search and need no --model; with one, the diagnosis comes first.
     """
+    from harness.cli.held_against import held_against, tell
+    from harness.errors import InputError
+
+    if engine is not None:
+        from harness.cli.balance import diagnose_engine
+
+        others: dict[str, Any] = {"--holdout": holdout, "--tolerance": tolerance, "--fit-effort": fit_effort or None,
+                  "--effects": effects_files or None, "--time-limit": time_limit, "--compare": compare,
+                  "--transfer": published}  # fmt: skip
+        for option, given in others.items():
+            if given is not None:
+                raise InputError(
+                    f"{option} does not go with --engine", mend="leave it out: nothing is fitted to the model"
+                )
+        if len(models) != 1:
+            raise InputError("--engine is doubted beside one --model", mend="give the model that the recordings are of")
+        return diagnose_engine(recordings, models[0], engine, mapping, allow, out, json_file, strict)
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
-    from harness.diagnose.diagnose import diagnose as find
     from harness.diagnose.problem.deadline import Deadline
-    from harness.report.diagnosis import print_diagnosis, write_diagnosis
     from harness.report.json_text import json_text
     from harness.system import load
 
+    identified = compare is not None or published is not None
+    if not models:
+        if not identified:
+            raise InputError("no --model given", mend="give the nominal model, or --compare or --transfer")
+        asked_of_a_search = {
+            "--tolerance": tolerance is not None,
+            "--fit-effort": fit_effort,
+            "--effects": effects_files,
+        }
+        for option, given in {**asked_of_a_search, "--strict": strict}.items():
+            if given:
+                raise InputError(
+                    f"{option} is for a diagnosis, which needs a --model", mend="give --model, or leave it away"
+                )
     ahead.start(ahead.DIAGNOSE)
     if time_limit is None and sys.stderr.isatty():
         time_limit = USUAL_LIMIT
-    deadline = Deadline(time_limit)
+    document: dict[str, Any] | None = None
+    if models:
+        systems = [load(m, physical=False, allow=allow) for m in models]
+        document = _searched(
+            recordings, systems, mapping=mapping, holdout=holdout, tolerance=tolerance,
+            fit_effort=fit_effort, effects=effects_files, deadline=Deadline(time_limit), out=out, json_file=json_file,
+            command=click.get_current_context().meta[COMMAND], actuators=actuators, limits=limits,
+        )  # fmt: skip
+    if identified:
+        deadline = Deadline(time_limit)
+        with progress("compare") as step, answers_to_interrupt(deadline.interrupt):
+            found = held_against(
+                recordings, compare, published, lambda m: load(m, physical=False, allow=allow), holdout=holdout, mapping=mapping,
+                step=step, deadline=deadline,
+            )  # fmt: skip
+        plain = tell(found, out, json_file)
+        if document is not None:
+            document |= plain
+        else:
+            first, *further = plain.values()
+            document = {**first, **({"transfer": further[0]} if further else {})}
+    assert document is not None
+    write_json(json_text(document), json_file)
+    return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0
+
+
+def _searched(
+    recordings: tuple[str, ...],
+    systems: list[System],
+    *,
+    mapping: tuple[str, ...],
+    holdout: str | None,
+    tolerance: float | None,
+    fit_effort: bool,
+    effects: tuple[str, ...],
+    deadline: Deadline,
+    out: Path | None,
+    json_file: str | None,
+    command: str,
+    actuators: bool,
+    limits: bool,
+) -> dict[str, Any]:
+    """The diagnosis, printed and written; its document."""
+    from harness.diagnose.diagnose import diagnose as find
+    from harness.report.diagnosis import print_diagnosis, write_diagnosis
+
     with progress("diagnose") as step, answers_to_interrupt(deadline.interrupt):
         found = find(
-            list(recordings),
-            model=load(model, physical=False, allow=allow),
-            mapping=mapping,
-            holdout=holdout,
-            tolerance=tolerance,
-            fit_effort=fit_effort,
-            effects=effects_files,
-            progress=step,
-            time_limit=deadline,
-        )
+            list(recordings), model=systems, mapping=mapping, holdout=holdout, tolerance=tolerance, fit_effort=fit_effort,
+            effects=effects, progress=step, time_limit=deadline, actuators=actuators, limits=limits,
+        )  # fmt: skip
         if not deadline.over:
             found = found.replayed()
-    found = replace(
-        found, provenance={**(found.provenance or {}), "command": click.get_current_context().meta[COMMAND]}
-    )
+    found = replace(found, provenance={**(found.provenance or {}), "command": command})
     document = found.to_json()
     screen = console(json_file)
     say_notes(document["notes"])
@@ -101,5 +218,4 @@ def diagnose(
     if out is not None:
         for path in write_diagnosis(found, out, said=lambda line: screen.print(line, markup=False)):
             screen.print(f"wrote {path}", markup=False)
-    write_json(json_text(document), json_file)
-    return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0
+    return document

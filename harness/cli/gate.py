@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import console, output_options, progress, say_notes, wide_options, write_json
+from harness.cli.options import allow_option, console, output_options, progress, say_notes, wide_options, write_json
 from harness.cli.resume import folder_of, journal_in, resumable
 
 if TYPE_CHECKING:
@@ -58,6 +58,7 @@ SUITE_REFERENCE = "reference/accepted.json"
     type=click.Path(path_type=Path),
     help="Go on with a run with --out DIR that was interrupted, with the same options.",
 )
+@allow_option
 @output_options("Write results.json, junit.xml and the other reports of the run there.")
 @wide_options
 def gate(
@@ -75,6 +76,7 @@ def gate(
     sarif: str | None,
     annotate: bool,
     resume: Path | None,
+    allow: tuple[str, ...],
     out: Path | None,
     json_file: str | None,
     workers: int | None,
@@ -125,7 +127,7 @@ def gate(
     else:
         before = gates.read_accepted(path)
     with resumable("gate", kept):
-        results, robots = _results(models, results_file, engines, before, accept, workers, dask, journal)
+        results, robots = _results(models, results_file, engines, before, accept, workers, dask, journal, allow)
     if models:
         say_notes(results.told)
     trials = None
@@ -176,6 +178,7 @@ def _results(
     workers: int | None,
     dask: str | None,
     journal: Journal | None,
+    allow: tuple[str, ...],
 ) -> tuple[Results, dict[str, Any]]:
     """The run to be judged, and what is to be recorded of models if it is accepted."""
     from harness.cases.gate import robot
@@ -199,16 +202,23 @@ def _results(
         ahead.everything()
     with progress("gate") as step:
         results = validate(
-            models or None, engines=engines or None, workers=workers, dask=dask, progress=step, journal=journal
+            models or None,
+            engines=engines or None,
+            workers=workers,
+            dask=dask,
+            allow=allow,
+            progress=step,
+            journal=journal,
         )
     if not models:
         return results, {}
     recorded: dict[str, Any] = {}
     rows = list(results.rows)
     for name, path in names_of([Path(model) for model in models]).items():
-        now = robot.record(path)
+        folders = [Path(folder).resolve() for folder in allow]
+        now = robot.record(path, allow=folders)
         held = now if accept or before is None else before.robots.get(name)
         if held is not None:
-            rows += robot.compare(name, path, held, now, engines)
+            rows += robot.compare(name, path, held, now, engines, allow=folders)
         recorded[name] = now
     return replace(results, rows=tuple(rows)), recorded

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import console, write_json
+from harness.cli.options import allow_option, console, say_notes, write_json
 
 
 @click.command()
@@ -19,6 +19,7 @@ from harness.cli.options import console, write_json
 @click.option("--velocity", multiple=True, metavar="JOINT=VALUE", help="Start velocity, pivot=0.5 or 'pivot=30[rpm]'.")
 @click.option("--duration", type=float, metavar="S", help="How much is shown [s]; default: the recording, or 10.")
 @click.option("--engine", default="denoc", show_default=True, help="Which engine simulates (denoc doctor lists them).")
+@allow_option
 @click.option("--out", metavar="FILE", help="Write a page (.html) that opens anywhere, and open no window.")
 @click.option(
     "--json",
@@ -34,6 +35,7 @@ def view(
     velocity: tuple[str, ...],
     duration: float | None,
     engine: str,
+    allow: tuple[str, ...],
     out: str | None,
     json_file: str | None,
 ) -> int:
@@ -59,7 +61,7 @@ def view(
 
     if out is not None and Path(out).suffix.lower() not in (".html", ".htm"):
         raise InputError(f"unknown ending {Path(out).suffix!r}", source=out, mend="use .html")
-    mechanism = one_degree(freed(load(system, physical=False)), "a view")
+    mechanism = one_degree(freed(load(system, physical=False, allow=allow)), "a view")
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)
     told: tuple[str, ...] = ()
@@ -73,6 +75,7 @@ def view(
         time, motions, told = beside(mechanism, read, start, speed, duration, engine)
         title = f"{mechanism.name}: {read.name}"
     screen = console(json_file)
+    say_notes(mechanism.notes)
     for line in told:
         screen.print(line, markup=False)
     if json_file is not None:
@@ -84,7 +87,7 @@ def view(
                 {"label": m.label, "positions": {joint: values.tolist() for joint, values in m.positions.items()}}
                 for m in motions
             ],
-            "notes": list(told),
+            "notes": [*mechanism.notes, *told],
         }
         write_json(json_text(document), json_file)
     if out is None and json_file is not None:

@@ -20,8 +20,10 @@ from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.known_error import worth_of_known_error
+from harness.diagnose.problem.acting import acting, coupled
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
+from harness.diagnose.problem.payloads import one_each, payload
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.selection import effort_hold
 from harness.diagnose.selection.beam_search import Effort
@@ -37,6 +39,7 @@ from harness.system import System, load
 from harness.system.lowering import freed, one_degree
 
 Progress = Callable[[int, int, str], None]
+BENDING = ("link_flexibility",)
 LEVELS = ("whether dry friction differs from recording to recording", "its size may be a mean of several")
 
 
@@ -44,7 +47,7 @@ LEVELS = ("whether dry friction differs from recording to recording", "its size 
 @fewer_collections()
 def diagnose(
     recordings: Sequence[str | Path | Recording],
-    model: str | Path | System,
+    model: str | Path | System | Sequence[str | Path | System],
     *,
     holdout: str | Path | Recording | None = None,
     mapping: Sequence[str] = (),
@@ -55,30 +58,49 @@ def diagnose(
     effort: Effort | None = None,
     progress: Progress | None = None,
     time_limit: float | Deadline | None = None,
+    actuators: bool = True,
+    limits: bool = True,
 ) -> Diagnosis:
     """Locate where a model leaves recordings, name the physics it left out, and judge the improvement on data held out.
 
-    recordings: files or ``Recording``; the last of several is held out, or the last 30 % of a single one. model: file or System.
+    recordings: files or ``Recording``; the last of several is held out, or the last 30 % of a single one. model: file or System; or
+    one for each recording, the one held out last, which differ in what rigid links carry: laws are then those of all, and the
+    augmented model is the first one's.
     holdout: recording to judge on instead. mapping: rules for foreign columns. tolerance: relative 1σ of the nominal masses,
     lengths, inertias and stiffnesses, overriding the model's. fit_effort: efforts are measurements to fit, not known inputs (see
     ``diagnose_effort``). effects: effects of the user's own. only: restricts the catalogue
     to these names. progress: called with (done, total, what). time_limit: after so long [s] the best answer so far is given, with
-    what was not tried; a ``Deadline`` can be interrupted, too.
+    what was not tried; a ``Deadline`` can be interrupted, too. actuators: whether those of an MJCF act where no effort is recorded,
+    by their recorded commands (``<joint>.command``) or held at 0. limits: whether its joints' limits act where a recording meets
+    them.
     Raises InputError for recordings, models or time limits that cannot be used.
     """
     deadline = deadline_of(time_limit)
     if isinstance(recordings, (str, Path, Recording)):
         recordings = [recordings]
-    system = model if isinstance(model, System) else load(model, physical=False)
-    system = one_degree(freed(system), "a diagnosis")
-    if tolerance is not None:
-        if not 0.0 < tolerance < 1.0:
-            raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
-        system = replace(system, tolerance=tolerance)
-    stated = conventional(system, _read(recordings, holdout, mapping, system))
-    read = free_parts(system, released(stated))
+    models = [model] if isinstance(model, (str, Path, System)) else list(model)
+    if not models:
+        raise InputError("no model given", mend="name the model of the rig")
+    stated = [one if isinstance(one, System) else load(one, physical=False) for one in models]
+    systems = [_nominal(one, tolerance) for one in stated]
+    if fit_effort and len(systems) > 1:
+        raise InputError(
+            "efforts are fitted to one model", mend="diagnose the recordings of each payload by themselves"
+        )
+    as_read = _read(recordings, holdout, mapping, systems[0])
+    ready = []
+    for mechanism, one in zip(stated, systems, strict=True):
+        following, read = coupled(mechanism, one, as_read)
+        ready.append(acting(following, read, actuators=actuators, limits=limits))
+    system, read = ready[0]
+    notes = tuple(dict.fromkeys(note for one, _ in ready for note in one.notes))
+    every_system = one_each([one for one, _ in ready], len(as_read))
+    payloads = [payload(system, one) for one in every_system]
+    if not system.drives:
+        # What these look for is the motion of a mechanism that nothing holds.
+        read = _conditioned(every_system, read)
     held = read.pop() if holdout is not None else None
-    made_from = provenance(system, model, read, held)
+    made_from = provenance(system, models, read, held)
     steps = 0
 
     def tell(what: str) -> None:
@@ -92,10 +114,15 @@ def diagnose(
     register(further)
     if fit_effort:
         by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell, deadline=deadline)
-        return replace(by_effort, provenance=made_from, notes=system.notes)
-    problem = pose(system, read, heldout=held)
+        return replace(by_effort, provenance=made_from, notes=notes)
+    problem = pose(system, read, heldout=held, payloads=payloads)
     every = [*read, *([held] if held is not None else [])]
-    known = candidates(system, every, only=only, further=further)
+    carrying = {link for change in payloads for link in change}
+    # A link that bends carries its payload elsewhere than a rigid one's origin.
+    known = [
+        c for c in candidates(system, every, only=only, further=further)
+        if not (c.effect.name in BENDING and c.site in carrying)
+    ]  # fmt: skip
     frequency = swings(system, read[0])[0] / (2.0 * np.pi)
     try:
         outcome = investigate(
@@ -105,12 +132,38 @@ def diagnose(
         conclusion = conclude(outcome)
     except TimeUp:
         nothing = nothing_fitted(crude_noise(problem), every, deadline)
-        return replace(nothing, provenance=made_from, notes=system.notes)
+        return replace(nothing, provenance=made_from, notes=notes)
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
     tell("telling")
     found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
-    return replace(found, provenance=made_from, notes=system.notes)
+    return replace(found, provenance=made_from, notes=notes)
+
+
+def _nominal(system: System, tolerance: float | None) -> System:
+    system = one_degree(freed(system), "a diagnosis")
+    if tolerance is None:
+        return system
+    if not 0.0 < tolerance < 1.0:
+        raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
+    return replace(system, tolerance=tolerance)
+
+
+def _conditioned(systems: Sequence[System], recordings: Sequence[Recording]) -> list[Recording]:
+    """Recordings counted from their models' zeros, without what is held or carried at their ends."""
+    alike: dict[int, list[int]] = {}
+    for k, system in enumerate(systems):
+        alike.setdefault(id(system), []).append(k)
+    stated = list(recordings)
+    for places in alike.values():
+        for k, one in zip(places, conventional(systems[places[0]], [recordings[k] for k in places]), strict=True):
+            stated[k] = one
+    let_go = released(stated)
+    out = list(let_go)
+    for places in alike.values():
+        for k, one in zip(places, free_parts(systems[places[0]], [let_go[k] for k in places]), strict=True):
+            out[k] = one
+    return out
 
 
 def _read(

@@ -26,7 +26,7 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
     user: effects of the user's own that may be attached, now or in later rows.
     Raises UnsupportedError if two different laws would be needed: the lanes carry one.
     """
-    from harness.denoc.joint_laws.address import servo, teeth
+    from harness.denoc.joint_laws.address import commanded_servo, servo, teeth
     from harness.denoc.lanes.model import LaneModel
 
     needed: dict[str, Callable[..., float]] = {
@@ -35,7 +35,7 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
     if any(attachment.effect == "backlash" for attachment in system.attachments):
         needed["backlash"] = teeth
     if system.drives:
-        needed["actuators"] = servo
+        needed["actuators"] = commanded_servo if any(drive.gain for drive in system.drives) else servo
     if len(needed) > 1:
         raise UnsupportedError(
             f"{' and '.join(sorted(needed))} together need two laws of their own", mend="simulate them one at a time"
@@ -46,7 +46,8 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
 def lane_row(model: LaneModel, system: System, user: Sequence[Effect] = ()) -> Array:
     """Parameter row of a system of the model's topology, its attachments included, shape (P,).
 
-    Attached sensor and input effects change no row.
+    Attached sensor and input effects change no row. Of a drive with a gain the command comes as the effort of its joint. Stops
+    stand at both ends of a joint's range.
     """
     row = model.row(system)
     known = {**catalogue(), **{effect.name: effect for effect in user}}
@@ -61,6 +62,16 @@ def lane_row(model: LaneModel, system: System, user: Sequence[Effect] = ()) -> A
         _write_user(
             row, model, drive.joint, (drive.offset - middle, drive.stiffness, drive.damping, 0.5 * (high - low))
         )
+    for stop in system.stops:
+        for name, value in (
+            ("stop_both", 1.0),
+            ("stop_lower", stop.lower),
+            ("stop_angle", stop.upper),
+            ("stop_stiffness", stop.stiffness),
+            ("stop_damping", stop.damping),
+            ("stop_inertia", stop.inertia),
+        ):
+            row[model.slot(stop.joint, name)] = value
     return row
 
 

@@ -14,7 +14,6 @@ from harness.engines.coupled import CoupledModel, couple, follows, without_mimic
 from harness.engines.expressed import Expressed, bends, express
 from harness.engines.protocol import Array, EngineError
 from harness.engines.soft_motion import soft_joints, soft_march
-from harness.engines.stops import enclosing_zero, refusal, run_between
 from harness.errors import InputError, UnsupportedError
 from harness.system import Attachment, JointType, System, Trajectory
 from harness.system.lowering import chained, position_of_rate
@@ -26,8 +25,10 @@ def beyond_lanes(system: System, laws: Collection[Attachment]) -> bool:
     lifted = any(link.gravcomp for link in system.links)
     driven = [drive.joint for drive in system.drives]
     several = len(set(driven)) < len(driven) or (driven and any(law.effect == "backlash" for law in laws))
+    # A joint has one place for stops in the lanes.
+    bounded = {stop.joint for stop in system.stops} & {law.site for law in laws if law.effect == "end_stop"}
     acting = bool(laws or system.drives or system.stops)
-    return acting and bool(in_space or lifted or several or refusal(replace(system, attachments=tuple(laws))))
+    return acting and bool(in_space or lifted or several or bounded)
 
 
 def _acting(system: System) -> bool:
@@ -126,7 +127,7 @@ class NativeModel:
         from harness.denoc.motion.channels import channels
         from harness.effects.lanes import lane_model, lane_row
 
-        attached, shift = enclosing_zero(replace(self.system, attachments=self.expressed.laws))
+        attached = replace(self.system, attachments=self.expressed.laws)
         own = [
             kind for kind in map(effect, dict.fromkeys(a.effect for a in attached.attachments)) if kind.user is not None
         ]
@@ -136,25 +137,8 @@ class NativeModel:
             for axis, part in zip("xyz", self.expressed.shaking.direction, strict=True):
                 row[0, lanes.slot("base", f"excitation_{axis}")] = part
 
-        def run(sides: Array, q: Array, qd: Array, times: Array, forces: Array | None) -> tuple[Array, Array, Array]:
-            for side, stop in zip(sides, attached.stops, strict=True):
-                angle = stop.upper if side > 0.0 else stop.lower
-                for name, value in (
-                    ("stop_angle", angle),
-                    ("stop_stiffness", stop.stiffness),
-                    ("stop_damping", stop.damping),
-                    ("stop_inertia", stop.inertia),
-                ):
-                    row[0, lanes.slot(stop.joint, name)] = value
-            found = lanes.simulate(row, q, qd, times, tau=forces, hold="zero", step=step)
-            return found[0][0], found[1][0], found[2][0]
-
-        if attached.stops:
-            places = np.array([self.names.index(stop.joint) for stop in attached.stops])
-            found = run_between(run, attached.stops, places, q0 - shift, qd0, time - time[0], tau)
-        else:
-            found = run(np.empty(0), q0, qd0, time - time[0], tau)
-        position, velocity, acceleration = found[0] + shift, found[1], found[2]
+        found = lanes.simulate(row, q0, qd0, time - time[0], tau=tau, hold="zero", step=step)
+        position, velocity, acceleration = found[0][0], found[1][0], found[2][0]
         if not np.all(np.isfinite(position)):
             raise EngineError("denoc: the motion is not finite any more")
         signals = channels(self.model, position, velocity, acceleration) if self.system.flexible else {}

@@ -9,9 +9,9 @@
                             "verdict": "consistent | explained | partly_explained | unexplained",
                             "heldout_rmse": 0.0031, "seconds": 12.5}}}
 
-Of a case only ``findings`` has to be there; empty means that nothing is missing. Effects, parameters and sites are the catalogue's
-words. Without ``verdict`` a case with findings is explained, one without consistent. Cases that are not in the file
-count as failed.
+Of a case only ``findings`` has to be there; empty means that nothing is missing. Effects, parameters and sites are the
+catalogue's words. Without ``verdict`` a case with findings is explained, one without consistent. Cases that are not in
+the file count as failed.
 """
 
 from __future__ import annotations
@@ -133,11 +133,13 @@ def tally(
 ) -> dict[str, Any]:
     """One line of the table of peers: named, false, coverage, error held out, seconds.
 
-    named_single: the truth is what was claimed or what that was said to be indistinguishable from; named_exactly: the former alone.
-    heldout_over_noise: median over cases of the error held out, in standard deviations of the sensor's noise.
-    coverage95: intervals of
-    rightly named effects that hold the truth. claims: how often each effect was claimed, by what was concealed.
+    named_single: the truth is what was claimed or what that was said to be indistinguishable from; named_exactly: the
+    former alone. asked leaves out what a method is not made for (not_for_it). heldout_over_noise: median over cases of
+    the error held out, in standard deviations of the sensor's noise. coverage95: intervals of rightly named effects
+    that hold the truth. claims: how often each effect was claimed, by what was concealed.
     """
+    passed_by = {name for name, what in said.items() if "skipped" in what}
+    scores = [s for s in scores if s.name not in passed_by]
     answered = [s for s in scores if s.verdict != "error"]
     clean = [s for s in answered if s.kind == "clean"]
     single = [s for s in answered if s.kind == "single"]
@@ -156,6 +158,7 @@ def tally(
     return {
         "asked": len(scores),
         "failed": len(scores) - len(answered),
+        "not_for_it": len(passed_by),
         "clean_false": _pair([bool(s.found) for s in clean]),
         "named_single": _pair([s.in_class for s in single]),
         "named_exactly": _pair([s.exact for s in single]),

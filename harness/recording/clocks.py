@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.recording.columns import Column
 from harness.recording.formats import Table
-from harness.recording.recording import QualityNote
+from harness.recording.recording import GIVEN, QualityNote
 
 
 def one_clock(table: Table, columns: Sequence[Column]) -> tuple[Table, list[QualityNote]]:
@@ -18,8 +18,8 @@ def one_clock(table: Table, columns: Sequence[Column]) -> tuple[Table, list[Qual
     table: ``interleaved``. columns: those wanted, time among them. An effort of its own topic is a command, which acts from its
     message to the next; before its first it is taken as none.
     """
-    measured = [c.header for c in columns if c.quantity not in ("time", "effort")]
-    efforts = [c for c in columns if c.quantity == "effort"]
+    measured = [c.header for c in columns if c.quantity not in ("time", *GIVEN)]
+    efforts = [c for c in columns if c.quantity in GIVEN]
     if not measured:
         return table, []
     keep = np.any([np.isfinite(table.columns[header]) for header in measured], axis=0)

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from harness.errors import InputError
-from harness.recording.recording import JOINT_QUANTITIES, LINK_QUANTITIES, QUANTITIES
+from harness.recording.recording import GIVEN, JOINT_QUANTITIES, LINK_QUANTITIES, QUANTITIES
 from harness.system import System
 from harness.system.read_toml import parse_toml
 from harness.system.suggest import did_you_mean
@@ -184,6 +184,9 @@ def resolve(
                 ignored.append((header, "is no column of ours"))
                 continue
             column = Column(header, site, quantity, unit, sign)
+            if quantity == "command" and rule is None and not _commanded(site, system):
+                ignored.append((header, "is the command of no actuator that the model has"))
+                continue
             stranger = _stranger(site, quantity, system, source, header) if system is not None else None
             if stranger is not None and rule is not None:
                 raise stranger
@@ -218,6 +221,11 @@ def resolve(
         )
     found.sort(key=lambda column: column.quantity != "time")
     return Found(tuple(found), tuple(ignored))
+
+
+def _commanded(site: str, system: System | None) -> bool:
+    """Whether a model has an actuator of that name, or one at a joint of that name."""
+    return system is not None and any(site in (actuator.name, actuator.joint) for actuator in system.actuators)
 
 
 def _clock(headers: Sequence[str], rules: Sequence[Rule]) -> str | None:
@@ -266,7 +274,7 @@ def _left_out(
     """Columns of joints and links that the model has not; refused if nothing else is there, or if they look misspelt."""
     if not strangers or system is None:
         return []
-    if not any(column.quantity not in ("time", "effort") for column in found):
+    if not any(column.quantity not in ("time", *GIVEN) for column in found):
         raise strangers[0][1]
     reasons = []
     for column, fault in strangers:
@@ -302,7 +310,8 @@ def _time_mend(headers: Sequence[str]) -> str:
 def _refuse_misspelt(ours: str, site: str, quantity: str, system: System | None, source: Path) -> None:
     if not site:
         return
-    if get_close_matches(quantity, QUANTITIES, n=1, cutoff=0.75):
+    # What was commanded goes by many names, and mostly is of no model that has actuators.
+    if get_close_matches(quantity, [name for name in QUANTITIES if name != "command"], n=1, cutoff=0.75):
         raise InputError(
             f"{quantity!r} is no quantity of a recording",
             mend=did_you_mean(quantity, QUANTITIES),
@@ -324,6 +333,16 @@ def _stranger(site: str, quantity: str, system: System, source: Path, header: st
     joints = system.joint_names
     links = tuple(link.name for link in system.links)
     wants_joint = quantity in JOINT_QUANTITIES
+    if quantity == "command":
+        known = [*dict.fromkeys(name for actuator in system.actuators for name in (actuator.joint, actuator.name))]
+        if site in known:
+            return None
+        return InputError(
+            f"the model has no actuator {site!r}, and none at a joint {site!r}",
+            mend=did_you_mean(site, known) if known else f"it has none at all: --map '{header}=ignore'",
+            source=source,
+            column=header,
+        )
     if site in (joints if wants_joint else links):
         return None
     kind = "joint" if wants_joint else "link"

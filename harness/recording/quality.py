@@ -6,6 +6,7 @@ import numpy as np
 
 from harness.recording.noise import estimate_noise
 from harness.recording.recording import Recording
+from harness.recording.units import written
 
 
 def quality_table(recording: Recording) -> list[dict[str, str]]:
@@ -37,6 +38,14 @@ def quality_table(recording: Recording) -> list[dict[str, str]]:
             "done": "taken as known",
         }
         for effort in recording.efforts
+    ]
+    rows += [
+        {
+            "channel": command.name,
+            "finding": f"commanded, from {command.values.min():.4g} to {command.values.max():.4g} {written(command.unit)}".rstrip(),
+            "done": "its actuator acts by it",
+        }
+        for command in recording.commands
     ]
     rows += [
         {"channel": note.channel, "finding": f"{note.kind.replace('_', ' ')}: {note.what}", "done": note.done}

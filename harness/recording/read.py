@@ -21,7 +21,7 @@ from harness.recording.folded import unfold
 from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
 from harness.recording.magnitudes import LEAST, without_absurd
-from harness.recording.recording import Channel, QualityNote, Recording
+from harness.recording.recording import GIVEN, Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
 from harness.recording.stale import find_stale
 from harness.recording.stamp_pattern import healed
@@ -103,14 +103,14 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
     for column in columns[1:]:
         channel, seen, steps[column.name] = _channel(column, table, timing, system, file)
         notes += seen
-        (efforts if column.quantity == "effort" else channels).append(channel)
+        (efforts if column.quantity in GIVEN else channels).append(channel)
     if not channels:
         raise InputError(
             "nothing is measured; only efforts are given",
             mend="a position or another measured column is needed",
             source=file,
         )
-    headers = [column.header for column in columns[1:] if column.quantity != "effort"]
+    headers = [column.header for column in columns[1:] if column.quantity not in GIVEN]
     measured = np.array(
         [np.isfinite(grouped_mean(_finite(table.columns[h]), timing.groups, len(timing.time))) for h in headers]
     )
@@ -131,7 +131,8 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
         source=str(file),
         time=constant(time - first),
         channels=tuple(channels),
-        efforts=tuple(efforts),
+        efforts=tuple(c for c in efforts if c.quantity == "effort"),
+        commands=tuple(c for c in efforts if c.quantity == "command"),
         quality=tuple(notes + filled),
         start=timing.start + first + table.origins.get(clock.header, 0.0) * factor,
         clock=clock.header,
@@ -162,8 +163,8 @@ def _with_numbers(columns: Sequence[Column], table: Table, file: Path) -> tuple[
             kept.append(column)
         else:
             notes.append(QualityNote("empty_column", column.name, "holds no number", "left out"))
-    if notes and all(column.quantity in ("time", "effort") for column in kept):
-        lost = next(c for c in columns if c.quantity not in ("time", "effort") and c not in kept)
+    if notes and all(column.quantity in ("time", *GIVEN) for column in kept):
+        lost = next(c for c in columns if c.quantity not in ("time", *GIVEN) and c not in kept)
         raise InputError("holds no number", mend="map another column or remove it", source=file, column=lost.header)
     return tuple(kept), notes
 
@@ -223,7 +224,7 @@ def _channel(
         values = whole if told else values
         notes += told
     step = quantisation_step(values) or _count(table, column, factor)
-    if column.quantity != "effort":
+    if column.quantity not in GIVEN:
         values, stale = find_stale(column.name, timing.time, values, step)
         if stale is not None:
             notes.append(stale)
@@ -236,7 +237,7 @@ def _channel(
     finite = values[np.isfinite(values)]
     if float(np.ptp(finite)) == 0.0:
         notes.append(QualityNote("constant", column.name, f"is {finite[0]:.6g} throughout", "kept", len(finite)))
-    elif column.quantity != "effort":
+    elif column.quantity not in GIVEN:
         equal = float(np.mean(np.diff(finite) == 0.0))
         if step > 0.0 and equal > COARSE_SHARE:
             notes.append(

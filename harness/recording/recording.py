@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from harness.notebook import frame, html_table
 from harness.system.description import Array
 
-JOINT_QUANTITIES = ("position", "velocity", "effort")
+JOINT_QUANTITIES = ("position", "velocity", "effort", "command")
+GIVEN = ("effort", "command")  # inputs, not measured
 LINK_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")
 QUANTITIES = JOINT_QUANTITIES + LINK_QUANTITIES
 
@@ -19,6 +20,7 @@ UNITS = {
     "position": "rad",
     "velocity": "rad/s",
     "effort": "N*m",
+    "command": "1",
     "tip_deflection": "m",
     "root_strain": "1",
     "tip_acceleration": "m/s**2",
@@ -77,7 +79,8 @@ class Recording:
     name: of the file without its endings. source: the file.
     time: [s] from the first sample, ascending, not necessarily even, shape (T,). start: time of the first sample in the file [s].
     clock: the file's column of the time.
-    channels: what was measured. efforts: what was applied; an input, not a measurement.
+    channels: what was measured. efforts: what was applied; an input, not a measurement. commands: what actuators were asked for,
+    in the unit of their control.
     """
 
     name: str
@@ -85,12 +88,13 @@ class Recording:
     time: Array
     channels: tuple[Channel, ...]
     efforts: tuple[Channel, ...] = ()
+    commands: tuple[Channel, ...] = ()
     quality: tuple[QualityNote, ...] = ()
     start: float = 0.0
     clock: str = "time"
 
     def __repr__(self) -> str:
-        names = ", ".join(c.name for c in (*self.channels, *self.efforts))
+        names = ", ".join(c.name for c in self.signals)
         return f"<Recording {self.name!r}: {self.samples} samples over {self.duration:.4g} s, {names}>"
 
     def _repr_html_(self) -> str:
@@ -104,7 +108,7 @@ class Recording:
                 int(np.isfinite(c.values).sum()),
                 c.column,
             )
-            for c in (*self.channels, *self.efforts)
+            for c in self.signals
         ]
         heads = ("channel", "unit", "least", "most", "samples", "column of the file")
         found = "; ".join(f"{note.channel}: {note.what}" for note in self.quality)
@@ -114,7 +118,12 @@ class Recording:
 
     def to_frame(self) -> Any:
         """A ``pandas.DataFrame``, a column a channel or effort in SI, indexed by time [s]; ImportError where pandas is missing."""
-        return frame({"time": self.time, **{c.name: c.values for c in (*self.channels, *self.efforts)}}, index="time")
+        return frame({"time": self.time, **{c.name: c.values for c in self.signals}}, index="time")
+
+    @property
+    def signals(self) -> tuple[Channel, ...]:
+        """Everything over time: what was measured, applied and commanded."""
+        return (*self.channels, *self.efforts, *self.commands)
 
     @property
     def samples(self) -> int:
@@ -142,13 +151,14 @@ class Recording:
             time=self.time[keep] - first,
             channels=tuple(replace(c, values=c.values[keep]) for c in self.channels),
             efforts=tuple(replace(c, values=c.values[keep]) for c in self.efforts),
+            commands=tuple(replace(c, values=c.values[keep]) for c in self.commands),
             quality=(*self.quality, replace(note, count=int(np.count_nonzero(~keep)))),
             start=self.start + first,
         )
 
     def channel(self, name: str) -> Channel:
-        """The measured channel or effort of that name; KeyError if there is none."""
-        for channel in (*self.channels, *self.efforts):
+        """The measured channel, effort or command of that name; KeyError if there is none."""
+        for channel in self.signals:
             if channel.name == name:
                 return channel
         raise KeyError(name)

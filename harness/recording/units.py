@@ -81,6 +81,8 @@ def factor_to_si(
     Raises InputError for words that are no unit, units of another kind, plain numbers and counts, and those that could mean two
     things.
     """
+    if quantity == "command":
+        return _of_command(unit, prismatic, source, column)
     wanted = "s" if quantity == "time" else UNITS[quantity]
     linear = LINEAR_UNITS.get(quantity, "")
     candidates = [linear] if prismatic and linear else [wanted]
@@ -126,6 +128,24 @@ def factor_to_si(
         source=source,
         column=column,
     )
+
+
+def _of_command(unit: str, prismatic: bool | None, source: str | Path | None, column: str | None) -> tuple[float, str]:
+    """A command is a position, a velocity, a force or a plain number, by what its actuator does with it."""
+    if not unit.strip():
+        return 1.0, UNITS["command"]
+    faults = []
+    for quantity in ("position", "velocity", "effort"):
+        try:
+            return factor_to_si(unit, quantity, prismatic=prismatic, source=source, column=column)
+        except InputError as fault:
+            faults.append(fault)
+    raise InputError(
+        f"unit {unit.strip()!r} does not fit a command",
+        mend="rad, rad/s or N*m by what the actuator is asked for, or no unit",
+        source=source,
+        column=column,
+    ) from faults[0]
 
 
 def _is_sane(text: str) -> bool:
@@ -214,6 +234,7 @@ def _examples(quantity: str) -> str:
         "tip_deflection": "m, mm, um",
         "root_strain": "1, microstrain, percent",
         "tip_acceleration": "m/s**2, g",
+        "command": "rad, rad/s, N*m",
     }[quantity]
 
 

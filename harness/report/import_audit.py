@@ -32,9 +32,9 @@ def costs(row: Ignored) -> str:
     """What passing the field over costs, in words."""
     parts = []
     if row.force is not None:
-        parts.append(f"up to {row.force:.3g} N·m or N")
+        parts.append(f"up to {row.force:.3g} {row.units[0]}")
     if row.motion is not None:
-        parts.append(f"{row.motion:.3g} rad or m within 2 s")
+        parts.append(f"{row.motion:.3g} {row.units[1]} within 2 s")
     if parts and not row.force and not row.motion:
         return f"costs nothing in the motions tried ({row.how})"
     return f"costs {' and '.join(parts)} ({row.how})" if parts else f"cost not known ({row.how})"

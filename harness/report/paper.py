@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
 from harness.cases.case import Series
+from harness.cases.paper.study import Study
 from harness.report.figures.lines import lines
 from harness.report.pictures import alone
 
@@ -28,6 +29,22 @@ def drawn(series: Sequence[Series]) -> dict[str, str]:
         name = figure.replace(" ", "-").replace("(", "").replace(")", "").replace("°", "")
         found[f"{name}.svg"] = alone(lines(list(members), name, height=3.6))
     return found
+
+
+def document(what: str, study: Study, numbers: Mapping[str, Any], command: str) -> dict[str, Any]:
+    """A study as plain values, and the command that made it (denoc.paper/1)."""
+    return {
+        "schema": "denoc.paper/1",
+        "what": what,
+        "command": command,
+        "numbers": dict(numbers),
+        "tables": {
+            name: {"heads": list(heads), "rows": [list(row) for row in rows]}
+            for name, (heads, rows) in study.tables.items()
+        },
+        "records": [dict(record) for record in study.records],
+        "series": series_document(study.series),
+    }
 
 
 def series_document(series: Sequence[Series]) -> list[dict[str, Any]]:

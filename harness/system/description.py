@@ -264,7 +264,7 @@ class Attachment:
 
 @dataclass(frozen=True, eq=False)
 class Actuator:
-    """A drive with feedback of its own, as an MJCF states it; it acts in single runs, never in a comparison or a diagnosis.
+    """A drive with feedback of its own, as an MJCF states it; it acts in single runs and in a diagnosis, never in a comparison.
 
     Force at ``joint``: offset + gain · command − stiffness · position − damping · velocity, within lower and upper [N·m or N].
     stiffness, damping: at the joint, gear included. gain: per unit of the command, which is kept within ``commands``.

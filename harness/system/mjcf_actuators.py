@@ -91,8 +91,8 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
         said = _said(actuator)
         if said:
             notes.append(
-                f"actuator {name!r} at joint {actuator.joint!r} has feedback, acting without a command too: {said}; it is left out "
-                "but in `denoc simulate`"
+                f"actuator {name!r} at joint {actuator.joint!r} has feedback, acting without a command too: {said}; it acts in "
+                "`denoc simulate` and `denoc diagnose`, nowhere else"
             )
         elif not _own_terms(model, i):
             silent.append(repr(name))

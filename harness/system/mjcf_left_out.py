@@ -104,7 +104,7 @@ def _compensation(model: Any) -> Iterator[str]:
         more = f" and {len(by_body) - _MOST_NAMED} more" if len(by_body) > _MOST_NAMED else ""
         yield (
             f"gravity compensation differs by body (gravcomp of {', '.join(by_body[:_MOST_NAMED])}{more}): it acts in "
-            "`denoc validate` and `denoc simulate`, `denoc diagnose` lets the whole weight act"
+            "`denoc validate` and `denoc simulate`, `denoc diagnose` refuses it"
         )
     for k in range(model.njnt):
         if model.jnt_actgravcomp[k] and model.jnt_actfrclimited[k]:

@@ -41,6 +41,16 @@ def test_the_same_run_holds():
     assert judgement.rows[0].change == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_reader_that_reads_otherwise_may_be_accepted(tmp_path):
+    """Its rows are skipped and tell by how much it does, which is no figure to hold to."""
+    otherwise = replace(SKIPPED, difference=1.4, allowed=1e-9, note="as read by pinocchio: gravity")
+    file = tmp_path / "robot.json"
+    file.write_text(accepted(ROW, otherwise).to_json())
+    held = read_accepted(file)
+    assert held.rows[SKIPPED.key].difference is None
+    assert judge(results(ROW, otherwise), held).ok
+
+
 def test_rounding_of_another_processor_holds():
     assert not reasons(results(replace(ROW, difference=1.3e-9)), accepted(ROW))
 

@@ -41,6 +41,8 @@ def test_every_extra_that_is_named_is_one_that_pip_knows():
         "platformdirs",
         "distributed",
         "pysindy",
+        "cmaes",
+        "figaroh",
         "example-robot-data",
     }
 

@@ -8,14 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, curve_fit
 
+from harness.cases.paper.rig import flexible
 from harness.cases.pendulums import LENGTH, MASS, paper_inertia, paper_pendulum
 from harness.cli.main import status_of
 from harness.compare.decay import estimate
+from harness.compare.decay.apart import apart
 from harness.compare.decay.bands import bands
+from harness.compare.decay.estimate import departure
 from harness.compare.decay.oscillator import LAWS, losses
+from harness.compare.decay.swings import half_swings
 from harness.engines import registry
 from harness.engines.oscillator import oscillate
+from harness.recording.recording import Channel, Recording
 from harness.system import Attachment
 
 NOISE = 2e-3
@@ -118,6 +124,79 @@ def test_two_bands_are_told_apart_with_their_decays():
         assert band.rate[0] == pytest.approx(rate, rel=0.03)
         assert band.damping_ratio[0] == pytest.approx(rate / (2.0 * math.pi * frequency), rel=0.03)
         assert band.rate[1] - 0.02 * rate < rate < band.rate[2] + 0.02 * rate
+
+
+def dry_amplitudes(first, ratio, shift, count):
+    """Exact turning points of a spring with viscous and dry damping: |x| falls about a rest moved by friction over stiffness."""
+    found = [first]
+    while len(found) < count and found[-1] > 2.0 * shift:
+        found.append((found[-1] - shift) * ratio - shift)
+    return np.array(found)
+
+
+@pytest.mark.parametrize(("viscous", "dry", "duration"), [(0.10, 0.35, 25.0), (0.02, 0.5, 25.0), (0.0, 2.4, 8.0)])
+def test_the_linear_model_departs_when_the_exact_amplitudes_say_so(viscous, dry, duration):
+    """An exponential through the first four swings, off by a tenth for good; the last one stops before the swings are four."""
+    frequency = 1.3
+    circular = 2.0 * math.pi * frequency
+    time, signal = closed_form_decay(viscous, dry, 3, frequency=frequency, duration=duration)
+    damped = math.sqrt(circular**2 - viscous**2 / 4.0)
+    ratio = math.exp(-0.5 * viscous * math.pi / damped)
+    exact = dry_amplitudes(0.4, ratio, dry / circular**2, int(2.0 * frequency * duration))[1:]
+    first = exact[:9]
+    (factor, level), _ = curve_fit(lambda k, c, a: a * c**k, np.arange(float(len(first))), first, (0.95, exact[0]))
+    k = np.arange(len(exact) + 1)
+    off = np.append(np.abs(level * factor ** k[:-1] - exact) > 0.1 * exact, True)
+    expected = (1 + (np.flatnonzero(~off)[-1] + 1)) * math.pi / damped
+    left = departure(half_swings(time, signal, sine=False), until=float(time[-1]))
+    assert left == pytest.approx(expected, abs=0.6 / frequency)
+
+
+def pinned_mode(length, rigidity, per_length, hub):
+    """First bending of a uniform beam on a hinge with a hub: frequency [rad/s], root slope² over modal mass, by Euler-Bernoulli.
+
+    φ = a sin βx + b sinh βx + c (cos βx − cosh βx), φ(0) = 0; EI φ''(0) = −ω² I φ'(0); free at the tip.
+    """
+
+    def conditions(beta):
+        z, square = beta * length, beta**4 * rigidity / per_length
+        sag = 2.0 * rigidity * beta**2
+        return np.array(
+            [
+                [square * hub * beta, square * hub * beta, -sag],
+                [-math.sin(z), math.sinh(z), -math.cos(z) - math.cosh(z)],
+                [-math.cos(z), math.cosh(z), math.sin(z) - math.sinh(z)],
+            ]
+        )
+
+    beta = brentq(lambda b: np.linalg.det(conditions(b)), 3.0 / length, 4.2 / length)
+    a, b, c = np.linalg.svd(conditions(beta))[2][-1]
+    x = np.linspace(0.0, length, 20001)
+    shape = a * np.sin(beta * x) + b * np.sinh(beta * x) + c * (np.cos(beta * x) - np.cosh(beta * x))
+    slope = beta * (a + b)
+    mass = per_length * np.trapezoid(shape**2, x) + hub * slope**2
+    return beta**2 * math.sqrt(rigidity / per_length), slope**2 / mass
+
+
+def test_joint_and_link_are_told_apart():
+    """The joint's part is ξ φ'(0)² / 2ωm of the hinged beam; the link's is what the recording was made with."""
+    system = flexible(damping=2e-4, ratio=0.002)
+    run = (
+        registry.engine("denoc")
+        .build(system)
+        .simulate(np.array([-1.0, 0.0, 0.0, 0.0]), np.zeros(4), np.arange(6001) / 1000.0)
+    )
+    tip = np.asarray(run.channels["rod.tip_deflection"])
+    recording = Recording(
+        "bent", "", run.time, (Channel("pivot.position", "pivot", "position", "rad", run.position[:, 0]),)
+    )
+    circular, share = pinned_mode(0.3, 2.0e11 * 0.025 * 0.001**3 / 12.0, 0.2, 2e-5)
+    found = apart(recording, flexible(damping=0.0, ratio=0.0), bands(run.time, tip)[1])
+    assert circular / (2.0 * math.pi) == pytest.approx(found.frequency, rel=5e-3)  # gravity lifts it a little
+    assert found.joint[0] == pytest.approx(2e-4, rel=3e-3)
+    assert found.by_joint[0] == pytest.approx(2e-4 * share / (2.0 * circular), rel=0.02)
+    assert found.modal[0] == pytest.approx(0.002, rel=0.01)
+    assert found.mode == 1
 
 
 @pytest.fixture

@@ -79,5 +79,5 @@ def test_an_answer_says_what_it_was_made_from():
 
 def test_a_single_recording_serves_for_both():
     (run,) = releases(Rig(), (1.0,), NOISE, 2)
-    told = provenance(nominal(), "rig.urdf", [run], None)
+    told = provenance(nominal(), ["rig.urdf"], [run], None)
     assert [row["role"] for row in told["recordings"]] == ["both"] and told["model"]["file"] == "rig.urdf"

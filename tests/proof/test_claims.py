@@ -2,6 +2,7 @@
 
 import json
 import runpy
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from harness.cli.main import main
 from harness.errors import InputError
 from harness.proof.claims import as_found, read_claims, score_claims, tally
 from harness.proof.export import export
-from harness.proof.run import score_of_claims
+from harness.proof.run import _scored, score_of_claims
 from harness.proof.seal import digest
 
 MODEL = """name = "rig"
@@ -203,6 +204,33 @@ def test_claims_of_a_class_and_of_strange_cases(proof: Path, tmp_path) -> None:
         and row["named_exactly"] == [0, 1]
         and row["heldout_over_noise"] == pytest.approx(2.0)
     )
+    # What a method is not made for counts neither for nor against it.
+    passed_by = {"x": {"skipped": "it is for one joint that turns"}}
+    row = tally(score_claims(passed_by, {"x": answer}), passed_by, {"x": answer})
+    assert (row["asked"], row["failed"], row["not_for_it"], row["named_single"]) == (0, 0, 1, [0, 0])
     assert as_found(None) == {"error": "no answer"}
     with pytest.raises(InputError, match="case-777"):
         score_of_claims(proof, _claims(tmp_path / "d.json", {"case-777": {"findings": []}}))
+
+
+def test_the_diagnosis_stands_beside_its_peers(proof: Path, tmp_path, monkeypatch) -> None:
+    """On the same cases, by the same table: one that says nothing anywhere is right of the clean case alone."""
+    from harness.proof.peers import ask
+
+    out = tmp_path / "proof"
+    shutil.copytree(proof, out)
+    (out / "found").mkdir()
+    told = {"effect": "coulomb_friction", "site": "pivot", "indistinguishable_from": [], "grade": "established",
+            "parameters": {"torque": {"value": 0.0081, "std": 1e-4, "ci95": [0.0079, 0.0083], "unit": "N*m"}}}  # fmt: skip
+    fit = [{"channel": "pivot.position", "augmented": {"heldout_rmse": 2e-3}}]
+    for name, findings in (("single-0", [told]), ("clean-0", [])):
+        verdict = "explained" if findings else "consistent"
+        found = {"verdict": verdict, "findings": findings, "fit": fit, "seconds": 2.0, "mismatch": []}
+        (out / "found" / f"{name}.json").write_text(json.dumps(found))
+    digests = json.loads((out / "digests.json").read_text())
+    monkeypatch.setattr(ask, "PEERS", {"silent": lambda folder: {"findings": []}})
+    rows = ask.compare_peers(out, _scored(out, digests), workers=1)
+    assert list(rows) == ["denoc", "silent"]
+    assert rows["denoc"]["named_single"] == [1, 1] and rows["denoc"]["coverage95"] == [1, 1]
+    assert rows["silent"]["named_single"] == [0, 1] and rows["silent"]["clean_false"] == [0, 1]
+    assert rows["denoc"]["seconds"] == pytest.approx(2.0)

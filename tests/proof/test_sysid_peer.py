@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import harness
-from harness.proof.peers.runs import Run
-from harness.proof.peers.sysid import fit_sysid
+from harness.compare.peers.runs import Run
+from harness.compare.peers.sysid import fit_sysid
 
 mujoco = pytest.importorskip("mujoco")
 try:

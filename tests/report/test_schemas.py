@@ -107,6 +107,7 @@ def test_the_schema_refuses_what_is_not_a_diagnosis(wrong):
         ("view", PENDULUM, "--duration", "0.1"),
         ("audit", STRIP),
         ("doctor",),
+        ("paper", "departure", "--draws", "1", "--seed", "3"),
     ],
     ids=lambda a: a[0],
 )

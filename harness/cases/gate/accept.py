@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
 
+from harness.cases.case import Row
 from harness.cases.gate.accepted import SHARES, Accepted, Entry
 from harness.cases.results import Results
 from harness.errors import InputError
@@ -48,7 +49,7 @@ def accept(
     if not why.strip():
         raise InputError("accepting needs a reason", mend='add --why "what changed and why the new figures are right"')
     _check(results)
-    rows = {row.key: Entry(row.verdict, row.difference, row.allowed, row.unit) for row in results.rows}
+    rows = {row.key: _entry(row) for row in results.rows}
     old = dict(before.rows) if before is not None else {}
     gone = _named(remove, old)
     for row in results.rows:
@@ -91,6 +92,13 @@ def accept(
     shares = dict(before.shares if before is not None else SHARES)
     figures = Accepted({**kept, **rows}, shares, history, recorded)
     return Change(figures, *map(tuple, (added, changed, removed, sorted(kept), loosened)))
+
+
+def _entry(row: Row) -> Entry:
+    """A row as it is kept; what was not possible holds to no figure, though it may tell one."""
+    if row.verdict == "skipped":
+        return Entry(row.verdict, None, None, row.unit)
+    return Entry(row.verdict, row.difference, row.allowed, row.unit)
 
 
 def _check(results: Results) -> None:

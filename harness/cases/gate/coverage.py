@@ -19,7 +19,8 @@ _LAWS = {
     "polynomial_rest": "polynomial",
     "constant_torque": "constant_torque", "cogging_amplitude": "cogging", "cogging_periods": "cogging",
     "cogging_phase": "cogging", "stop_angle": "stop", "stop_stiffness": "stop", "stop_damping": "stop",
-    "stop_inertia": "stop_inertia", "user_scale": "play", "user_1": "play", "user_2": "play", "user_3": "play", "user_4": "play",
+    "stop_inertia": "stop_inertia", "stop_both": "stop_both", "stop_lower": "stop_both",
+    "user_scale": "play", "user_1": "play", "user_2": "play", "user_3": "play", "user_4": "play",
 }  # fmt: skip
 
 _SENSORS = (

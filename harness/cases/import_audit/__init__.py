@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from harness.cases.import_audit.ignored import Ignored, as_dict
+from harness.cases.import_audit.ignored import Ignored, as_dict, units_of
 from harness.cases.import_audit.mjcf import mjcf_fields
 from harness.cases.import_audit.urdf import urdf_fields
 from harness.engines.readers.register import root_of
@@ -25,10 +26,14 @@ def audit_import(path: str | Path, *, physical: bool = True, allow: Sequence[str
     """
     source = Path(path)
     # Runs with a field and without are those of independent joints; what mimics costs is how far they depart.
-    system = one_degree(freed(load(source, physical=physical, allow=allow)), "an audit of readers")
+    read = load(source, physical=physical, allow=allow)
+    system = one_degree(freed(read), "an audit of readers")
     kind = root_of(source)
     if not kind:
         raise InputError("is no URDF or MJCF, and no other engine reads it", mend="give a .urdf or .xml", source=source)
     folders = [Path(folder) for folder in allow]
-    found = (urdf_fields if kind == "robot" else mjcf_fields)(source, system, folders)
-    return tuple(sorted(found, key=lambda row: -max(row.force or 0.0, row.motion or 0.0)))
+    following = sum(joint.mimic is not None for joint in read.joints)
+    found = urdf_fields(source, system, folders) if kind == "robot" else mjcf_fields(source, system, folders, following)
+    units = units_of(system)
+    ordered = sorted(found, key=lambda row: -max(row.force or 0.0, row.motion or 0.0))
+    return tuple(replace(row, units=units) for row in ordered)

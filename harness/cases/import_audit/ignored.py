@@ -16,6 +16,7 @@ from harness.system import System
 from harness.system.check import check_dynamics
 
 ACTS, KEPT, IGNORED = "acts", "kept, never acts", "ignored"
+ALONE = "in single runs and a diagnosis alone"
 # A run of this length [s] from rest in one pose, sampled so; forces at as many random states.
 DURATION, SAMPLES, STATES = 2.0, 201, 8
 
@@ -26,6 +27,7 @@ class Ignored:
 
     force: largest change of a joint force that the field makes, at random states [N·m, or N of a sliding joint]; motion: largest
     change of a joint position in two seconds from rest [rad or m]; None where that cannot be asked. how: what was compared.
+    units: of force and motion, by what joints the model has.
     """
 
     field: str
@@ -35,11 +37,20 @@ class Ignored:
     force: float | None
     motion: float | None
     how: str
+    units: tuple[str, str] = ("N·m or N", "rad or m")
 
 
 def as_dict(row: Ignored) -> dict[str, Any]:
     """The row as plain values."""
-    return {**asdict(row), "readers": dict(row.readers)}
+    return {**asdict(row), "readers": dict(row.readers), "units": list(row.units)}
+
+
+def units_of(system: System) -> tuple[str, str]:
+    """Units of force and motion of a system's joints."""
+    sliding = {joint.prismatic for joint in system.movable_joints}
+    if len(sliding) > 1:
+        return "N·m or N", "rad or m"
+    return ("N", "m") if True in sliding else ("N·m", "rad")
 
 
 def readers(denoc: str, pinocchio: str, mujoco: str) -> dict[str, str]:

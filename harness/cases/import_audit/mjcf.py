@@ -12,6 +12,7 @@ import numpy as np
 from harness.cases.case import Array
 from harness.cases.import_audit.ignored import (
     ACTS,
+    ALONE,
     DURATION,
     IGNORED,
     KEPT,
@@ -40,12 +41,12 @@ class Kind:
     pinocchio: str = IGNORED
 
 
-def mjcf_fields(path: Path, system: System, allow: Sequence[Path] = ()) -> Iterator[Ignored]:
-    """One row for each kind of field that the file has and some reader passes over."""
+def mjcf_fields(path: Path, system: System, allow: Sequence[Path] = (), following: int = 0) -> Iterator[Ignored]:
+    """One row for each kind of field that the file has and some reader passes over; following: equalities that act here."""
     whole = read_by_mujoco(path, system, allow=allow)
     full = _compiled_again(path, system, allow)
     base = _behaviour(full, whole.joints, system)
-    for kind in _kinds(full, system):
+    for kind in _kinds(full, system, following):
         model = _compiled_again(path, system, allow)
         kind.off(model)
         force, motion = _apart(base, _behaviour(model, whole.joints, system))
@@ -63,7 +64,7 @@ def _compiled_again(path: Path, system: System, allow: Sequence[Path]) -> Any:
     return model
 
 
-def _kinds(model: Any, system: System) -> Iterator[Kind]:
+def _kinds(model: Any, system: System, following: int) -> Iterator[Kind]:
     """What the compiled file has of fields that not everybody reads."""
     import mujoco
 
@@ -106,19 +107,20 @@ def _kinds(model: Any, system: System) -> Iterator[Kind]:
         value = f"up to {largest(model.jnt_stiffnesspoly[:, 1]):g}"
         yield Kind("stiffness, x³", value, _column("jnt_stiffnesspoly", 1), ACTS)
     if np.any(model.jnt_limited) and constrained and not disabled(model, "LIMIT"):
-        yield Kind(
-            "joint limits", f"of {int(np.sum(model.jnt_limited))} joint(s)", flag("LIMIT"), "in single runs alone", KEPT
-        )
+        yield Kind("joint limits", f"of {int(np.sum(model.jnt_limited))} joint(s)", flag("LIMIT"), ALONE, KEPT)
     if np.any(model.body_gravcomp) and not disabled(model, "GRAVITY"):
         acts = "acts, as scaled gravity" if uniform_compensation(model) else "acts, but in a diagnosis"
         yield Kind("gravcomp", f"up to {largest(model.body_gravcomp):g}", _without_compensation, acts)
     if model.neq and constrained and not disabled(model, "EQUALITY"):
-        yield Kind("equality", f"{model.neq}", flag("EQUALITY"))
+        acts = IGNORED
+        if following:
+            acts = "acts, joints follow" if following == model.neq else f"{following} of them act: joints follow"
+        yield Kind("equality", f"{model.neq}", flag("EQUALITY"), acts)
     if model.ntendon:
         fields = ("tendon_stiffness", "tendon_damping", "tendon_frictionloss", "tendon_armature", "tendon_limited")
         yield Kind("tendon", f"{model.ntendon}", zero(*fields))
     if model.nactuator and not disabled(model, "ACTUATION"):
-        acts = "in single runs alone" if system.actuators else IGNORED
+        acts = ALONE if system.actuators else IGNORED
         yield Kind("actuator, no command", f"{model.nactuator}", flag("ACTUATION"), acts)
         if largest(model.actuator_armature):
             yield Kind(

@@ -79,7 +79,7 @@ def _limits(system: System) -> Iterator[Ignored]:
             "limit",
             joint.name,
             value,
-            readers(KEPT, KEPT, ACTS),
+            readers("in single runs alone", KEPT, ACTS),
             None,
             beyond,
             "how far a free run goes beyond the limit",

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from harness.cases.beams import PAPER_MASS, PRINTED_MASS, PRINTED_THICKNESS, flexible_pendulum, strip
 from harness.cases.case import NATIVE, Array, Series, thin
+from harness.cases.paper.beside import accelerometer, best_scale, swings, vibrations, wrong_by
 from harness.cases.paper.rig import Run, flexible, release_flexible, release_rigid, rigid
+from harness.cases.paper.study import Study
 from harness.cases.pendulums import LENGTH, paper_inertia, paper_small_frequency
 from harness.compare.decay import estimate
 from harness.compare.decay.bands import bands
@@ -33,16 +34,7 @@ class Fact:
     note: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class Figures:
-    """Lines to draw, figure by figure, and the table of published figures beside ours."""
-
-    series: tuple[Series, ...]
-    facts: tuple[Fact, ...]
-    numbers: Mapping[str, float]
-
-
-def figures() -> Figures:
+def figures() -> Study:
     """Figures 6(a), 6(b), 7(a), 7(b) and every published frequency and damping beside ours."""
     wide, small = release_rigid(rigid(), -HORIZONTAL), release_rigid(rigid(), math.radians(-7.0), duration=20.0)
     bent = release_flexible(flexible(), -HORIZONTAL)
@@ -54,8 +46,13 @@ def figures() -> Figures:
         *_angles("6(b) from 90°", "the accelerometer, released from the horizontal", wide, ("accelerometer",),
                  scaled=numbers["accelerometer_scale_7"]),
         *_tips(bent),
+        *swings(wide, bent, numbers["xi_decrement_90"]),
+        *vibrations(bent),
+        *accelerometer(numbers),
     )  # fmt: skip
-    return Figures(series, tuple(facts), numbers)
+    heads = ("what", "where", "published", "ours", "why")
+    rows = [(fact.what, fact.where, fact.published, fact.ours, fact.note) for fact in facts]
+    return Study({"facts": (heads, rows)}, series, numbers)
 
 
 def _rigid_facts(wide: Run, small: Run, numbers: dict[str, float]) -> list[Fact]:
@@ -74,13 +71,9 @@ def _rigid_facts(wide: Run, small: Run, numbers: dict[str, float]) -> list[Fact]
     numbers["xi_printed"] = read.decrement.printed * inertia
     # What the charge amplifier makes of an angle: best scale and what is left, released from 7° and from 90°.
     for name, run in (("7", small), ("90", wide)):
-        scale, left = _best_scale(run)
+        scale, left = best_scale(run)
         numbers[f"accelerometer_scale_{name}"], numbers[f"accelerometer_left_{name}"] = scale, left
-    by_7 = wide.read["accelerometer"] / numbers["accelerometer_scale_7"]
-    settled = wide.time > 1.0
-    numbers["accelerometer_wrong_90"] = float(
-        np.sqrt(np.mean((by_7 - _in_phase(wide, by_7))[settled] ** 2)) / np.sqrt(np.mean(wide.angle[settled] ** 2))
-    )
+    numbers["accelerometer_wrong_90"] = wrong_by(wide, numbers["accelerometer_scale_7"])
     amplifier = ChargeAmplifier()
     numbers["amplifier_gain"] = abs(amplifier.gain(paper_small_frequency()))
     numbers["felt_share"] = 1.0 - 9.81 / ((2.0 * math.pi * paper_small_frequency()) ** 2 * LENGTH)
@@ -150,36 +143,13 @@ def _mean(found: Swing, until: float) -> float:
     return float(np.count_nonzero(inside) / np.sum(1.0 / found.frequency[inside]))
 
 
-def _in_phase(run: Run, reading: Array) -> Array:
-    """The true angle moved in time to where it fits the reading best: a phase is forgiven."""
-    best, least = run.angle, math.inf
-    for shift in range(-120, 121, 2):
-        moved = np.interp(run.time + shift * (run.time[1] - run.time[0]), run.time, run.angle)
-        miss = float(np.sum((reading - moved)[200:-200] ** 2))
-        if miss < least:
-            best, least = moved, miss
-    return best
-
-
-def _best_scale(run: Run) -> tuple[float, float]:
-    """The factor from angle to reading that leaves least, phase forgiven, and what it leaves relative to the reading."""
-    reading, inner = run.read["accelerometer"], slice(200, -200)
-    best, left = 0.0, math.inf
-    for shift in range(-120, 121, 2):
-        moved = np.interp(run.time + shift * (run.time[1] - run.time[0]), run.time, run.angle)[inner]
-        scale = float(moved @ reading[inner] / (moved @ moved))
-        rest = float(np.sqrt(np.mean((reading[inner] - scale * moved) ** 2) / np.mean(reading[inner] ** 2)))
-        if rest < left and scale > 0.0:
-            best, left = scale, rest
-    return best, left
-
-
 def _angles(figure: str, what: str, run: Run, sensors: tuple[str, ...], scaled: float = 1.0) -> list[Series]:
-    lines = [_line(figure, what, "theory, the angle itself", run.time, np.degrees(run.angle), dashed=True)]
+    lines = []
     for name in sensors:
         label = name if scaled == 1.0 else f"{name} over {scaled:.3f}"
         lines.append(_line(figure, what, label, run.time, np.degrees(run.read[name]) / scaled))
-    return lines
+    # The theory last, so that it is seen on top of a reading that agrees with it.
+    return [*lines, _line(figure, what, "theory, the angle itself", run.time, np.degrees(run.angle), dashed=True)]
 
 
 def _tips(run: Run) -> list[Series]:

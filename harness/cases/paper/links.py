@@ -20,6 +20,7 @@ from harness.engines import registry
 from harness.engines.exudyn_ancf import Ancf
 from harness.engines.protocol import EngineModel
 from harness.errors import EngineUnavailableError, UnsupportedError
+from harness.journal import Journal
 from harness.parallel import parallel_map
 from harness.system import Link, System
 from harness.system.description import constant
@@ -63,6 +64,11 @@ class Motion:
     modes: tuple[int, ...]
     duration: float
     elements: int
+
+    @property
+    def key(self) -> str:
+        """Name of the motion in a study."""
+        return f"{self.kinds} {'driven' if self.driven else 'falling'} {self.shapes} {self.peer}"
 
     def torque(self, time: Array, n: int) -> Array | None:
         """Two periods of a sine of 0.05 N·m at the first joint, (T, n), held from sample to sample."""
@@ -124,30 +130,46 @@ def configurations(kinds: str, angles: Sequence[float], elements: int) -> list[t
     return found
 
 
-def links(*, quick: bool = False, progress: Progress = silent) -> Study:
-    """Tip error against modes for every arm and motion, and frequency against configuration; quick leaves most out."""
-    arms = (ARMS[0], ARMS[2]) if quick else ARMS
+def links(
+    *,
+    quick: bool = False,
+    workers: int | None = None,
+    progress: Progress = silent,
+    journal: Journal | None = None,
+) -> Study:
+    """Tip error against modes for every arm and motion, and frequency against configuration.
+
+    quick: shorter motions, fewer modes, elements and angles.
+
+    journal: keeps each motion's errors as they come; what it has is not run again.
+    """
     modes = MODES[:3] if quick else MODES
     duration, elements = (0.15, 8) if quick else (0.5, 16)
     motions = [
         Motion(kinds, driven, peer, shapes, modes, duration, elements)
-        for kinds in arms
+        for kinds in ARMS
         for driven, shapes in ((False, "auto"), (True, "auto"), (True, "clamped_free"))
         # The floating frame is set up for one beam on the base, and does not stiffen.
         for peer in (("exudyn_ancf", "exudyn_ffrf") if kinds == "F" else ("exudyn_ancf",))
     ]
-    total = len(motions) + 1
-    count = 0
+    kept = {} if journal is None else dict(journal.found)
+    left = [motion for motion in motions if motion.key not in kept]
 
-    def done(index: int, outcome: object) -> None:
-        nonlocal count
-        count += 1
-        progress(count, total, motions[index].kinds)
+    def done(index: int, outcome: tuple[Motion, dict[int, float] | str]) -> None:
+        motion, errors = outcome
+        kept[motion.key] = errors if isinstance(errors, str) else {str(m): error for m, error in errors.items()}
+        if journal is not None:
+            journal.add(motion.key, kept[motion.key])
+        progress(len(kept), len(motions) + 1, left[index].key)
 
-    ran = parallel_map(compared, motions, done=done)
+    parallel_map(compared, left, workers=workers, done=done)
+    ran = [
+        (m, kept[m.key] if isinstance(kept[m.key], str) else {int(k): float(e) for k, e in kept[m.key].items()})
+        for m in motions
+    ]
     angles = np.radians(np.linspace(0.0, 150.0, 4 if quick else 11))
     turned = {kinds: configurations(kinds, angles.tolist(), elements) for kinds in ("FF", "RF")}
-    progress(total, total, "frequencies")
+    progress(len(motions) + 1, len(motions) + 1, "frequencies")
     return _told(ran, turned, modes)
 
 
@@ -176,7 +198,7 @@ def _told(
                 tuple(errors[m] for m in modes),
                 "modes on each strip",
                 "RMS of tip deflection over its peak",
-                style="points",
+                style="dashed" if motion.shapes == "clamped_free" else "line",
                 log="y",
             )
         )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from harness.compare.decay.oscillator import Array
-from harness.compare.decay.swings import HalfSwings, half_swings, white_noise
+from harness.compare.decay.swings import FEWEST, HalfSwings, half_swings, white_noise
 from harness.compare.spectrum import lines, parted
 from harness.errors import InputError
 
@@ -83,9 +83,9 @@ def _band(name: str, time: Array, signal: Array, whole: Array, limits: tuple[flo
         narrow = sosfiltfilt(butter(2, (low, high), btype="bandpass", fs=rate_of_samples, output="sos"), signal)
         noise = raw * float(np.sqrt(2.0 * (high - low) / rate_of_samples))
     found = half_swings(time, narrow, sine=False, noise=noise)
+    if narrow is not signal:
+        found = _away_from(found, 2.0 / strongest[0].frequency, time)
     frequency, amplitude, rate = _decay(found)
-    circular = 2.0 * np.pi * frequency[0]
-    ratio = tuple(value / float(np.hypot(circular, value)) for value in rate)
     return Band(
         name,
         time,
@@ -94,7 +94,7 @@ def _band(name: str, time: Array, signal: Array, whole: Array, limits: tuple[flo
         frequency,
         amplitude,
         rate,
-        (ratio[0], ratio[1], ratio[2]),
+        _ratio(rate, frequency),
         strongest[0].frequency if strongest else None,
     )
 
@@ -102,8 +102,30 @@ def _band(name: str, time: Array, signal: Array, whole: Array, limits: tuple[flo
 Interval = tuple[float, float, float]
 
 
+def _away_from(found: HalfSwings, reach: float, time: Array) -> HalfSwings:
+    """Half-swings further than ``reach`` [s] from both ends, where a narrow filter rings; all of them if hardly any are left."""
+    inside = (found.time > time[0] + reach) & (found.time < time[-1] - reach)
+    if np.count_nonzero(inside) < FEWEST:
+        return found
+    return replace(
+        found,
+        time=found.time[inside],
+        amplitude=found.amplitude[inside],
+        frequency=found.frequency[inside],
+        std=found.std[inside],
+    )
+
+
+def _ratio(rate: Interval, frequency: Interval) -> Interval:
+    """Damping ratio of a decay, with what both widths make of its own."""
+    value = rate[0] / float(np.hypot(2.0 * np.pi * frequency[0], rate[0]))
+    of_rate, of_frequency = (abs(one[2] - one[1]) / 2.0 / max(abs(one[0]), 1e-300) for one in (rate, frequency))
+    reach = abs(value) * float(np.hypot(of_rate, of_frequency))
+    return value, value - reach, value + reach
+
+
 def _decay(found: HalfSwings) -> tuple[Interval, Interval, Interval]:
-    """Frequency, first amplitude and rate of decay by a weighted straight line through the logarithm of the amplitudes."""
+    """Frequency, first amplitude and rate of decay, by weighted straight lines: turning points, logarithms of amplitudes."""
     t, a = found.time - found.time[0], found.amplitude
     weight = a**2
     basis = np.column_stack([np.ones_like(t), -t])
@@ -116,9 +138,14 @@ def _decay(found: HalfSwings) -> tuple[Interval, Interval, Interval]:
     variance = float(scaled @ scaled) / max(1, len(t) - 2) * (1.0 + memory) / (1.0 - memory)
     covariance = np.linalg.inv(normal) * variance
     reach = 1.96 * np.sqrt(np.diagonal(covariance))
-    mean = float(np.sum(weight * found.frequency) / np.sum(weight))
-    spread = float(np.sqrt(np.sum(weight * (found.frequency - mean) ** 2) / np.sum(weight)))
-    wide = 1.96 * spread / np.sqrt(max(1.0, float(np.sum(weight) ** 2 / np.sum(weight**2))))
+    # The frequency by a straight line through the turning points, whose scatter a single half-swing's frequency has twice over.
+    count = np.column_stack([np.ones_like(t), np.arange(len(t), dtype=np.float64)])
+    begin, half = np.linalg.solve(count.T @ (weight[:, None] * count), count.T @ (weight * t))
+    late = np.sqrt(weight) * (t - count @ np.array([begin, half]))
+    kept = float(np.clip(late[1:] @ late[:-1] / max(float(late @ late), 1e-300), 0.0, 0.95))
+    slack = float(late @ late) / max(1, len(t) - 2) * (1.0 + kept) / (1.0 - kept)
+    mean = 0.5 / float(half)
+    wide = mean * 1.96 * float(np.sqrt(np.linalg.inv(count.T @ (weight[:, None] * count))[1, 1] * slack)) / float(half)
     first = float(np.exp(level))
     return (
         (mean, mean - wide, mean + wide),

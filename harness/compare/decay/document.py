@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.compare.decay.apart import Apart
 from harness.compare.decay.bands import Band
 from harness.compare.decay.estimate import Decay
 from harness.compare.decay.oscillator import LAWS, TORQUE_UNITS, UNITS, Array
@@ -84,6 +85,18 @@ def bands_document(found: tuple[Band, ...]) -> list[dict[str, Any]]:
         }
         for band in found
     ]
+
+
+def apart_document(found: Apart) -> dict[str, Any]:
+    """Damping of joint and link, told apart, as plain values."""
+    return {
+        "link": found.link,
+        "mode": found.mode,
+        "frequency": {"value": found.frequency, "unit": "Hz"},
+        "joint": _interval(found.joint, TORQUE_UNITS["viscous"]),
+        "by_joint": _interval(found.by_joint, "1"),
+        "modal": _interval(found.modal, "1"),
+    }
 
 
 def _interval(values: tuple[float, float, float], unit: str) -> dict[str, Any]:

@@ -46,6 +46,7 @@ def envelope(found: HalfSwings, laws: tuple[str, ...] = LAWS) -> Envelope:
     covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * 2.0 * fit.cost / max(1, count - len(start))
     coefficients, std = np.zeros(3), np.zeros(3)
     coefficients[free] = fit.x[1:] * scale[free]
-    std[free] = np.sqrt(np.diagonal(covariance)[1:]) * scale[free]
+    # A pseudo-inverse of what is nearly singular can end a rounding below zero.
+    std[free] = np.sqrt(np.maximum(np.diagonal(covariance)[1:], 0.0)) * scale[free]
     rms = float(first * np.sqrt(2.0 * fit.cost / count))
     return Envelope(coefficients, std, model(fit.x), rms)

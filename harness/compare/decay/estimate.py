@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from harness.compare.decay.decrement import Decrement
 from harness.compare.decay.envelope import Envelope
 from harness.compare.decay.likelihood import Likelihood
 from harness.compare.decay.oscillator import LAWS, Array, amplitudes
-from harness.compare.decay.swings import HalfSwings, half_swings
+from harness.compare.decay.swings import ABOVE_NOISE, HalfSwings, half_swings
 
 # A linear model has left the recording where its amplitude is this far off, relative.
 LEFT = 0.1
@@ -65,36 +65,43 @@ def estimate(time: Array, signal: Array, *, sine: bool | None = None) -> Decay:
     read = by_decrement.decrement(found)
     shape = by_envelope.envelope(found)
     best, tried = by_likelihood.best(t, x, found)
-    return Decay(t, x, found, read, shape, best, tried, departure(found))
+    return Decay(t, x, found, read, shape, best, tried, departure(found, until=float(t[-1])))
 
 
-def departure(found: HalfSwings, *, early: float = 4.0, left: float = LEFT) -> float | None:
+def departure(found: HalfSwings, *, until: float | None = None, early: float = 4.0, left: float = LEFT) -> float | None:
     """When viscous damping read off the first swings left the amplitudes for good by the share ``left`` [s]; None if it has not.
 
-    early: swings that the damping is read off, as the paper does.
+    until: the end of the recording [s], where it goes on behind the last half-swing: what stopped has been left by a model that
+    goes on. early: swings that the damping is read off, as the paper does.
     """
     count = max(4, min(len(found.amplitude), int(2.0 * early) + 1))
-    first = HalfSwings(
-        found.time[:count],
-        found.amplitude[:count],
-        found.frequency[:count],
-        found.std[:count],
-        found.rest,
-        found.sign,
-        found.small,
-        found.noise,
-        found.sine,
+    first = replace(
+        found,
+        time=found.time[:count],
+        amplitude=found.amplitude[:count],
+        frequency=found.frequency[:count],
+        std=found.std[:count],
     )
     linear = by_envelope.envelope(first, ("viscous",))
+    time, amplitude = found.time, found.amplitude
+    beat = float(np.median(np.diff(time)))
+    if until is not None and until - time[-1] > 2.0 * beat:
+        time = np.append(time, time[-1] + beat)
+        amplitude = np.append(amplitude, ABOVE_NOISE * found.noise)  # no half-swing of this size stood out any more
     predicted = amplitudes(
         float(linear.amplitude[0]),
-        len(found.amplitude),
+        len(amplitude),
         linear.coefficients,
         2.0 * np.pi * found.small,
         sine=found.sine,
     )
-    off = np.abs(predicted - found.amplitude) > left * found.amplitude + 3.0 * found.noise
+    off = np.abs(predicted - amplitude) > left * amplitude + 3.0 * found.noise
+    if len(amplitude) > len(found.amplitude):
+        # What is too small to be seen in the prediction as well says nothing.
+        off = (
+            np.append(off[:-1], True) if predicted[-1] > (1.0 + left) * amplitude[-1] + 3.0 * found.noise else off[:-1]
+        )
     if not off[-1]:
         return None
     stays = np.flatnonzero(~off)
-    return float(found.time[stays[-1] + 1 if len(stays) else 0])
+    return float(time[stays[-1] + 1 if len(stays) else 0])

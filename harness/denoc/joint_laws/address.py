@@ -36,17 +36,24 @@ def servo(position: float, velocity: float, time: float, p: Any) -> float:
     return min(max(p[0] - p[1] * position - p[2] * velocity, -p[3]), p[3])
 
 
+def commanded_servo(position: float, velocity: float, time: float, p: Any) -> float:
+    """The same of a drive whose command is recorded: its force beyond the effort p[4] that the command asks for by itself."""
+    return min(max(p[4] + p[0] - p[1] * position - p[2] * velocity, -p[3]), p[3]) - p[4]
+
+
 @functools.lru_cache(maxsize=64)
 def compiled_law(law: Law) -> Any:
     """A law ``(q, qd, t, p) -> force`` of four parameters p as plain code, for as long as what is returned: its ``address``."""
-    return _teeth() if law is teeth else _own(law)
+    if law is teeth:
+        return _teeth()
+    return _own(law, 5 if law is commanded_servo else 4)
 
 
-def _own(function: Law) -> Any:
+def _own(function: Law, size: int) -> Any:
     law = function if hasattr(function, "py_func") else njit(function)
 
     def call(q: float, qd: float, t: float, pointer: Any) -> float:
-        return law(q, qd, t, carray(pointer, (4,)))
+        return law(q, qd, t, carray(pointer, size))
 
     return cfunc(_SIGNATURE)(call)
 

@@ -17,7 +17,9 @@ Generalized force on the joint, on the right-hand side of the equations of motio
 
 R is the magnitude of the force that the joint transmits across its axis (the reaction, which depends on the
 accelerations and so on the friction itself; solved to a fixed point). A stop lies at ``stop_angle`` and bounds the
-side its sign points to. ``armature`` is inertia about the axis (the paper's hub inertia I_h).
+side its sign points to; where ``stop_both`` is 1 it bounds the greater positions whatever its sign, a like one at ``stop_lower``
+the lesser, and the joint has to do with the one on whose side of the middle between them it is.
+``armature`` is inertia about the axis (the paper's hub inertia I_h).
 
 Sources: Stribeck's law in the exponential form of Bo and Pavelescu (Wear 82, 1982); P. Dahl, A solid friction
 model (Aerospace Corporation TOR-0158, 1968); the one-sided spring-damper stop that only pushes is the compliant
@@ -72,6 +74,12 @@ SLOTS = (
     Slot("stop_stiffness", "N·m/rad", "stiffness of the stop"),
     Slot("stop_damping", "N·m·s/rad", "damping of the stop; a stop pushes and never pulls"),
     Slot("stop_inertia", "kg·m²", "inertia that the stop adds to the joint's while it pushes"),
+    Slot(
+        "stop_both",
+        "1",
+        "1 where the joint has a stop at either end of its range, at stop_angle and stop_lower; else 0",
+    ),
+    Slot("stop_lower", "rad", "where the stop at the lower end begins"),
     Slot("user_scale", "1", "factor on the user's own law"),
     Slot("user_1", "SI", "first parameter of the user's own law"),
     Slot("user_2", "SI", "second parameter of the user's own law"),
@@ -108,6 +116,8 @@ STOP_ANGLE = SLOT_NAMES.index("stop_angle")
 STOP_STIFFNESS = SLOT_NAMES.index("stop_stiffness")
 STOP_DAMPING = SLOT_NAMES.index("stop_damping")
 STOP_INERTIA = SLOT_NAMES.index("stop_inertia")
+STOP_BOTH = SLOT_NAMES.index("stop_both")
+STOP_LOWER = SLOT_NAMES.index("stop_lower")
 USER_SCALE = SLOT_NAMES.index("user_scale")
 USER_1 = SLOT_NAMES.index("user_1")
 
@@ -281,7 +291,11 @@ def passive_force(
         force = force + load(laws, start + COGGING_AMPLITUDE * 8) * s
     if flags & HAS_STOP:
         angle = load(laws, start + STOP_ANGLE * 8)
-        side = choose(-angle, -1.0 + 0.0 * angle, 1.0 + 0.0 * angle)
+        lower = load(laws, start + STOP_LOWER * 8)
+        both = load(laws, start + STOP_BOTH * 8)
+        towards = choose(both, 2.0 * q - angle - lower, angle)
+        angle = choose(both, choose(-towards, lower, angle), angle)
+        side = choose(-towards, -1.0 + 0.0 * angle, 1.0 + 0.0 * angle)
         push = load(laws, start + STOP_STIFFNESS * 8) * (side * (q - angle))
         push = push + load(laws, start + STOP_DAMPING * 8) * (side * v)
         force = force - side * push * contact
@@ -306,7 +320,13 @@ def stop_gap(laws: Any, start: int, lane: int, q: float, v: float, vdot: float) 
     vdot: the acceleration, in contact or out of it: the push that it leads to has the same sign either way.
     """
     angle = laws[start + STOP_ANGLE * 8 + lane]
-    side = -1.0 if angle < 0.0 else 1.0
+    towards = angle
+    if laws[start + STOP_BOTH * 8 + lane] > 0.0:
+        lower = laws[start + STOP_LOWER * 8 + lane]
+        towards = 2.0 * q - angle - lower
+        if towards < 0.0:
+            angle = lower
+    side = -1.0 if towards < 0.0 else 1.0
     depth = side * (q - angle)
     push = laws[start + STOP_STIFFNESS * 8 + lane] * depth + laws[start + STOP_DAMPING * 8 + lane] * side * v
     return min(depth, push + laws[start + STOP_INERTIA * 8 + lane] * side * vdot)

@@ -479,7 +479,10 @@ def _accelerate_modes(tree: Any, ws: Any, n: int, i: int) -> None:
 
 @inner
 def user_forces(laws: Any, ws: Any, user: int, time: int, j: int, start: int) -> Any:
-    """The user's own law, called lane by lane; eight forces in the scratch vector."""
+    """The user's own law, called lane by lane; eight forces in the scratch vector.
+
+    Behind its four parameters stands the effort that is applied at the joint, which a drive keeps within its range.
+    """
     scratch = time + (SCRATCH - TIME) * 8
     for lane in range(8):
         first = start + lane
@@ -488,6 +491,8 @@ def user_forces(laws: Any, ws: Any, user: int, time: int, j: int, start: int) ->
         if scale != 0.0 and user != 0:
             for p in range(4):
                 ws[scratch + 8 + p] = laws[first + (law.USER_1 + p) * 8]
+            late = ws[time + lane] - ws[time + (TAU_TIME - TIME) * 8 + lane]
+            ws[scratch + 12] = ws[j + TAU * 8 + lane] + ws[j + TAU_SLOPE * 8 + lane] * late
             value = scale * call_at(
                 user, ws[j + Q * 8 + lane], ws[j + QD * 8 + lane], ws[time + lane], address_of(ws, scratch + 8)
             )

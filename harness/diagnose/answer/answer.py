@@ -377,7 +377,7 @@ def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) 
         for column, joint in enumerate(outcome.problem.system.joint_names):
             tau[:, coordinates.index(joint)] = np.interp(time, stamps, run.effort[:, column])
     position, velocity = (dict(zip(names, part.tolist(), strict=True)) for part in np.split(state, 2))
-    return Opening(run.name, position, velocity, time, tau, noise, outcome.predictor.hold)
+    return Opening(run.name, position, velocity, time, tau, noise, outcome.predictor.hold, run.payload)
 
 
 def _differing_in(study: Study, best: Fit, claim: Claim, rival: Candidate) -> tuple[Fit, Fit | None]:

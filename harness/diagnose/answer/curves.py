@@ -13,6 +13,7 @@ from scipy.signal import savgol_filter, welch
 from harness.denoc.model import Denoc
 from harness.diagnose.criticism.locate import raw_residuals
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.acting import feedback
 from harness.diagnose.problem.drive import Drive
 from harness.diagnose.selection.investigation import Outcome, judge
 from harness.effects.scale import references, swings
@@ -160,9 +161,12 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
         values = np.stack([np.interp(grid, run.time, np.nan_to_num(run.values[c])) for c in channels], axis=1)
         q, qd, qdd = (savgol_filter(values, width, 3, deriv=d, delta=step, axis=0) for d in (0, 1, 2))
         torque = model.inverse_dynamics_batch(q, qd, qdd)
+        effort = None
         if run.effort is not None:
             drive = Drive(run, run.effort.T, held=problem.held)
-            torque -= np.stack([drive.at(grid - run.time[0], j) for j in range(run.effort.shape[1])], axis=1)
+            effort = np.stack([drive.at(grid - run.time[0], j) for j in range(run.effort.shape[1])], axis=1)
+            torque -= effort
+        torque -= feedback(problem.system, q, qd, effort)
         inner = slice(width, len(grid) - width, max(1, len(grid) * len(problem.train) // MOST_POINTS))
         rows.append((q[inner], qd[inner], torque[inner]))
     if not rows:
@@ -179,7 +183,7 @@ def _energy(outcome: Outcome, residuals: Sequence[Residuals]) -> tuple[Energy, .
     """Loss between successive rests, from the height of the turning points; free motion of a single joint only."""
     system = outcome.problem.system
     channels = _positions(outcome)
-    if system.flexible or channels is None or len(channels) != 1 or outcome.problem.driven:
+    if system.flexible or channels is None or len(channels) != 1 or outcome.problem.driven or system.drives:
         return ()
     model = Denoc(system)
     joint = system.joint_names[0]

@@ -13,16 +13,19 @@ from harness.system import System
 
 
 def provenance(
-    system: System, model: str | Path | System, recordings: Sequence[Recording], held: Recording | None
+    system: System, models: Sequence[str | Path | System], recordings: Sequence[Recording], held: Recording | None
 ) -> dict[str, Any]:
-    """Plain data; ``role`` of a recording: "training", "held out", or "both" where the end of a single one is held out."""
+    """Plain data; models: one for all recordings or one each.
+
+    ``role`` of a recording: "training", "held out", or "both" where the end of a single one is held out.
+    """
     every = [*recordings, *([held] if held is not None else [])]
     last = len(every) - 1
     roles = ["both"] if last == 0 else ["training"] * last + ["held out"]
     return {
         "version": engine("denoc").version(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "model": {"name": system.name, "file": "" if isinstance(model, System) else str(model)},
+        "model": {"name": system.name, "file": _file(models[0])},
         "recordings": [
             {
                 "recording": recording.name,
@@ -31,7 +34,12 @@ def provenance(
                 "duration": recording.duration,
                 "interval": recording.interval,
                 "role": role,
+                **({"model": _file(models[k])} if len(models) > 1 else {}),
             }
-            for recording, role in zip(every, roles, strict=True)
+            for k, (recording, role) in enumerate(zip(every, roles, strict=True))
         ],
     }
+
+
+def _file(model: str | Path | System) -> str:
+    return str(model.source or "") if isinstance(model, System) else str(model)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from harness.cases.case import NATIVE
 from harness.cases.single_run import run_once
+from harness.diagnose.problem.payloads import carrying
 from harness.effects import catalogue
 from harness.engines.expressed import bends, realised
 from harness.engines.registry import availability
@@ -35,6 +36,7 @@ class Opening:
     position, velocity: by coordinate name, effects' own coordinates included [rad or m, rad/s or m/s]. time: of the samples [s],
     from 0, (T,). tau: efforts as recorded, (T, n) in the order of the nominal system's coordinates, or None. hold: how they act
     between samples, as the recordings showed. noise: standard deviation of a channel's sensor by name.
+    payload: what links carry more in this recording than in the model.
     """
 
     recording: str
@@ -44,6 +46,7 @@ class Opening:
     tau: Array | None
     noise: Mapping[str, float]
     hold: str = "zero"
+    payload: Mapping[str, Array] = field(default_factory=dict)
 
 
 def replay(system: System, opening: Opening) -> tuple[dict[str, Any], ...]:
@@ -52,6 +55,7 @@ def replay(system: System, opening: Opening) -> tuple[dict[str, Any], ...]:
     Returns, per engine, the channel in which they differ most beside its noise, the RMS difference there and that noise, or why the
     engine was left out. Sensors and inputs are the same in all of them.
     """
+    system = carrying(system, opening.payload)
     try:
         native = _columns(system, opening, NATIVE)
     except InputError as error:

@@ -111,7 +111,7 @@ def transitions(
     """Sensitivities (W, 2n, 2n) of the final to the initial states (2n,) of windows under nominal quantities ``x``, in units of
     one radian and ``rate`` [rad/s]."""
     hypothesis = Hypothesis()
-    mechanism, row = predictor.mechanism(hypothesis), predictor.row(hypothesis, x)
+    mechanism = predictor.mechanism(hypothesis)
     n = len(states[0])
     half = n // 2
     units = np.concatenate([np.ones(half), np.full(half, rate)])
@@ -128,7 +128,7 @@ def transitions(
             lanes = [(0, windows[k], states[k]) for k in places]
             tau = np.repeat(predictor.efforts(hypothesis, x[None, :], mechanism, lanes, grid.own), n + 1, axis=0)
         motion = mechanism.model.simulate(
-            row, starts[:, :half], starts[:, half:], grid.own,
+            predictor.row_in(hypothesis, x, windows[places[0]].run), starts[:, :half], starts[:, half:], grid.own,
             tau=tau, hold=predictor.hold, tolerance=predictor.tolerance, threads=predictor.threads,
         )  # fmt: skip
         q, qd, _ = hermite(grid, *motion)

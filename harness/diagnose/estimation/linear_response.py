@@ -87,7 +87,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     n = len(mechanism.names)
     grid = predictor.grid(window, predictor.margin(fitted.hypothesis))
     time = grid.own
-    row = predictor.row(fitted.hypothesis, fitted.x)
+    row = predictor.row_in(fitted.hypothesis, fitted.x, window.run)
     state = fitted.states[window]
     run = predictor.runs[window.run]
     offset = run.date(window.first)

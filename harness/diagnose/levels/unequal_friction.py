@@ -193,7 +193,7 @@ def _level_change(study: Study, fitted: Fit, motion: Response, joints: tuple[str
     predictor = study.predictor
     mechanism = predictor.mechanism(fitted.hypothesis)
     model, n = mechanism.model, len(mechanism.names)
-    rows = np.tile(predictor.row(fitted.hypothesis, fitted.x), (2, 1))
+    rows = np.tile(predictor.row_in(fitted.hypothesis, fitted.x, motion.window.run), (2, 1))
     for joint in joints:
         for slot in SLOTS:
             rows[1, model.slot(joint, slot)] *= 1.0 + STEP

@@ -24,6 +24,7 @@ from harness.diagnose.prediction.stiff_runs import StiffRuns
 from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.grid import Grid, hermite, make_grid
 from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.payloads import SLOTS
 from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
 from harness.diagnose.problem.windows import Window
 from harness.effects.attach import sensor_chain
@@ -92,6 +93,8 @@ class Predictor(Mechanisms):
         # Of candidates by key, where it is another one than usual; see ``search_ends``.
         self.reach: dict[str, float] = {}
         self._stiff: StiffRuns | None = None
+        self._carrying = any(run.payload for run in problem.runs)
+        self._payloads: dict[tuple[int, int], Array] = {}
 
     @property
     def hold(self) -> str:
@@ -107,6 +110,20 @@ class Predictor(Mechanisms):
         other = copy(self)
         other.problem, other.runs, other._recorded = problem, problem.runs, RecordedEfforts(problem, other)
         return other
+
+    def payload(self, mechanism: Mechanism, run: int) -> Array:
+        """What is added to a mechanism's rows (P,) for what links carry in a run."""
+        key = (id(mechanism), run)
+        if key not in self._payloads:
+            added = np.zeros(mechanism.model.P)
+            for link, change in self.runs[run].payload.items():
+                added[[mechanism.model.slot(link, name) for name in SLOTS]] = change
+            self._payloads[key] = added
+        return self._payloads[key]
+
+    def row_in(self, hypothesis: Hypothesis, x: Array, run: int) -> Array:
+        """Parameter row of one lane of a run, what its links carry included."""
+        return self.row(hypothesis, x) + self.payload(self.mechanism(hypothesis), run)
 
     def shortened(self, hypothesis: Hypothesis) -> bool:
         """Whether runs of the hypothesis may be in such steps: those of what has coordinates besides its joints."""
@@ -194,6 +211,8 @@ class Predictor(Mechanisms):
         lanes_of = {k: [requests[k].lanes[i] for i in own] for k, own in by_request.items()}
         for k, lanes in lanes_of.items():
             mine = asked[k].rows[[row for row, _, _ in lanes]]
+            if self._carrying:
+                mine += np.array([self.payload(mechanism, window.run) for _, window, _ in lanes])
             if start == 0.0:
                 self._shift_shaking(mechanism.model, mine, [window for _, window, _ in lanes])
             rows.append(mine)

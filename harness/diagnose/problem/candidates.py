@@ -80,6 +80,8 @@ def _on_its_own(effect: Effect, system: System, site: str) -> Effect:
 
 def _possible(candidate: Candidate, system: System) -> bool:
     """Whether the native dynamics can express the effect in this system."""
+    if candidate.effect.name == "end_stop" and candidate.site in [stop.joint for stop in system.stops]:
+        return False  # a joint has one place for stops
     reshape = candidate.effect.reshape
     if reshape is None:
         return True

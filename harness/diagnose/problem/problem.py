@@ -8,8 +8,8 @@ that is held out goes on in the recording's time: a drift, a shaken base and wha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -54,6 +54,7 @@ class Run:
     effort: known generalized forces at the movable joints [N·m or N], shape (T, joints), or None when free.
     interval: median sampling interval [s]. averaged: recorded samples behind each value.
     since: how long before the first sample the recording had begun, with its sensors and whatever goes by the time [s].
+    payload: what links carry more in it than in the problem's system (``problem.payloads``).
     """
 
     name: str
@@ -63,6 +64,7 @@ class Run:
     interval: float
     averaged: int = 1
     since: float = 0.0
+    payload: Mapping[str, Array] = field(default_factory=dict)
 
     def date(self, sample: int) -> float:
         """Time of a sample from the beginning of the recording, what is not part of this run included [s]."""
@@ -113,12 +115,18 @@ class Problem:
 
 
 def pose(
-    system: System, recordings: Sequence[Measured], *, heldout: Measured | None = None, finest_rate: float = 260.0
+    system: System,
+    recordings: Sequence[Measured],
+    *,
+    heldout: Measured | None = None,
+    finest_rate: float = 260.0,
+    payloads: Sequence[Mapping[str, Array]] = (),
 ) -> Problem:
     """Put recordings of a system into the form the fit works on.
 
     heldout: recording judged on; by default the last of several, or the last 30 % of a single one.
-    finest_rate: samples beyond this rate [Hz] are averaged in blocks.
+    finest_rate: samples beyond this rate [Hz] are averaged in blocks. payloads: what links carry more than in the system, of every
+    recording in turn, the one held out last.
     Raises InputError for recordings that share no channel with each other or with the system.
     """
     if not recordings:
@@ -149,19 +157,17 @@ def pose(
         )
     derived = {info.name for info in infos if info.quantity == "velocity" and _is_derived(info.site, recordings)}
     infos = [info for info in infos if info.name not in derived]
-    runs = [_run(system, tuple(infos), recording, k) for k, recording in enumerate(recordings)]
+    carried = payloads or [{}] * (len(recordings) + 1)
+    runs = [
+        replace(_run(system, tuple(infos), recording, k), payload=carried[k]) for k, recording in enumerate(recordings)
+    ]
     steps = tuple(_resolution([run.values[c] for run in runs]) for c in range(len(infos)))
     every = [*recordings, *([heldout] if heldout is not None else [])]
     finest_rate = min(finest_rate, _affordable_rate(system, every))
     runs = [_thin(run, finest_rate) for run in runs]
     if heldout is not None:
-        return Problem(
-            system,
-            tuple(infos),
-            tuple(runs),
-            (_thin(_run(system, tuple(infos), heldout, len(runs)), finest_rate),),
-            steps=steps,
-        )
+        judged = replace(_run(system, tuple(infos), heldout, len(runs)), payload=carried[len(runs)])
+        return Problem(system, tuple(infos), tuple(runs), (_thin(judged, finest_rate),), steps=steps)
     if len(runs) > 1:
         return Problem(system, tuple(infos), tuple(runs[:-1]), (runs[-1],), steps=steps)
     only = runs[0]

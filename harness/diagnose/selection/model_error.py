@@ -25,7 +25,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.estimation.misfit import Misfit, misfit, squares
-from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.objective import LOST, Objective
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -39,10 +39,8 @@ SETTLED = 0.2  # relative change of a variance, or of samples that count as one,
 ROUNDS = 5  # of estimating the force and weighing again
 SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
-MOSTLY = 0.2  # of what the nominal model leaves (RMS), that ordinary dissipation leaves where it is most of the answer
-FAR_LESS = (
-    10.0  # times less that one error of a known shape has to leave than any set, to be what laws only stand in for
-)
+LINEAR = 0.2  # of what laws leave (RMS), by which a linear view of an error that would explain it may be wrong
+ABREAST = 2  # sets that members are left out of side by side: of two that are as good, one may have the wrong law
 LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
 
@@ -105,22 +103,22 @@ def begun_ordinary(
     structure: Structure,
     reached: list[Study],
 ) -> tuple[Study, list[Fit]] | None:
-    """The same at once where ordinary dissipation is most of the answer, and still leaves far more than noise; None elsewhere.
+    """The same at once where ordinary dissipation is part of the answer, and still leaves far more than noise; None elsewhere.
 
     The noise would there have a search among ever stranger sets, each of them far more than significant. As laws are found the
     force shrinks, and more of them show beside it (a graduated search; Blake and Zisserman, Visual Reconstruction (1987)).
     short: the fit of ordinary dissipation on short windows, where it has no wrong valleys.
     """
-    empty, usual = study.empty(), everywhere(study, short)
+    usual = everywhere(study, short)
     if usual is None:
         return None
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = _as_scattered(study)
-    before, after = (_under(rough, study, f).residuals([(f.x, f.states)])[0][0] for f in (empty, usual))
-    if after > MOSTLY**2 * before or after < LOUD**2 * rough.samples(study.windows):
+    after = _under(rough, study, usual).residuals([(usual.x, usual.states)])[0][0]
+    if after < LOUD**2 * rough.samples(study.windows):
         return None
-    return under_model_error(study, [usual, empty], period, effort, progress, structure, reached, early=True)
+    return under_model_error(study, [usual, study.empty()], period, effort, progress, structure, reached, early=True)
 
 
 def _under(likelihood: Likelihood, study: Study, fitted: Fit) -> Objective:
@@ -181,11 +179,14 @@ def under_model_error(
         if settled:
             break
     if early:
-        # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone.
-        part = study.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
+        # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone. The colour
+        # of noise that was estimated beside a nominal model that is far off could explain anything.
+        alone = study.unfitted(rough)
+        part = alone.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
         while part.hypothesis.members:
-            part = min((study.below(part, k) for k in range(len(part.hypothesis.members))), key=study.criterion)
-        if not _shapeless(study, weighed(study, ways, ranked[0]).value, structure):
+            part = min((alone.below(part, k) for k in range(len(part.hypothesis.members))), key=alone.criterion)
+        own = weighed(alone, answers(alone, ranked[0], period), ranked[0])
+        if not _shapeless(alone, own.value, structure):
             return None
     wider = study.unfitted(taken.likelihood)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
@@ -226,13 +227,16 @@ def _shapeless(study: Study, value: float, structure: Structure) -> bool:
     """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
 
     A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
-    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves far
-    less beside some laws than any set does: the others then only stand in for it.
+    an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves as
+    little beside some laws, held against what any set leaves, as a linear view of it may be wrong by: it may then leave nothing,
+    and the others only stand in for it.
     """
     lowest = min(fitted.score for fitted in study.fits.values())
     for fitted in _best_of_each_size(study):
+        if fitted.score >= LOST:
+            continue
         worth = structure(study, fitted)
-        if fitted.score - worth < lowest / FAR_LESS:
+        if fitted.score - worth < LINEAR**2 * lowest:
             return False
         explained = fitted.score - worth < HOPELESS * study.samples
         if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
@@ -268,7 +272,7 @@ def least(
     ordered: Sequence[Fit],
     progress: Callable[[str], None],
 ) -> Fit:
-    """The likeliest set, what it leaves as loud as it is, of those found and the best one's parts, member after member left out.
+    """The likeliest set, what it leaves as loud as it is, of those found and the best ones' parts, member after member left out.
 
     together: samples of every channel that err together.
     """
@@ -281,16 +285,20 @@ def least(
         own = np.sum(sizes / np.array(together) * (np.log(variance) + left / sizes / variance))
         return float(own) + study.criterion(fitted) - fitted.cost
 
-    def least_of(fits: Sequence[Fit]) -> tuple[float, Fit]:
-        return min(((value(fitted), fitted) for fitted in fits), key=lambda pair: pair[0])
+    def likeliest(fits: Sequence[Fit]) -> list[tuple[float, Fit]]:
+        return sorted(((value(fitted), fitted) for fitted in fits), key=lambda pair: pair[0])[:ABREAST]
 
-    lowest, best = least_of(ordered[:COMPARED])
-    while best.hypothesis.members:
+    front = likeliest(ordered[:COMPARED])
+    lowest, best = front[0]
+    while front:
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
-        plainer = [study.below(best, k) for k in range(len(best.hypothesis.members))] + specialized(study, best)
-        least_there, smaller = least_of(plainer)
-        if least_there >= lowest:
-            break
-        lowest, best = least_there, smaller
-        progress(" + ".join(best.hypothesis.keys) or "nothing")
+        shorter: dict[frozenset[str], Fit] = {}
+        for above, fitted in front:
+            members = range(len(fitted.hypothesis.members))
+            plainer = [study.below(fitted, k) for k in members] + specialized(study, fitted)
+            shorter |= {f.hypothesis.identity: f for f in plainer if value(f) < above}
+        front = likeliest(list(shorter.values()))
+        if front and front[0][0] < lowest:
+            lowest, best = front[0]
+            progress(" + ".join(best.hypothesis.keys) or "nothing")
     return best

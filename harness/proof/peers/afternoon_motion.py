@@ -1,8 +1,10 @@
-"""Equations of motion for the practitioner's fit, written without the native dynamics: what a peer stands on is its own.
+"""Equations of motion for the practitioner's fit, written without the native dynamics: what a peer stands on is its
+own.
 
-One joint is solved in closed form: inertia J, and a force by gravity of a cos q + b sin q + c. More are solved in world frames by
-Newton and Euler (Featherstone 2008, chapter 2), bodies that hang on fixed joints merged; tests hold them against Pinocchio.
-Dry friction is smoothed, torque · tanh(v / v_s), and integrated by the classical Runge-Kutta method at a fixed step.
+One joint is solved in closed form: inertia J, and a force by gravity of a cos q + b sin q + c. More are solved in world
+frames by Newton and Euler (Featherstone 2008, chapter 2), bodies that hang on fixed joints merged; tests hold them
+against Pinocchio. Dry friction is smoothed, torque · tanh(v / v_s), and integrated by the classical Runge-Kutta method
+at a fixed step.
 """
 
 from __future__ import annotations
@@ -26,10 +28,9 @@ MOST_STEPS = 40  # between two samples
 class Bodies:
     """Joints in our order, each with all that rides on it.
 
-    parent: index of the joint it rides on or −1, (n,). rotation, place: of the joint in its parent's frame at zero,
-    (n, 3, 3), (n, 3).
-    axis: (n, 3). slides: whether prismatic, (n,). mass (n,); com (n, 3) and inertia about it (n, 3, 3) in the joint's frame.
-    gravity: (3,). armature: (n,).
+    parent: index of the joint it rides on or −1, (n,). rotation, place: of the joint in its parent's frame at zero, (n,
+    3, 3), (n, 3). axis: (n, 3). slides: whether prismatic, (n,). mass (n,); com (n, 3) and inertia about it (n, 3, 3)
+    in the joint's frame. gravity: (3,). armature: (n,).
     """
 
     parent: NDArray[np.int64]
@@ -122,7 +123,8 @@ def mass_and_bias(
     matrix: Array,
     bias: Array,
 ) -> None:
-    """Into ``matrix`` (n, n) the mass matrix without armature, into ``bias`` (n,) the forces that hold the motion unaccelerated."""
+    """Into ``matrix`` (n, n) the mass matrix without armature, into ``bias`` (n,) the forces that hold the motion
+    unaccelerated."""
     n = len(q)
     origin, along, spin, spin_rate, rate, linear = (
         vectors[0],
@@ -350,8 +352,8 @@ def _many_joints(
 class Law:
     """What the practitioner's model says beside the nominal one, each (n,) in SI.
 
-    inertia: factor on each joint's own inertia at zero position. gravity: factor on gravity, one for all.
-    viscous, dry, drag: of v, of the smoothed sign of v, of v|v|. zero: what the angle reads too much. constant: a force that the
+    inertia: factor on each joint's own inertia at zero position. gravity: factor on gravity, one for all. viscous, dry,
+    drag: of v, of the smoothed sign of v, of v|v|. zero: what the angle reads too much. constant: a force that the
     joint feels always. soft: speed over which dry friction sets in [rad/s or m/s].
     """
 

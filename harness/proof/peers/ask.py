@@ -13,20 +13,28 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from harness.errors import missing_package
 from harness.parallel import parallel_map
 from harness.proof.claims import score_claims, tally
 from harness.proof.concealments import CONCEALMENTS
+from harness.proof.peers.figaroh import figaroh_claims
 from harness.proof.peers.greedy import greedy_claims
 from harness.proof.peers.practitioner import practitioner_claims
 from harness.proof.peers.regression import regression_claims
+from harness.proof.peers.runs import NotForIt
+from harness.proof.peers.servo_friction import servo_claims
 from harness.proof.peers.sysid import sysid_claims
 from harness.proof.score import CaseScore
 from harness.proof.seal import unseal
 
+OURS = "denoc"
 PEERS: dict[str, Callable[[Path], dict[str, Any]]] = {
     "mujoco.sysid": sysid_claims,
     "practitioner": practitioner_claims,
+    "BAM's ladder": servo_claims,
+    "FIGAROH": figaroh_claims,
     "greedy forward selection": greedy_claims,
     "pysindy": regression_claims,
 }
@@ -39,12 +47,15 @@ def ask(folder: Path, peer: str) -> dict[str, Any]:
         return {**PEERS[peer](folder), "seconds": round(time.perf_counter() - began, 1)}
     except ImportError as error:
         return {"skipped": str(missing_package(error) or f"not installed: {error}")}
+    except NotForIt as error:
+        return {"skipped": str(error)}
     except Exception as error:  # a peer may fail in any way; the proof says so and goes on
         return {"error": f"{type(error).__name__}: {error}"}
 
 
 def to_ask(scores: Sequence[CaseScore], most: int) -> list[CaseScore]:
-    """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, all in the order of the draw.
+    """Cases that peers are asked about: clean ones, half of ``most`` at most, then single effects, all in the order of
+    the draw.
 
     What a model states as an effect cannot be handed to them, nor can links that bend.
     """
@@ -64,13 +75,14 @@ def compare_peers(
     progress: Callable[[str, int, int], None] | None = None,
     most: int = 40,
 ) -> dict[str, Any]:
-    """What each peer claims on clean cases and on those with one effect, a ``tally`` each.
+    """What each peer claims on clean cases and on those with one effect, a ``tally`` each; the diagnosis itself beside them.
 
     most: cases asked of each peer, see ``to_ask``.
     """
     chosen = to_ask(scores, most)
     digests = json.loads((out / "digests.json").read_text(encoding="utf-8"))
     result: dict[str, Any] = {}
+    found = {s.name: own(out, s.name) for s in chosen}
     for peer in PEERS:
         saved = out / "peers" / f"{peer.replace(' ', '_')}.json"
         said = json.loads(saved.read_text(encoding="utf-8"))["cases"] if saved.exists() else {}
@@ -103,8 +115,21 @@ def compare_peers(
             )
         # Answers are opened only now that everything has been said.
         answers = {s.name: unseal(s.name, out / "sealed", digests[s.name]) for s in chosen}
-        result[peer] = tally(score_claims(said, answers), said, answers)
+        asked = {name: what for name, what in said.items() if name in answers}
+        result.setdefault(OURS, tally(list(chosen), found, answers))
+        result[peer] = tally(score_claims(asked, answers), asked, answers)
     return result
+
+
+def own(out: Path, name: str) -> dict[str, Any]:
+    """What was found of a case, as far as a tally asks for it beside its score: error held out [rad] and seconds."""
+    found = json.loads((out / "found" / f"{name}.json").read_text(encoding="utf-8"))
+    errors = [row["augmented"]["heldout_rmse"] for row in found.get("fit", ()) if row["channel"].endswith(".position")]
+    known = [e for e in errors if e is not None]
+    return {
+        "heldout_rmse": float(np.sqrt(np.mean(np.square(known)))) if known else None,
+        "seconds": found.get("seconds"),
+    }
 
 
 def _save(path: Path, peer: str, said: dict[str, Any]) -> None:

@@ -9,10 +9,11 @@ import numpy as np
 
 
 def greedy_claims(folder: Path) -> dict[str, Any]:
-    """Greedy forward selection over the whole catalogue: the best effect is added as long as BIC falls, on training data alone.
+    """Greedy forward selection over the whole catalogue: the best effect is added as long as BIC falls, on training
+    data alone.
 
-    The usual recipe of identification: same simulator and likelihood as the diagnosis, but no backward step, no data held
-    out, no test of what remains.
+    The usual recipe of identification: same simulator and likelihood as the diagnosis, but no backward step, no data
+    held out, no test of what remains.
     """
     import harness
     from harness.diagnose.estimation.likelihood import Likelihood

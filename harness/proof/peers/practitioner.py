@@ -1,11 +1,12 @@
-"""What a strong practitioner does in an afternoon: SciPy's least squares on free runs, a handful of laws, choice by data held out.
+"""What a strong practitioner does in an afternoon: SciPy's least squares on free runs, a handful of laws, choice by
+data held out.
 
-Freed at every joint are its inertia (a factor), viscous damping, smoothed dry friction, drag over speed squared and the zero of the
-angle (a constant force where gravity does not tell the angle); where the rig is driven, a factor on gravity too, as two of inertia,
-gravity and torque then show. Runs, or windows of them, have initial states of their own, fitted beside the laws.
-From several starts,
-with short windows first, which keeps long runs out of the valleys where they lose count of the swings. Which of the three laws of
-dissipation stay is chosen on recordings held out: the fewest that predict them as well.
+Freed at every joint are its inertia (a factor), viscous damping, smoothed dry friction, drag over speed squared and the
+zero of the angle (a constant force where gravity does not tell the angle); where the rig is driven, a factor on gravity
+too, as two of inertia, gravity and torque then show. Runs, or windows of them, have initial states of their own, fitted
+beside the laws. From several starts, with short windows first, which keeps long runs out of the valleys where they lose
+count of the swings. Which of the three laws of dissipation stay is chosen on recordings held out: the fewest that
+predict them as well.
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ ROUNDS = 40
 class Fitted:
     """What was fitted.
 
-    values, std: by ``joint:parameter``, SI (factors for inertia and gravity). rmse: of the free runs fitted, positions [rad or m].
-    heldout: the same of the runs that the laws were chosen on, their first states fitted; nan if none was.
+    values, std: by ``joint:parameter``, SI (factors for inertia and gravity). rmse: of the free runs fitted, positions
+    [rad or m]. heldout: the same of the runs that the laws were chosen on, their first states fitted; nan if none was.
     """
 
     motion: Motion
@@ -63,8 +64,8 @@ class Fitted:
 class Practitioner:
     """Fits of one rig.
 
-    runs: recordings to fit. left_out: stretches of each that no model can run through [s]. window: length of the free runs [s];
-    None: whole recordings. held: whether efforts stay from sample to sample; None: whichever fits better.
+    runs: recordings to fit. left_out: stretches of each that no model can run through [s]. window: length of the free
+    runs [s]; None: whole recordings. held: whether efforts stay from sample to sample; None: whichever fits better.
     """
 
     def __init__(
@@ -127,7 +128,8 @@ class Practitioner:
         return Law(inertia=inertia, gravity=gravity, soft=SOFT * self.fastest, **parts)
 
     def _starts(self, names: Sequence[tuple[str, int]]) -> Iterator[Array]:
-        """As published; little of everything; mostly dry; mostly viscous. None on a bound, where a gradient may see nothing."""
+        """As published; little of everything; mostly dry; mostly viscous. None on a bound, where a gradient may see
+        nothing."""
         for viscous, dry, drag in ((None, 1e-3, 1e-3), (1e-3, 1e-3, 1e-3), (1e-3, 3e-2, 1e-2), (3e-2, 1e-3, 1e-3)):
             x = []
             for what, k in names:
@@ -146,7 +148,8 @@ class Practitioner:
     ) -> tuple[Array, Array, Array]:
         """Parameters, residuals, and their Jacobian over parameters then first states, in units of the spread.
 
-        Forward differences; a first state moves nothing but its own window, so that all windows' states are moved at once.
+        Forward differences; a first state moves nothing but its own window, so that all windows' states are moved at
+        once.
         """
         n, p = len(self.joints), len(x)
         lows, highs = bounds
@@ -199,7 +202,8 @@ class Practitioner:
         return float(np.sqrt(np.mean(scaled**2)))
 
     def fit(self, laws: Sequence[str] = LAWS, near: Fitted | None = None) -> Fitted:
-        """With these laws of dissipation, from every start; the best end. near: a fit with more laws, begun from instead."""
+        """With these laws of dissipation, from every start; the best end. near: a fit with more laws, begun from
+        instead."""
         names = self._names(laws)
         bounds = np.array([self._bounds(what) for what, _ in names]).T
         law_of = partial(self._law, names)
@@ -267,8 +271,8 @@ WHAT = {"viscous": "viscous_damping", "dry": "coulomb_friction", "drag": "quadra
 
 
 def practitioner_claims(folder: Path) -> dict[str, Any]:
-    """What a folder with ``model.toml`` and ``run*.csv`` is said to lack: laws that were kept and zeros, where 95 % for all of them
-    together leave the nominal value out."""
+    """What a folder with ``model.toml`` and ``run*.csv`` is said to lack: laws that were kept and zeros, where 95 % for
+    all of them together leave the nominal value out."""
     import harness
     from harness.recording import read_recordings
 

@@ -15,7 +15,8 @@ from harness.proof.peers.runs import finding
 
 
 def regression_claims(folder: Path) -> dict[str, Any]:
-    """Sparse regression (pysindy's sequentially thresholded least squares) on the residual torque along smoothed motion."""
+    """Sparse regression (pysindy's sequentially thresholded least squares) on the residual torque along smoothed
+    motion."""
     import pysindy
 
     import harness

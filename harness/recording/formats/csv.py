@@ -51,8 +51,9 @@ def read_csv(path: Path, text: str) -> Table:
     rows: list[Sequence[str]] = [row.cells for row in body]
     lines = tuple(row.line for row in body)
     units = {name: unit for name, unit in zip(names, layout.units, strict=True) if unit}
+    aliases: dict[str, str] = {}
     if is_rostopic(names):
-        names, rows, units = joints_of(names, rows)
+        names, rows, units, aliases = joints_of(names, rows)
     columns: dict[str, Array] = {}
     faults: dict[str, InputError] = {}
     origins: dict[str, float] = {}
@@ -73,7 +74,7 @@ def read_csv(path: Path, text: str) -> Table:
             origins[name] = found.origin
         if found.unit:
             units[name] = found.unit
-    return Table(columns, units, lines, faults, origins, notes=tuple(notes))
+    return Table(columns, units, lines, faults, origins, aliases=aliases, notes=tuple(notes))
 
 
 def _whole_rows(path: Path, layout: Layout) -> tuple[list[Row], list[QualityNote]]:

@@ -15,10 +15,11 @@ def is_rostopic(names: Sequence[str]) -> bool:
 
 def joints_of(
     names: Sequence[str], rows: Sequence[Sequence[str]]
-) -> tuple[tuple[str, ...], list[Sequence[str]], dict[str, str]]:
-    """The same with ``<joint>.position``, … in the place of numbered fields, and the message's own stamp as time if it has one.
+) -> tuple[tuple[str, ...], list[Sequence[str]], dict[str, str], dict[str, str]]:
+    """A column for every joint and quantity in the place of numbered fields, and the message's own stamp as time if it has one.
 
-    The order of the joints may change from message to message. Returns names, rows and units.
+    The order of the joints may change from message to message; a column goes by the name of its joint then, else by the file's own,
+    ``field.position0``, with the joint's as an alias. Returns names, rows, units and aliases.
     """
     place = {name: k for k, name in enumerate(names)}
     stamp = place.get(STAMP)
@@ -31,13 +32,17 @@ def joints_of(
     arrays = {number: fields for number, fields in arrays.items() if "name" in fields}
     used = {k for fields in arrays.values() for k in fields.values()}
     kept = [k for k in range(1, len(names)) if k not in used]
-    joints: dict[str, None] = {}
+    joints: dict[str, set[str]] = {}
+    held: dict[str, set[str]] = {}
     for row in rows:
-        for fields in arrays.values():
+        for number, fields in arrays.items():
             joint = row[fields["name"]].strip()
             for quantity in fields:
                 if quantity != "name" and joint:
-                    joints[f"{joint}.{quantity}"] = None
+                    joints.setdefault(f"{joint}.{quantity}", set()).add(names[fields[quantity]])
+                    held.setdefault(number, set()).add(joint)
+    always = {names[k] for number, fields in arrays.items() if len(held.get(number, ())) == 1 for k in fields.values()}
+    own = {joint: next(iter(columns)) for joint, columns in joints.items() if len(columns) == 1 and columns <= always}
     dressed: list[Sequence[str]] = []
     for row in rows:
         values = {
@@ -46,4 +51,10 @@ def joints_of(
             for quantity, k in fields.items()
         }
         dressed.append([row[clock], *(values.get(joint, "") for joint in joints), *(row[k] for k in kept)])
-    return ("time", *joints, *(names[k] for k in kept)), dressed, {"time": "ns"}
+    heads = (own.get(joint, joint) for joint in joints)
+    return (
+        ("time", *heads, *(names[k] for k in kept)),
+        dressed,
+        {"time": "ns"},
+        {column: joint for joint, column in own.items()},
+    )

@@ -92,6 +92,17 @@ def print_bands(rows: Sequence[Mapping[str, Any]], unit: str, console: Console) 
     )
 
 
+def print_apart(told: Mapping[str, Any], console: Console) -> None:
+    """Print whose damping the vibration's is."""
+    console.print(
+        Text(
+            f"Of the vibration's damping ratio the joint's {_interval(told['joint'])} {written(told['joint']['unit'])} makes "
+            f"{_interval(told['by_joint'])}; the damping of {told['link']} itself, mode {told['mode']} at "
+            f"{digits(told['frequency']['value'], 4)} Hz, is {_interval(told['modal'])}."
+        )
+    )
+
+
 def _laws(laws: Sequence[str]) -> str:
     return " and ".join(laws) if laws else "nothing"
 

@@ -48,14 +48,21 @@ KINDS = (
 
 
 def compare(
-    name: str, path: Path, held: Mapping[str, Any], now: Mapping[str, Any], engines: Sequence[str]
+    name: str,
+    path: Path,
+    held: Mapping[str, Any],
+    now: Mapping[str, Any],
+    engines: Sequence[str],
+    *,
+    allow: Sequence[Path] = (),
 ) -> list[Row]:
     """Rows of a robot against what is recorded of it: ``held`` when it was accepted, ``now`` of the file as it is.
 
     A row of the description tells every number that changed, with both values, and has the first one's link or joint in
-    ``first_divergence``. engines: by name, as in ``validate``. Raises InputError if ``held`` is damaged.
+    ``first_divergence``. engines: by name, as in ``validate``; allow: folders beside its own that it may name files in.
+    Raises InputError if ``held`` is damaged.
     """
-    system = read(path)
+    system = read(path, allow=allow)
     bench = Bench(Case(name, system.name, str(path), lambda: system, (), group="models"), system, {})
     try:
         rows = [_described(bench, kind, held, now) for kind in KINDS]

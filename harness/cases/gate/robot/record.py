@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -24,15 +24,16 @@ DURATION, RATE = 1.0, 20.0
 FIGURES = ("acceleration", "inverse_dynamics", "gravity", "energy")
 
 
-def record(path: Path) -> dict[str, Any]:
+def record(path: Path, *, allow: Sequence[Path] = ()) -> dict[str, Any]:
     """A robot as it is now.
 
     ``links`` and ``joints`` by name with every number of the description in SI units (null where a limit is infinite),
     ``gravity``, ``attachments``; random ``states`` inside the joints' limits and ``figures`` of the native dynamics there;
     ``frequencies`` [Hz] about zero; a free ``run`` of one second from the first state. What the native dynamics cannot do
-    is left out, and said in ``left_out``. Raises InputError for an unreadable model.
+    is left out, and said in ``left_out``. allow: folders beside its own that it may name files in. Raises InputError for an
+    unreadable model.
     """
-    system = read(path)
+    system = read(path, allow=allow)
     kept: dict[str, Any] = {
         "links": {
             link.name: _values(link, (f.name for f in fields(Link) if f.name not in ("name", "end")))

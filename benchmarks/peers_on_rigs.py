@@ -1,0 +1,173 @@
+"""Peers on real rigs: what each fits to the training recordings, judged as free runs over recordings held out; one table.
+
+``python benchmarks/peers_on_rigs.py [RIG …] [--peers NAME …] [--recordings DIR] [--json FILE] [--window SECONDS]``
+
+Rigs and their division are those of ``afternoon.py``. Errors are root mean squares [rad or m] over windows as there, from the
+first sample and with the initial state fitted; ``kept`` are the laws that a peer keeps, with 95 % intervals where it has them.
+A peer that is not made for a rig says so. What a file has already is not made again, so that a run that was ended goes on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import harness
+from harness.compare.peers.figaroh import fit_figaroh
+from harness.compare.peers.runs import Run
+from harness.compare.peers.servo_friction import LADDER, climb
+from harness.compare.peers.sysid import WHAT, fit_sysid
+from harness.effects.scale import swings
+from harness.proof.peers.runs import as_run
+from harness.proof.peers.servo_friction import arm_of
+from harness.recording import Recording
+
+from afternoon import divided, fit  # isort: skip
+from real_recordings import SPLITS, Pushed, folder_of_recordings, judge, piece, pushed  # isort: skip
+from real_recordings_free_run import Simulate, native  # isort: skip
+
+Found = tuple[Simulate, dict[str, Any]]
+Windows = Sequence[Sequence[tuple[float, float]]]
+
+
+class Case:
+    """One rig: its model, recordings to fit and to judge on, and how long free runs are."""
+
+    def __init__(self, rig: str, folder: Path, work: Path, window: float | None) -> None:
+        self.system = harness.load(folder / rig / "model.urdf", physical=False)
+        self.train, self.heldout = divided(folder, work, rig, self.system)
+        split = SPLITS.get(rig)
+        self.window = split.window if split else window
+        pushes = split is not None and split.fit_effort
+        self.left_out: Pushed = pushed(self.system, self.train, self.heldout) if pushes else {}
+
+    def runs(self, recordings: Sequence[Recording]) -> list[Run]:
+        """As peers are given them."""
+        return [as_run(self.system, r) for r in recordings]
+
+    def windows(self, recordings: Sequence[Recording]) -> list[Run]:
+        """The same in windows of the length that is judged, those with a push left out."""
+        cut = [
+            r.cut(self.window, self.left_out.get(n.name, ()))
+            for n, r in zip(recordings, self.runs(recordings), strict=True)
+        ]
+        return [w.thinned() for part in cut for w in part]
+
+    def folds(self) -> tuple[list[Recording], list[Recording]]:
+        """Training recordings to fit and to choose on; the ones held out have no say."""
+        if len(self.train) > 1:
+            return self.train[:-1], self.train[-1:]
+        return [piece(self.train[0], 0.0, 0.7)], [piece(self.train[0], 0.7, 1.0)]
+
+
+def published(case: Case) -> Found:
+    """The model as its authors published it."""
+    return native(case.system), {}
+
+
+def practitioner(case: Case) -> Found:
+    """Least squares with choice by data held out within the training recordings."""
+    _, chosen = fit(case.system, case.train, case.window, case.left_out)
+    half = {k: 1.96 * v for k, v in chosen.std.items()}
+    return chosen.free_run, {"kept": chosen.laws, "values": chosen.values, "half95": half}
+
+
+def sysid(case: Case) -> Found:
+    """``mujoco.sysid``; its armature or centre of mass freed, whichever fits better."""
+    runs = case.runs(case.train)
+    driven = any(r.driven for r in runs)
+    inertial = (("armature",), ("com", "armature")) if driven else (("com",), ("armature",))
+    gaps = [case.left_out.get(r.name, ()) for r in case.train]
+    found = fit_sysid(case.system, runs, window=case.window, left_out=gaps, inertial=inertial)
+    half = {k: v if np.isfinite(v) else None for k, v in found.half.items()}
+    kept = [WHAT[name.split(":")[-1]] for name in found.beyond()]
+    return found.free_run, {"kept": kept, "values": dict(found.values), "half95": half}
+
+
+def ladder(case: Case) -> Found:
+    """BAM's M1 to M6 and what is below, the step chosen by a training recording that is not fitted to."""
+    if len(case.system.joint_names) != 1 or case.system.movable_joints[0].prismatic:
+        raise ValueError("it is for one joint that turns")
+    known, tried = case.folds()
+    found, errors = climb(arm_of(case.system), case.windows(known), case.windows(tried))
+    return found.free_run, {
+        "kept": LADDER[found.model],
+        "model": found.model,
+        "values": dict(found.values),
+        "ladder": errors,
+    }
+
+
+def figaroh(case: Case) -> Found:
+    """FIGAROH on the effort; with how it predicts the effort held out."""
+    runs, held = case.runs(case.train), case.runs(case.heldout)
+    found = fit_figaroh(case.system, runs, held, max(swings(case.system)) / (2.0 * np.pi))
+    half = {k: 1.96 * v for k, v in found.std.items()}
+    kept = [k for k, v in found.values.items() if k[:3] in ("fv_", "fs_", "off") and abs(v) > half[k]]
+    told = {"effort_rmse": found.effort_rmse, "effort_held_out": found.prediction, "physical_fit": found.physical}
+    return found.free_run, {"kept": kept, "values": dict(found.values), "half95": half, **told}
+
+
+PEERS: Mapping[str, Callable[[Case], Found]] = {
+    "published": published,
+    "practitioner": practitioner,
+    "mujoco.sysid": sysid,
+    "BAM's ladder": ladder,
+    "FIGAROH": figaroh,
+}
+
+
+def ask(peer: str, case: Case) -> dict[str, Any]:
+    """One cell of the table."""
+    began, worked = time.perf_counter(), time.process_time()
+    try:
+        simulate, told = PEERS[peer](case)
+        seconds, processor = time.perf_counter() - began, time.process_time() - worked
+        errors = judge(simulate, case.system, case.train, case.heldout, case.window, case.left_out)
+    except ValueError as error:
+        return {"not_for_it": str(error)}
+    except Exception as error:  # a peer may fail in any way; the table says so
+        return {"error": f"{type(error).__name__}: {error}"}
+    return {**told, **errors, "seconds": round(seconds, 1), "processor_seconds": round(processor, 1)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rigs", nargs="*", metavar="RIG", help="folder names; default: all")
+    parser.add_argument("--peers", nargs="+", choices=PEERS, default=list(PEERS), help="default: all")
+    parser.add_argument("--recordings", help="folder of the recordings")
+    parser.add_argument("--work", default="real_recordings", help="folder for pieces of recordings")
+    parser.add_argument("--json", help="table to write or to go on with")
+    parser.add_argument(
+        "--window", type=float, help="length of free runs [s] of rigs not known; default: whole recordings"
+    )
+    arguments = parser.parse_args()
+    folder = folder_of_recordings(arguments.recordings)
+    if folder is None:
+        raise SystemExit("no recordings: give --recordings or set DENOC_RECORDINGS")
+    target = Path(arguments.json) if arguments.json else None
+    rows: dict[str, Any] = json.loads(target.read_text(encoding="utf-8"))["rigs"] if target and target.exists() else {}
+    for rig in arguments.rigs or sorted(p.name for p in folder.iterdir() if (p / "model.urdf").exists()):
+        case: Case | None = None
+        for peer in arguments.peers:
+            if peer in rows.get(rig, {}):
+                continue
+            case = case or Case(rig, folder, Path(arguments.work), arguments.window)
+            row = rows.setdefault(rig, {"unit": case.system.movable_joints[0].position_unit, "window_s": case.window})
+            row[peer] = cell = ask(peer, case)
+            held = cell.get("heldout")
+            errors = f"{held['first_sample']:.4g} / {held['state_fitted']:.4g} {row['unit']}" if held else str(cell)
+            print(f"{rig:22s} {peer:14s} {errors}  {cell.get('seconds', '')}", flush=True)
+            if target:
+                table = {"schema": "denoc.peers_on_rigs/1", "rigs": {k: rows[k] for k in sorted(rows)}}
+                target.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

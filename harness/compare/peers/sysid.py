@@ -1,0 +1,386 @@
+"""``mujoco.sysid`` as its documentation and those who use it well run it; every choice has its source beside it.
+
+What it is run on is the same for a proof and for real rigs. Sources, MuJoCo 4.0.0:
+
+- its README and tutorial notebook, ``python/mujoco/sysid/README.md`` and ``sysid.ipynb``; - its source, as installed:
+``mujoco/sysid/_src``; - its maintainers on a user's trouble with ``frictionloss``:
+github.com/google-deepmind/mujoco/issues/3284 and pull request 3287.
+
+``tests/proof/test_sysid_peer.py`` runs its tutorial's first example to its own figure, and recovers a pendulum's
+friction.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.compare.peers.runs import Run, heldout_error
+from harness.system import Link, System
+from harness.system.description import constant
+from harness.system.write import write
+
+Array = NDArray[np.float64]
+
+STEP = (
+    5e-3  # s at most; its examples take 2 ms with Euler, RK4 is a thousand times nearer at 5 ms for swings of a few Hz
+)
+# Where parameters of dissipation begin, in shares of their range. A maintainer in issue 3284: backends stall alike where friction
+# or damping begins at 1e-8, and agree once it begins above; ``move_off_bounds`` puts what lies within 0.1 % of a bound at 5 %.
+# On lightly damped swings 5 % of a range can be hundreds of times too much, so smaller ones are tried too, and nominal values.
+STARTS: tuple[float | None, ...] = (None, 1e-4, 1.5e-3, 0.05)
+FIRST_ITERATIONS = 10  # from each start
+ITERATIONS = 60  # from the best of them
+ALPHA = 0.05  # of ``calculate_intervals``, and of its report
+WHAT = {"viscous": "viscous_damping", "drag": "quadratic_drag", "dry": "coulomb_friction", "bias": "sensor_offset"}
+
+
+@dataclass(frozen=True)
+class Sysid:
+    """What ``mujoco.sysid`` found.
+
+    values, half: by ``joint:parameter`` (viscous, drag, dry, bias, com, armature), estimate and half its 95 % interval,
+    SI; ``half`` is infinite where the data do not say. nominal: where the published model is. objective: half the sum
+    of squares that is left, residuals in units of the channel's spread. rmse: positions of the free runs fitted [rad or
+    m].
+    """
+
+    model: Any
+    joints: tuple[str, ...]
+    values: Mapping[str, float]
+    half: Mapping[str, float]
+    nominal: Mapping[str, float]
+    objective: float
+    rmse: float
+    held: bool
+
+    def beyond(self, factor: float = 1.0) -> list[str]:
+        """Parameters of dissipation and zeros whose interval, ``factor`` times as wide, leaves out the nominal
+        value."""
+        return [
+            name
+            for name, half in self.half.items()
+            if name.split(":")[-1] in WHAT and 0.0 < factor * half < abs(self.values[name] - self.nominal[name])
+        ]
+
+    def free_run(self, state: Array, time: Array, tau: Array | None) -> Array:
+        """Positions as they read (T, n) in MuJoCo from a state as it reads (2n,), at its own step, interpolated to
+        ``time``."""
+        import mujoco
+
+        n = len(self.joints)
+        bias = np.array([self.values.get(f"{j}:bias", 0.0) for j in self.joints])
+        data = mujoco.MjData(self.model)
+        data.qpos[:], data.qvel[:] = state[:n] - bias, state[n:]
+        step = float(self.model.opt.timestep)
+        grid = time[0] + step * np.arange(int(np.ceil((time[-1] - time[0]) / step)) + 2)
+        control = np.zeros((len(grid), n)) if tau is None else _controls(grid, time, tau, self.held)
+        out = np.empty((len(grid), n))
+        for k in range(len(grid)):
+            out[k] = data.qpos
+            data.ctrl[:] = control[k]
+            mujoco.mj_step(self.model, data)
+        return np.stack([np.interp(time, grid, out[:, j]) for j in range(n)], axis=1) + bias
+
+    def predicts(self, runs: Sequence[Run]) -> float:
+        """Error of free runs over recordings, their first states fitted [rad or m]."""
+        return heldout_error(self.free_run, runs)
+
+
+def _controls(grid: Array, time: Array, tau: Array, held: bool) -> Array:
+    """Efforts (G, n) that act from each instant of the grid to the next.
+
+    ``model_residual`` resamples controls linearly to the step, and MuJoCo holds them over it: a command held by a
+    controller becomes a ramp, one that is smooth is half a step late. So they are given on the grid: held ones as the
+    sample before, smooth ones at the middle of each step.
+    """
+    if held:
+        return tau[np.clip(np.searchsorted(time, grid + 1e-9, side="right") - 1, 0, len(time) - 1)]
+    middle = grid + 0.5 * float(grid[1] - grid[0])
+    return np.stack([np.interp(middle, time, u) for u in tau.T], axis=1)
+
+
+def _acceptable(system: System) -> System:
+    """A pendulum whose stated inertia no body can have, as the point mass with the same moments about its joint.
+
+    MuJoCo refuses the former; the joint feels no difference.
+    """
+    if not system.notes or len(system.joint_names) != 1:
+        return system
+    joint = system.movable_joints[0]
+    link = system.link(joint.child)
+    axis, com = joint.axis, link.com
+    arm = com - axis * float(axis @ com)
+    length = float(np.linalg.norm(arm))
+    if length == 0.0:
+        return system
+    about = float(axis @ link.inertia @ axis) + link.mass * length**2
+    reach = about / (link.mass * length)
+    body = Link(link.name, link.mass * length / reach, constant(arm * (reach / length)), constant(1e-9 * np.eye(3)))
+    return system.replace_link(body)
+
+
+@dataclass(frozen=True)
+class _Rig:
+    """The nominal model as MuJoCo has it, and sizes that set bounds, each (n,).
+
+    inertia: about each joint at zero [kg·m² or kg]; pull: the largest force by gravity or drive; fastest: speed;
+    spread: of what is measured.
+    """
+
+    system: System
+    spec: Any
+    inertia: Array
+    pull: Array
+    fastest: Array
+    spread: Array
+
+
+def _rig(system: System, runs: Sequence[Run], step: float) -> _Rig:
+    import mujoco
+
+    system = _acceptable(system)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "model.xml"
+        write(system, path)
+        spec = mujoco.MjSpec.from_file(str(path))
+    # The default Euler takes energy out of a swing that is then missing from the damping; RK4 is its documented remedy (Numerical
+    # integration in the manual's chapter on computation).
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.timestep = step
+    for joint in system.joint_names:
+        spec.add_sensor(
+            name=f"{joint}_pos", type=mujoco.mjtSensor.mjSENS_JOINTPOS, objtype=mujoco.mjtObj.mjOBJ_JOINT, objname=joint
+        )
+        spec.add_actuator(name=f"{joint}_motor", target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_motor()
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    pull = np.zeros(model.nv)
+    for angle in np.linspace(0.0, 2.0 * np.pi, 9)[:-1]:
+        data.qpos[:] = angle
+        mujoco.mj_forward(model, data)
+        pull = np.maximum(pull, np.abs(data.qfrc_bias))
+    for run in runs:
+        if run.efforts is not None:
+            pull = np.maximum(pull, np.sqrt(np.mean(run.efforts**2, axis=0)))
+    speeds = [np.abs(np.diff(r.thinned().positions, axis=0) / np.diff(r.thinned().time)[:, None]) for r in runs]
+    fastest = np.maximum(np.max([np.quantile(s, 0.99, axis=0) for s in speeds], axis=0), 1e-6)
+    spread = np.std(np.concatenate([r.positions for r in runs]), axis=0)
+    return _Rig(system, spec, np.diag(mass).copy(), np.maximum(pull, 1e-9), fastest, spread)
+
+
+def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dict[str, float]]:
+    """What is freed, and its nominal values.
+
+    Damping, quadratic damping and dry friction of every joint, up to what would swallow the whole force at full speed;
+    the encoder's bias (the README's measurement parameters); the centre of mass or armature, since a model is known
+    within a tolerance only and a period that is off would have to be made up for by friction; the first state of every
+    run, which its examples know exactly and a recording does not.
+    """
+    from mujoco import sysid
+
+    parameters = sysid.ParameterDict()
+    nominal: dict[str, float] = {}
+    for k, name in enumerate(rig.system.joint_names):
+        joint = rig.system.joint(name)
+        link = rig.system.link(joint.child)
+
+        def damp(s: Any, p: Any, joint: str = name) -> None:
+            s.joint(joint).damping[0] = float(np.ravel(p.value)[0])
+
+        def drag(s: Any, p: Any, joint: str = name) -> None:
+            s.joint(joint).damping[1] = float(np.ravel(p.value)[0])
+
+        def rub(s: Any, p: Any, joint: str = name) -> None:
+            s.joint(joint).frictionloss = float(np.ravel(p.value)[0])
+
+        def rotor(s: Any, p: Any, joint: str = name) -> None:
+            s.joint(joint).armature = float(np.ravel(p.value)[0])
+
+        def centre(s: Any, p: Any, body: str = link.name, com: Array = link.com) -> None:
+            s.body(body).ipos[:] = com * float(np.ravel(p.value)[0])
+
+        most = {"viscous": rig.pull[k] / rig.fastest[k], "drag": rig.pull[k] / rig.fastest[k] ** 2, "dry": rig.pull[k]}
+        stated = {"viscous": joint.damping, "drag": 0.0, "dry": joint.friction}
+        for what, modifier in (("viscous", damp), ("drag", drag), ("dry", rub)):
+            top = max(0.5 * float(most[what]), 2.0 * stated[what])
+            parameters.add(sysid.Parameter(f"{name}:{what}", stated[what], 0.0, top, modifier=modifier))
+            nominal[f"{name}:{what}"] = stated[what]
+        parameters.add(sysid.Parameter(f"{name}:bias", 0.0, -rig.spread[k] or -0.1, rig.spread[k] or 0.1))
+        nominal[f"{name}:bias"] = 0.0
+        if "com" in inertial and np.any(link.com):
+            parameters.add(sysid.Parameter(f"{name}:com", 1.0, 0.7, 1.4, modifier=centre))
+            nominal[f"{name}:com"] = 1.0
+        if "armature" in inertial:
+            top = joint.armature + 2.0 * float(rig.inertia[k])
+            parameters.add(sysid.Parameter(f"{name}:armature", joint.armature, 0.0, top, modifier=rotor))
+            nominal[f"{name}:armature"] = joint.armature
+    spread = np.maximum(rig.spread, 1e-6)
+    for r in range(runs):
+        n = len(rig.system.joint_names)
+        parameters.add(sysid.Parameter(f"run{r}:position", np.zeros(n), -spread, spread))
+        parameters.add(sysid.Parameter(f"run{r}:velocity", np.zeros(n), -rig.fastest, rig.fastest))
+    return parameters, nominal
+
+
+def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
+    """Residuals over all runs, as ``optimize`` wants them: (x, parameters) -> (list of residuals, predictions,
+    records).
+
+    Built from ``build_residual_fn`` with the two overrides that its README names. ``custom_rollout`` starts each run
+    where its first state's parameters say. ``modify_residual`` because (1) ``arrays2traj`` stamps MjSensor values with
+    the time of the state that follows them ("sensordata times are shifted by one time step"), while positions out of
+    the state have their own; (2) ``normalize_residual`` divides by the norm of what was measured: an angle that is far
+    from zero counts less, one that stands still gives nan; here all are divided by the spread over all runs, still ones
+    by one; (3) the bias is added.
+    """
+    from mujoco import sysid
+
+    n = len(rig.system.joint_names)
+    spread = np.where(rig.spread > 1e-9, rig.spread, 1.0)
+    model = rig.spec.compile()
+    parts = []
+    for r, run in enumerate(runs):
+        time = run.time - run.time[0]
+        grid: Array = np.arange(int(np.ceil(time[-1] / step - 1e-9)) + 2, dtype=np.float64) * step
+        control = np.zeros((len(grid), n)) if run.efforts is None else _controls(grid, time, run.efforts, held)
+        first = run.first_state()
+        state = sysid.create_initial_state(model, first[:n], first[n:])
+        names = [f"{j}_pos" for j in rig.system.joint_names]
+        sequence = sysid.ModelSequences(
+            "rig", rig.spec, f"run{r}", state, sysid.TimeSeries.from_control_names(grid, control, model),
+            sysid.TimeSeries.from_names(time, run.positions, model, names=names),
+        )  # fmt: skip
+
+        def rollout(
+            *,
+            initial_states: Any,
+            param_dicts: Any,
+            models: Any,
+            datas: Any,
+            control_signal: Any,
+            r: int = r,
+            **mappings: Any,
+        ) -> Any:
+            begun = []
+            for start, p in zip(initial_states, param_dicts, strict=True):
+                moved = np.array(start, dtype=np.float64)
+                moved[1 : 1 + n] += p[f"run{r}:position"].value
+                moved[1 + n : 1 + 2 * n] += p[f"run{r}:velocity"].value
+                begun.append(moved)
+            return sysid.sysid_rollout(
+                models=models, datas=datas, control_signal=control_signal, initial_states=begun, **mappings
+            )
+
+        def differ(
+            p: Any, predicted: Any, measured: Any, model: Any, everything: bool = False, *, state: Any, r: int = r,
+            first: Array = first, **_: Any,
+        ) -> Any:  # fmt: skip
+            begin = first[:n] + p[f"run{r}:position"].value
+            times = np.r_[0.0, state[:, 0]]
+            path = np.vstack([begin, state[:, 1 : 1 + n]])
+            bias = np.array([float(p[f"{j}:bias"].value[0]) for j in rig.system.joint_names])
+            at = np.stack([np.interp(measured.times, times, x) for x in path.T], axis=1) + bias
+            told = sysid.TimeSeries(measured.times, at, measured.signal_mapping)
+            return np.nan_to_num((at - measured.data) / spread, nan=1e3, posinf=1e3, neginf=-1e3), told, measured
+
+        # One thread: results of its rollouts do not depend on their number, and a proof runs many at once.
+        parts.append(
+            sysid.build_residual_fn(
+                models_sequences=[sequence], custom_rollout=rollout, modify_residual=differ, n_threads=1
+            )
+        )
+
+    def every(x: Array, parameters: Any) -> Any:
+        found = [part(x, parameters) for part in parts]
+        return [r for f in found for r in f[0]], [p for f in found for p in f[1]], [m for f in found for m in f[2]]
+
+    return every
+
+
+def _optimized(parameters: Any, residual: Any, iterations: int) -> tuple[Any, Any, float]:
+    """Fitted parameters, the optimizer's result, and half the sum of squares.
+
+    The default optimizer of its examples. Parameters differ by many orders of magnitude: ``x_scale="jac"`` is what
+    ``optimize`` itself advises for ill-conditioned problems.
+    """
+    from mujoco import sysid
+
+    with contextlib.redirect_stdout(io.StringIO()):
+        fitted, result = sysid.optimize(
+            parameters, residual, optimizer="mujoco", verbose=False, max_iters=iterations, x_scale="jac"
+        )
+    left = np.concatenate([np.ravel(part) for part in residual(fitted.as_vector(), fitted)[0]])
+    return fitted, result, 0.5 * float(left @ left)
+
+
+def fit_sysid(
+    system: System,
+    recordings: Sequence[Run],
+    *,
+    window: float | None = None,
+    left_out: Sequence[Sequence[tuple[float, float]]] = (),
+    held: bool | None = None,
+    inertial: Sequence[Sequence[str]] = (("com",),),
+    starts: Sequence[float | None] = STARTS,
+) -> Sysid:
+    """A rig's dissipation fitted by ``mujoco.sysid`` to free runs over the recordings, or over windows of them.
+
+    window [s]; left_out: stretches of each recording [s]. held: whether efforts stay from sample to sample; None:
+    whichever fits better. inertial: sets out of ``com`` and ``armature``, tried in turn; the best fit is kept. starts:
+    see ``STARTS``. Raises ImportError where the package is not installed.
+    """
+    from absl import logging
+    from mujoco import sysid
+
+    logging.set_verbosity(logging.ERROR)
+    gaps = left_out or [()] * len(recordings)
+    runs = [w.thinned() for r, g in zip(recordings, gaps, strict=True) for w in r.cut(window, g)]
+    # A step that the samples fall on, where they are even.
+    interval = float(np.median(np.diff(runs[0].time)))
+    step = interval / max(1, int(np.ceil(interval / STEP - 1e-6)))
+    rig = _rig(system, runs, step)
+    driven = any(r.driven for r in runs)
+    best: tuple[float, Any, dict[str, float], Any, bool] | None = None
+    for way in [bool(held)] if held is not None or not driven else [False, True]:
+        residual = _residual(rig, runs, step, way)
+        for freed in inertial:
+            parameters, nominal = _parameters(rig, len(runs), freed)
+            for start in starts:
+                begun = parameters.copy()
+                if start is not None:
+                    begun.move_off_bounds()
+                    for name, p in begun.items():
+                        if name.split(":")[-1] in ("viscous", "drag", "dry"):
+                            p.update_from_vector(p.min_value + start * (p.max_value - p.min_value))
+                fitted, _, objective = _optimized(begun, residual, FIRST_ITERATIONS)
+                if best is None or objective < best[0]:
+                    best = objective, fitted, nominal, residual, way
+    assert best is not None
+    _, fitted, nominal, residual, way = best
+    fitted, result, objective = _optimized(fitted, residual, ITERATIONS)
+    left = residual(fitted.as_vector(), fitted)[0]
+    with np.errstate(all="ignore"):
+        _, half = sysid.calculate_intervals([np.ravel(x) for x in left], np.asarray(result.jac), alpha=ALPHA)
+    values: dict[str, float] = {}
+    halves: dict[str, float] = {}
+    at = 0
+    for name, p in fitted.items():
+        if name in nominal:
+            values[name], halves[name] = float(p.value[0]), float(half[at])
+        at += p.size
+    model = sysid.apply_param_modifiers(fitted, rig.spec)
+    n = len(system.joint_names)
+    scaled = np.concatenate([np.reshape(x, (-1, n)) for x in left]) * np.where(rig.spread > 1e-9, rig.spread, 1.0)
+    return Sysid(model, system.joint_names, values, halves, nominal, objective, float(np.sqrt(np.mean(scaled**2))), way)

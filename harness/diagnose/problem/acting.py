@@ -1,0 +1,256 @@
+"""What of a model acts in a diagnosis: its actuators under recorded or held commands, limits that are reached, joints that follow.
+
+Where a joint's effort is recorded, that is all that is applied there, and its actuators are left out. A recorded command comes as
+the effort that it asks for; what the actuator then feeds back belongs to the mechanism.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.cases.acting import bounded, driven, has_range
+from harness.errors import InputError, UnsupportedError
+from harness.recording import Recording
+from harness.recording.recording import LINEAR_UNITS, UNITS, Channel, QualityNote
+from harness.system import Actuator, Joint, JointType, System
+from harness.system.description import constant
+from harness.system.lowering import followed
+from harness.system.rotation import about_axis
+
+Array = NDArray[np.float64]
+
+NEAR = 0.02  # of a joint's range: how far from a limit a recording has met it, by its sensor's zero and the give of the stop
+PAST = 0.1  # of a joint's range: beyond, the joint runs through what the model states
+STILL = {"rad": 0.02, "m": 0.001}  # extent of a joint that is held
+
+
+def acting(
+    system: System, recordings: Sequence[Recording], *, actuators: bool = True, limits: bool = True
+) -> tuple[System, list[Recording]]:
+    """The system with its actuators and limits in it, as far as the recordings meet them, and the recordings with what drives them.
+
+    The system's notes tell what acts and what does not. Raises InputError where commands are recorded in some of the recordings
+    only, and UnsupportedError for several actuators with ranges of force at one joint and for weight carried of single bodies.
+    """
+    found = list(recordings)
+    lifted = [link.name for link in system.links if link.gravcomp]
+    if lifted:
+        raise UnsupportedError(
+            f"gravcomp carries weight of some bodies and not of others ({', '.join(lifted[:3])}), which a diagnosis does not hold",
+            mend="simulate and validate do; give all that moves one gravcomp, or none",
+            source=system.source,
+        )
+    if actuators and system.actuators:
+        system, found = _driven(system, found)
+    if limits:
+        system = _limited(system, found)
+    return system, found
+
+
+def coupled(stated: System, system: System, recordings: Sequence[Recording]) -> tuple[System, list[Recording]]:
+    """The system with joints that follow another fixed, and the one that they follow, where these are still; notes tell.
+
+    stated: the same as the file says which joint follows which; in ``system`` none does.
+    Raises UnsupportedError where they move: a mechanism of coupled joints is not what a diagnosis has.
+    """
+    found = list(recordings)
+    pairs = [(joint, followed(stated, joint)) for joint in stated.movable_joints if joint.mimic is not None]
+    held: dict[str, float] = {}
+    for joint, (leader, multiplier, offset) in pairs:
+        place = held.get(leader)
+        if place is None:
+            place = _place(system.joint(leader), found)
+        if place is None and (own := _place(joint, found)) is not None and multiplier:
+            place = (own - offset) / multiplier
+        place = 0.0 if place is None else place
+        for name, position in ((leader, place), (joint.name, multiplier * place + offset)):
+            if _moves(system.joint(name), found):
+                raise UnsupportedError(
+                    f"joint {joint.name!r} follows joint {leader!r}, and they move: a diagnosis has no coupled joints yet",
+                    mend="simulate and validate have; give the model without <mimic>, or with one of the two fixed",
+                    source=system.source,
+                )
+            held[name] = position
+    told = []
+    for name, position in held.items():
+        joint = system.joint(name)
+        seen = any(c.site == name and c.quantity == "position" for r in found for c in r.channels)
+        why = "is still in the recordings" if seen else "is in no recording"
+        told.append(
+            f"joint {name!r} {why}, of those that follow one another; it is held at {position:.4g} {_unit(joint)}"
+        )
+        system = system.replace_joint(_fixed(joint, position))
+        found = [_without(recording, name) for recording in found]
+    return replace(system, notes=(*stated.notes, *told)), found
+
+
+def feedback(system: System, q: Array, qd: Array, effort: Array | None) -> Array:
+    """What actuators with ranges of force apply at the joints beside ``effort``, (T, n), along a motion q, qd (T, n)."""
+    total = np.zeros_like(q)
+    for drive in system.drives:
+        k = system.joint_names.index(drive.joint)
+        asked = effort[:, k] if drive.gain and effort is not None else 0.0
+        total[:, k] += (
+            _within(drive, asked + drive.offset - drive.stiffness * q[:, k] - drive.damping * qd[:, k]) - asked
+        )
+    return total
+
+
+def _driven(system: System, recordings: list[Recording]) -> tuple[System, list[Recording]]:
+    applied = {effort.site for recording in recordings for effort in recording.efforts}
+    commanded: dict[str, Actuator] = {}
+    for actuator in system.actuators:
+        having = [recording for recording in recordings if _command(recording, actuator) is not None]
+        if not having or actuator.joint in applied:
+            continue
+        if len(having) < len(recordings):
+            lacking = next(recording for recording in recordings if recording not in having)
+            raise InputError(
+                f"has no command of actuator {actuator.name!r}, which {having[0].name} has",
+                mend=f"give it as {actuator.joint}.command, or leave the actuators out: --no-actuators",
+                source=lacking.source,
+            )
+        commanded[actuator.name] = actuator
+    whole, told = driven(system, {}, applied, commanded)
+    several = [drive.joint for drive in whole.drives]
+    for joint in several:
+        if several.count(joint) > 1:
+            raise UnsupportedError(
+                f"several actuators of joint {joint!r} have ranges of force, which a diagnosis does not hold",
+                mend="record the joint's effort, or leave the actuators out: --no-actuators",
+                source=system.source,
+            )
+    told = tuple(
+        f"{line}: no recording has its command ({_joint_of(line, system)}.command)" if "held at" in line else line
+        for line in told
+    )
+    found = [_pushed(recording, system, list(commanded.values())) for recording in recordings]
+    # A command is in the effort now; a drive without feedback is no more than that.
+    drives = tuple(d for d in whole.drives if d.stiffness or d.damping or d.name not in commanded)
+    return replace(whole, drives=drives, notes=(*_still_true(system), *told)), found
+
+
+def _still_true(system: System) -> tuple[str, ...]:
+    """Notes of reading without those that say of an actuator what acts here otherwise."""
+    names = [actuator.name for actuator in system.actuators]
+    return tuple(
+        note for note in system.notes if not any(note.startswith(f"actuator {name!r} at joint") for name in names)
+    )
+
+
+def _joint_of(line: str, system: System) -> str:
+    return next(a.joint for a in system.actuators if line.startswith(f"actuator {a.name!r} "))
+
+
+def _command(recording: Recording, actuator: Actuator) -> Channel | None:
+    for site in (actuator.name, actuator.joint):
+        for channel in recording.commands:
+            if channel.site == site:
+                return channel
+    return None
+
+
+def _pushed(recording: Recording, system: System, commanded: Sequence[Actuator]) -> Recording:
+    """The recording with the efforts that the commands of some actuators ask for, summed by joint."""
+    efforts: dict[str, Array] = {}
+    for actuator in commanded:
+        channel = _command(recording, actuator)
+        assert channel is not None
+        asked = actuator.gain * np.clip(channel.values, *actuator.commands)
+        if not (actuator.stiffness or actuator.damping):
+            asked = _within(actuator, asked + actuator.offset)
+        efforts[actuator.joint] = efforts.get(actuator.joint, 0.0) + asked
+    if not efforts:
+        return recording
+    channels = tuple(
+        Channel(
+            f"{joint}.effort",
+            joint,
+            "effort",
+            (LINEAR_UNITS if system.joint(joint).prismatic else UNITS)["effort"],
+            constant(values),
+            f"{joint}.command",
+        )
+        for joint, values in efforts.items()
+    )
+    return replace(recording, efforts=(*recording.efforts, *channels))
+
+
+def _within(actuator: Actuator, force: Array) -> Array:
+    low, high = max(actuator.lower, actuator.together[0]), min(actuator.upper, actuator.together[1])
+    return np.asarray(np.clip(force, low, high))
+
+
+def _limited(system: System, recordings: Sequence[Recording]) -> System:
+    """The system with those limits acting that the file states as stops and that a recording meets; notes tell of all it meets."""
+    stated = {stop.joint for stop in system.limits}
+    acting, told = [], []
+    for joint in system.movable_joints:
+        if not has_range(joint):
+            continue
+        courses = [
+            c.values for r in recordings for c in r.channels if c.site == joint.name and c.quantity == "position"
+        ]
+        if not courses:
+            continue
+        low, high = (float(f([f(values) for values in courses])) for f in (np.nanmin, np.nanmax))
+        extent = joint.upper - joint.lower
+        for end, beyond in ((joint.lower, joint.lower - low), (joint.upper, high - joint.upper)):
+            if beyond < -NEAR * extent:
+                continue
+            where = f"joint {joint.name!r}, recorded from {low:.4g} to {high:.4g} {_unit(joint)}"
+            if beyond > PAST * extent:
+                told.append(f"{where}, runs through its limit of {end:.4g}: it does not act")
+            elif joint.name in stated:
+                acting.append(joint.name)
+                told.append(f"{where}, meets its limit of {end:.4g}, which acts as the file says")
+            else:
+                told.append(f"{where}, meets its limit of {end:.4g}: the file says of no stop there, none acts")
+    through = {
+        name for name in acting if any(note.startswith(f"joint {name!r}") and "runs through" in note for note in told)
+    }
+    system = replace(system, notes=(*system.notes, *told))
+    reached = [name for name in acting if name not in through]
+    return bounded(system, reached) if reached else system
+
+
+def _place(joint: Joint, recordings: Sequence[Recording]) -> float | None:
+    courses = [c.values for r in recordings for c in r.channels if c.site == joint.name and c.quantity == "position"]
+    return float(np.nanmedian(np.concatenate(courses))) if courses else None
+
+
+def _moves(joint: Joint, recordings: Sequence[Recording]) -> bool:
+    courses = [c.values for r in recordings for c in r.channels if c.site == joint.name and c.quantity == "position"]
+    pushed = any(np.any(c.values) for r in recordings for c in (*r.efforts, *r.commands) if c.site == joint.name)
+    return pushed or any(np.nanmax(values) - np.nanmin(values) > STILL[_unit(joint)] for values in courses)
+
+
+def _unit(joint: Joint) -> str:
+    return "m" if joint.prismatic else "rad"
+
+
+def _fixed(joint: Joint, position: float) -> Joint:
+    """The joint welded where it is."""
+    welded = replace(joint, type=JointType.FIXED, mimic=None, armature=0.0, damping=0.0, friction=0.0, stiffness=0.0)
+    if joint.prismatic:
+        return replace(welded, xyz=constant(joint.xyz + joint.rotation @ joint.axis * position))
+    return replace(welded, rotation=constant(joint.rotation @ about_axis(joint.axis, position)))
+
+
+def _without(recording: Recording, joint: str) -> Recording:
+    """The recording without the columns of a joint that is fixed."""
+    lost = [c.name for c in recording.signals if c.site == joint]
+    if not lost:
+        return recording
+    notes = tuple(QualityNote("ignored_column", name, "is of a joint that is held", "left out") for name in lost)
+    return replace(
+        recording,
+        channels=tuple(c for c in recording.channels if c.site != joint),
+        efforts=tuple(c for c in recording.efforts if c.site != joint),
+        commands=tuple(c for c in recording.commands if c.site != joint),
+        quality=(*recording.quality, *notes),
+    )
