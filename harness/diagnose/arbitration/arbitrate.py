@@ -252,4 +252,4 @@ def _better(names: Sequence[str], channel: str, places: Sequence[Mapping[str, An
 def _place(place: Mapping[str, Any]) -> str:
     if place["by"] == "recording":
         return str(place["group"])
-    return f"a {place['by']} of {place['group']} {place['by_unit']}"
+    return f"{place['by']} {place['group']} {place['by_unit']}"
