@@ -19,7 +19,7 @@ QUICK = {
         "test_separation", "test_sharp_sensitivities", "test_thinned_recordings", "test_trials", "test_unequal_windows",
         "test_unnamed_force", "test_weak_contact", "test_what_acts", "test_zero_of_every_recording",
     ),
-    "proof": ("test_score", "test_truth", "test_same_recordings", "test_practitioner"),
+    "proof": ("test_score", "test_truth", "test_same_recordings", "test_practitioner", "test_paper_damping"),
 }  # fmt: skip
 HERE = Path(__file__).parent
 
