@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -89,19 +89,19 @@ def decay(
             from harness.report.decay import bands_picture, print_apart, print_bands
 
             parts = part(time, signal, split=split)
-            whole = {
+            whole: dict[str, Any] = {
                 "schema": "denoc.bands/1",
                 "source": recording,
                 "channel": chosen.name,
                 "bands": bands_document(parts),
             }
-            print_bands(whole["bands"], chosen.unit, screen)  # type: ignore[arg-type]
+            print_bands(whole["bands"], chosen.unit, screen)
             if system is not None:
                 from harness.compare.decay.apart import apart
 
                 told = apart(read, system, parts[1])
-                whole |= {"apart": apart_document(told)}
-                print_apart(apart_document(told), screen)
+                whole["apart"] = apart_document(told)
+                print_apart(whole["apart"], screen)
             label = f"{chosen.name} [{written(chosen.unit)}]"
             picture, name = bands_picture(parts, (time, signal), label), "bands"
         else:

@@ -20,7 +20,9 @@ LONG = ("damping", "links")
 
 @click.command()
 @click.argument("what", type=click.Choice(["figures", "equations", "readings", "departure", "damping", "links"]))
-@click.option("--quick", is_flag=True, help="Fewer angles, lengths, modes and elements (damping, links).")
+@click.option(
+    "--quick", is_flag=True, help="Shorter motions, fewer angles, lengths, modes and elements (damping, links)."
+)
 @click.option(
     "--seed",
     type=click.IntRange(min=0),
@@ -69,7 +71,6 @@ def paper(
     """
     import secrets
 
-    from harness.cli.main import COMMAND
     from harness.errors import InputError
     from harness.report.columns import print_table
     from harness.report.files import write_folder
@@ -96,7 +97,7 @@ def paper(
     for name, (heads, rows) in study.tables.items():
         print_table(screen, heads, rows, title=name.replace("_", " "))
     numbers = {**({} if seed is None else {"seed": seed}), **study.numbers}
-    made = json_text(document(what, study, numbers, click.get_current_context().meta[COMMAND]))
+    made = json_text(document(what, study, numbers, _command(what, quick, seed, draws, so_far)))
     if out is not None:
         files = {f"{name}.md": markdown_table(heads, rows) for name, (heads, rows) in study.tables.items()}
         for path in write_folder(out, {**files, **drawn(study.series), f"{what}.json": made}):
@@ -105,6 +106,14 @@ def paper(
             journal.remove()
     write_json(made, json_file)
     return 0
+
+
+def _command(what: str, quick: bool, seed: int | None, draws: int | None, so_far: bool) -> str:
+    """The line that gives the same numbers again, wherever and on however many processes."""
+    words = ["denoc", "paper", what, *(["--quick"] if quick else [])]
+    words += [] if seed is None else ["--seed", str(seed)]
+    words += [] if draws is None else ["--draws", str(draws)]
+    return " ".join([*words, *(["--so-far"] if so_far else [])])
 
 
 def _seed_in(folder: Path) -> int | None:

@@ -185,9 +185,9 @@ def told(answers: Sequence[Read]) -> Study:
         off_alone = [abs(a.viscous[place] / a.trial.coefficients[0] - 1.0) for a in alone]
         off = [abs(a.viscous[place] - a.trial.coefficients[0]) / scale[0] for a in answers if a not in alone]
         cells = [
-            f"{100.0 * max(off_alone):.2g} %",
-            f"{100.0 * float(np.median(off)):.2g} %",
-            f"{100.0 * max(off):.2g} %",
+            _percent(max(off_alone)),
+            _percent(float(np.median(off))),
+            _percent(max(off)),
         ]
         numbers[f"{way}, viscous alone"], numbers[f"{way}, mixtures"] = max(off_alone), float(np.median(off))
         if place >= 2:
@@ -198,7 +198,7 @@ def told(answers: Sequence[Read]) -> Study:
                     (a.envelope, a.sample)[place - 2][1:], a.trial.coefficients[1:], scale[1:], strict=True
                 )
             ]
-            cells.append(f"{100.0 * float(np.median(others)):.2g} %, {100.0 * max(others):.2g} %")
+            cells.append(f"{_percent(float(np.median(others)))}, {_percent(max(others))}")
         else:
             cells.append("not told")
         summary.append((way, *cells))
@@ -216,7 +216,7 @@ def told(answers: Sequence[Read]) -> Study:
             "viscous damping by four readings",
             way,
             tuple(float(k + 1) for k in range(len(answers))),
-            tuple(a.viscous[place] / DAMPING for a in answers),
+            tuple(_drawn(a.viscous[place]) for a in answers),
             "decay, in the order of the table",
             "viscous damping read, over the paper's ξ",
             style="points",
@@ -227,7 +227,7 @@ def told(answers: Sequence[Read]) -> Study:
     true = replace(
         series[0],
         label="concealed",
-        y=tuple(a.trial.coefficients[0] / DAMPING or math.nan for a in answers),
+        y=tuple(_drawn(a.trial.coefficients[0]) for a in answers),
         style="dashed",
     )
     return Study(
@@ -259,9 +259,19 @@ def _scale() -> Array:
     return np.asarray(DAMPING * one[0] / one)
 
 
+def _drawn(viscous: float) -> float:
+    """Over the paper's ξ; next to none has no place on a logarithmic axis."""
+    return viscous / DAMPING if viscous > 0.01 * DAMPING else math.nan
+
+
 def _milli(value: float) -> str:
     return f"{1e3 * value:.3g}"
 
 
 def _three(values: Sequence[float]) -> str:
-    return ", ".join(_milli(v) if v else "0" for v in values)
+    """All three laws; what would take less than 10⁻⁵ of the loss is nothing."""
+    return ", ".join(_milli(v) if v > 1e-5 * one else "0" for v, one in zip(values, _scale(), strict=True))
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"

@@ -8,6 +8,8 @@ from typing import Any
 from harness.cases.case import Series
 from harness.report.figures.canvas import FAINT, INK, canvas, colour, marker
 
+GROWTH = 18.0  # of markers, first to last, at most [points]
+
 
 def lines(series: Sequence[Series], name: str, *, height: float = 3.4) -> str:
     """SVG of the lines of one figure."""
@@ -23,10 +25,10 @@ def draw(ax: Any, series: Sequence[Series], *, width: float = 2.0) -> None:
     for index, line in enumerate(series):
         base = colour(line.label, index)
         if line.style == "points":
-            # Open markers of growing size: points on top of each other stay visible.
-            ax.plot(
-                line.x, line.y, marker(line.label), color=base, mfc="none", mew=1.5, ms=6 + 3 * index, label=line.label
-            )
+            # Open markers of growing size: points on top of each other stay visible. Of many lines by less, so that the last is no
+            # larger than the plot bears.
+            size = 6.0 + index * min(3.0, GROWTH / len(series))
+            ax.plot(line.x, line.y, marker(line.label), color=base, mfc="none", mew=1.5, ms=size, label=line.label)
         else:
             dash = (0, (4, 2 + index)) if line.style == "dashed" else "-"
             ax.plot(
