@@ -44,8 +44,8 @@ def test_numbers_put_in_come_out_and_predict() -> None:
     found = fit_figaroh(rig(), runs[:2], runs[2:], np.sqrt(WEIGHT / INERTIA) / (2.0 * np.pi))
     assert found.inertia == pytest.approx(INERTIA, rel=0.02)
     assert found.gravity[1] == pytest.approx(WEIGHT, rel=0.02)
-    assert found.viscous == pytest.approx(VISCOUS, rel=0.25)  # a regression that filters leaves a bias
-    assert found.dry == pytest.approx(DRY, rel=0.15)
+    assert found.viscous == pytest.approx(VISCOUS, rel=0.05)
+    assert found.dry == pytest.approx(DRY, rel=0.05)
     assert found.prediction < 0.02  # N·m, of a drive of 0.1
     assert found.physical
     assert heldout_error(found.free_run, runs[2:]) < 0.1
