@@ -60,10 +60,13 @@ class Case:
         return [w.thinned() for part in cut for w in part]
 
     def folds(self) -> tuple[list[Recording], list[Recording]]:
-        """Training recordings to fit and to choose on; the ones held out have no say."""
+        """Training recordings to fit and to choose on; the ones held out have no say.
+
+        The end of a single one is nearly at rest, which a model without any friction predicts well: there the whole of it decides.
+        """
         if len(self.train) > 1:
             return self.train[:-1], self.train[-1:]
-        return [piece(self.train[0], 0.0, 0.7)], [piece(self.train[0], 0.7, 1.0)]
+        return [piece(self.train[0], 0.0, 0.7)], [self.train[0]]
 
 
 def published(case: Case) -> Found:

@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from harness.diagnose.answer.explain import percent
 from harness.recording.units import written
 
 HERE = Path(__file__).resolve().parents[1]
@@ -43,7 +44,7 @@ def table(rows: list[dict[str, Any]], plain: dict[str, dict[str, Any]]) -> str:
         published = pair(row, "published")
         if "authors_fit" in row:
             published += f" (fitted by its authors {pair(row, 'authors_fit')})"
-        share = f"{row['explained_share']:.0%}" if row.get("explained_share") is not None else "–"
+        share = percent(row["explained_share"]) if row.get("explained_share") is not None else "–"
         afternoon = pair(plain.get(row["rig"], {}), row["rig"])
         lines.append(
             f"| {row['rig']} | {'m' if row['rig'] == 'emps' else 'rad'} | {published} | {afternoon} "

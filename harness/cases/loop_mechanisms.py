@@ -36,8 +36,8 @@ def rod(name: str, mass: float, end: Sequence[float]) -> Link:
 
 def pin(name: str, first: tuple[str, Sequence[float]], second: tuple[str, Sequence[float]]) -> Loop:
     """Two points that coincide in the plane z = 0."""
-    frames = (Frame(link, constant([*place, 0.0]), _STILL) for link, place in (first, second))
-    return Loop(name, *frames, ("x", "y"))
+    one, other = (Frame(link, constant([*place, 0.0]), _STILL) for link, place in (first, second))
+    return Loop(name, one, other, ("x", "y"))
 
 
 # The seven-body mechanism of Andrews, table of Hairer and Wanner, Solving ODEs II, VII.7 [SI].

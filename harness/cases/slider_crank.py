@@ -15,7 +15,7 @@ from harness.cases.loop_truths import slider_crank_angle
 from harness.cases.users import state_checks
 
 ANGLE, SPEED = 0.5, 12.0
-START = {"position": (("crank", ANGLE),), "velocity": (("crank", SPEED),)}
+TURNED, TURNING = (("crank", ANGLE),), (("crank", SPEED),)
 
 
 def closed_form(bench: Bench) -> Iterable[Row]:
@@ -42,9 +42,15 @@ CASE = Case(
     checks=(
         *state_checks(3),
         Measured("motion", closed_form),
-        LoopMotion(**START),
-        LoopsKept(**START),
-        EnergyKept(allowed=1e-8, why="adaptive integration at relative tolerance 1e-10", duration=10.0, **START),
+        LoopMotion(position=TURNED, velocity=TURNING),
+        LoopsKept(position=TURNED, velocity=TURNING),
+        EnergyKept(
+            allowed=1e-8,
+            why="adaptive integration at relative tolerance 1e-10",
+            position=TURNED,
+            velocity=TURNING,
+            duration=10.0,
+        ),
     ),
     group="loops",
     cost=15.0,

@@ -30,23 +30,18 @@ def add_joints(mbs: Any, tree: Any, system: System) -> None:
     kept = independent_conditions(system, closed_position(system))
     for loop in system.loops:
         assert isinstance(loop, Loop)
-        markers, turns = [], []
+        markers = []
         for frame in (loop.first, loop.second):
             body, rotation, xyz = _on_body(system, frame)
+            place = exudyn_package().HT(rotation=rotation, translation=xyz)
             if body < 0:
                 ground = mbs.AddObject(ObjectGround()) if ground is None else ground
-                markers.append(mbs.AddMarker(MarkerBodyRigid(bodyNumber=ground, localPosition=xyz)))
+                marker = MarkerBodyRigid(bodyNumber=ground, localHT=place)
             else:
-                markers.append(
-                    mbs.AddMarker(MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=body, localPosition=xyz))
-                )
-            turns.append(rotation)
+                marker = MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=body, localHT=place)
+            markers.append(mbs.AddMarker(marker))
         axes = [int((loop.name, motion) in kept) for motion in ("x", "y", "z", "rx", "ry", "rz")]
-        mbs.AddObject(
-            ObjectJointGeneric(
-                markerNumbers=markers, constrainedAxes=axes, rotationMarker0=turns[0], rotationMarker1=turns[1]
-            )
-        )
+        mbs.AddObject(ObjectJointGeneric(markerNumbers=markers, constrainedAxes=axes))
 
 
 def _on_body(system: System, frame: Frame) -> tuple[int, Array, Array]:

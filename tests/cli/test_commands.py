@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import harness
 from harness.cli.main import VERBS, status_of
 
 ROOT = Path(__file__).parents[2]
@@ -55,6 +56,42 @@ def test_every_verb_helps_with_an_example(run, verb):
     assert f"denoc {verb}" in out
     assert "--json" in out
     assert "--out" in out
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_whatever_reads_a_model_may_be_allowed_its_meshes(run, verb):
+    """The mend of a mesh that lies elsewhere is ``--allow-path DIR``, so every verb that could say so has it."""
+    _, out, _ = run(verb, "--help")
+    reads = any(word in out.split("Options:")[0].splitlines()[0] for word in ("MODEL", "SYSTEM")) or "--model " in out
+    assert ("--allow-path" in out) == reads
+
+
+def test_a_mesh_elsewhere_is_read_where_it_is_allowed(run, tmp_path):
+    """A tetrahedron of 10 cm edges along the axes, density 1000: 1000 · 0.1³ / 6 kg."""
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "models").mkdir()
+    corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    (tmp_path / "meshes" / "l.obj").write_text(
+        "\n".join(
+            [*("v {} {} {}".format(*c) for c in corners), *("f {} {} {}".format(*(k + 1 for k in f)) for f in faces)]
+        )
+    )
+    model = tmp_path / "models" / "m.xml"
+    model.write_text(
+        '<mujoco><compiler meshdir="../meshes"/><asset><mesh name="l" file="l.obj"/></asset><worldbody><body name="p">'
+        '<joint name="h" axis="0 1 0"/><geom type="mesh" mesh="l" density="1000"/></body></worldbody></mujoco>'
+    )
+    beside = ("--allow-path", str(tmp_path / "meshes"))
+    for verb in (
+        ("audit",),
+        ("validate", "--engine", "mujoco"),
+        ("view", "--duration", "0.1", "--out", str(tmp_path / "v.html")),
+    ):
+        refused(run(verb[0], str(model), *verb[1:]), "--allow-path")
+        status, _, err = run(verb[0], str(model), *verb[1:], *beside)
+        assert status == 0, err
+    assert harness.load(model, allow=[tmp_path / "meshes"]).links[0].mass == pytest.approx(1000.0 * 0.1**3 / 6.0)
 
 
 def test_help_loads_nothing_heavy():

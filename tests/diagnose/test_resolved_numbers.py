@@ -2,6 +2,7 @@
 
 import pytest
 
+from harness.diagnose.answer.explain import percent
 from harness.diagnose.answer.significant_digits import best, digits, ends, estimate, resolved
 
 
@@ -82,3 +83,7 @@ def test_digits_are_written_out_up_to_a_thousand_million() -> None:
     assert digits(1234567.0, 3) == "1230000"
     assert digits(1234.0, 4) == "1234"
     assert digits(0.00001234, 3) == "1.23e-05"
+
+
+def test_all_of_a_mismatch_is_never_said_to_be_removed_where_something_is_left() -> None:
+    assert [percent(share) for share in (0.83, 0.9978, 0.9999678, 1.0)] == ["83 %", "99.8 %", "99.997 %", "100 %"]

@@ -321,3 +321,20 @@ def test_damage_is_told(tmp_path, system):
         (tmp_path / "half").write_bytes(whole[: len(whole) // 2])
         with pytest.raises(InputError, match="damaged"):
             read_recording(tmp_path / "half", system=system)
+
+
+def test_what_rostopic_prints_goes_by_the_names_in_its_file(tmp_path, system):
+    """A user sees ``field.effort0`` in the file, not the name that it is read by."""
+    file = tmp_path / "echo.csv"
+    fields = ["name", "position", "velocity", "effort"]
+    lines = ["%time," + ",".join(f"field.{field}0" for field in fields)]
+    lines += [f"{stamp},pivot,{a},{s},nan" for stamp, a, s in zip(STAMPS, ANGLE, SPEED, strict=True)]
+    file.write_text("\n".join(lines) + "\n")
+    recording = read_recording(file, system=system, mapping=["field.effort0=ignore", "field.velocity0=ignore"])
+    assert recording.channel_names == ("pivot.position",)
+    told = {note.channel for note in recording.quality if note.what == "is mapped to ignore"}
+    assert told == {"field.effort0", "field.velocity0"}
+    by_joint = read_recording(file, system=system, mapping=["pivot.velocity=ignore"])
+    assert by_joint.channel_names == ("pivot.position",)
+    turned = read_recording(file, system=system, mapping=["field.position0=pivot.position[deg]"])
+    assert np.allclose(turned.channel("pivot.position").values, np.deg2rad(ANGLE))

@@ -131,6 +131,15 @@ def test_paper_and_pages_without_scripts_have_the_pictures(opened):
     assert silent.locator(".still:visible").count() == PLOTS
 
 
+def test_on_paper_no_table_is_cut(opened):
+    """A sheet of Letter less its margins is 718 px wide, and has no scroll bar."""
+    page, _, _ = opened(718)
+    page.emulate_media(media="print")
+    wide = page.evaluate("""[...document.querySelectorAll("table")].filter(table => table.offsetParent !== null
+        && table.getBoundingClientRect().right > document.documentElement.clientWidth).map(table => table.innerText)""")
+    assert page.locator("table").count() > 3 and wide == []
+
+
 def test_colours_follow_a_change_of_scheme(opened):
     page, _, _ = opened(scheme="light")
     look = "document.querySelector('.uplot canvas').toDataURL()"

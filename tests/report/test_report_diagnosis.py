@@ -83,6 +83,22 @@ def test_one_figure_is_spelled_one_way():
         assert "e+06" not in text
 
 
+def test_how_firmly_a_finding_is_held_stands_on_terminal_and_page():
+    first, other = DOCUMENT["findings"][0], {**DOCUMENT["findings"][0], "site": "elbow"}
+    document = {**DOCUMENT, "findings": [{**first, "grade": "established"}, {**other, "grade": "possible"}]}
+    screen = Console(file=io.StringIO(), width=200)
+    print_diagnosis(document, screen)
+    (head,) = (line for line in screen.file.getvalue().splitlines() if line.startswith("effect"))
+    rows = [line for line in screen.file.getvalue().splitlines() if line.startswith("coulomb_friction ")]
+    assert [row[head.index("grade") :].split()[0] for row in rows] == ["established", "possible"]
+    text = lxml_html.fromstring(diagnosis_html(document)).text_content()
+    assert "established" in text and "possible" in text
+    # Of findings without one, as an older build told them, there is no such column.
+    screen = Console(file=io.StringIO(), width=200)
+    print_diagnosis(DOCUMENT, screen)
+    assert "grade" not in screen.file.getvalue()
+
+
 def test_the_page_shows_everything_and_escapes_it():
     page = diagnosis_html(DOCUMENT)
     text = lxml_html.fromstring(page).text_content()

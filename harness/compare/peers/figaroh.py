@@ -85,7 +85,7 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
 
     fitted_to, judged_on = (_motion(runs, frequency) for runs in (train, heldout))
 
-    class OneRig(BaseIdentification):  # type: ignore[misc]
+    class OneRig(BaseIdentification):
         def load_trajectory_data(self, data_source: str | None = None) -> dict[str, Array]:
             return judged_on if data_source else fitted_to
 

@@ -52,7 +52,7 @@ TASKS = {
     "chain": Task("recursion", "rigid_chain", "rigid_address", "chain"),
     "rigid": Task("recursion", "rigid_dynamics", "rigid_address", "inverse"),
     "rigid_others": Task("recursion", "rigid_others", "rigid", "locate"),
-    "loops": Task("loops", "loops", "address", "settle"),
+    "loops": Task("loops", "loops", "address", "dynamics"),
     "flexible_others": Task("recursion", "flexible_others", "flexible", "locate"),
     "flexible": Task("recursion", "flexible_dynamics", "flexible_address", "inverse"),
 }

@@ -5,12 +5,14 @@ Names at module level are all they use: a compiled function that closes over ano
 
 from __future__ import annotations
 
+import ctypes
 import functools
+from collections.abc import Callable
 from typing import Any
 
 from numba import cfunc
 
-from harness.denoc.compiling.compiled import allocating, compiled
+from harness.denoc.compiling.compiled import allocating
 from harness.denoc.compiling.pipeline import Kernel
 from harness.denoc.loops import columns, factors
 from harness.denoc.loops import places as at_
@@ -48,27 +50,32 @@ _NEARLY_SINGULAR = 1e-4
 
 
 @functools.cache
-def addresses() -> tuple[int, int]:
-    """Addresses of forward dynamics, and of what closes positions and velocities again."""
-    return int(_forward().address), int(_settle().address)
+def address() -> int:
+    """Where the dynamics of closed mechanisms stand, all of them: what is compiled apart is compiled twice.
+
+    (header, q, q̇, τ, q̈): forward dynamics. (header, q, q̇, 0, 0): closes positions and velocities again. (header, q, q̇, 0, out):
+    value, rate and acceleration (joint accelerations zero) of all conditions, (c, 3), then their Jacobian, (c, n).
+    """
+    return int(_dynamics().address)
 
 
 @functools.cache
-def _forward() -> Any:
-    @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
-    def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
-        return closed_forward(model, q, qd, tau, qdd)
-
-    return forward
+def called() -> Callable[[int, int, int, int, int], int]:
+    """The same for a call from Python."""
+    return ctypes.CFUNCTYPE(ctypes.c_int64, *[ctypes.c_int64] * 5)(address())
 
 
 @functools.cache
-def _settle() -> Any:
+def _dynamics() -> Any:
     @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
-    def settle(model: int, q: int, qd: int, third: int, out: int) -> int:
-        return close_again(model, q, qd)
+    def dynamics(model: int, q: int, qd: int, third: int, out: int) -> int:
+        if out == 0:
+            return close_again(model, q, qd)
+        if third == 0:
+            return describe(model, q, qd, out)
+        return closed_forward(model, q, qd, third, out)
 
-    return settle
+    return dynamics
 
 
 @allocating
@@ -180,19 +187,22 @@ def open_by(places: Any, x: Any) -> float:
     return worst
 
 
-@compiled
-def described(model: int, q: Any, v: Any, states: Any, jacobian: Any) -> int:
-    """Value, rate and acceleration (joint accelerations zero) of all conditions to ``states`` (c, 3); their Jacobian, (c, n)."""
+@allocating
+def describe(model: int, q: int, qd: int, out: int) -> int:
+    """Value, rate and acceleration (joint accelerations zero) of all conditions, and their Jacobian, one after the other."""
     header = header_at(model)
     places = places_of(header)
     x = numbers_of(header, places)
+    n, c = places[N], places[CONDITIONS]
     d, t = rows_of(header), topology_of(header)
-    status = columns.linearise(places, x, header[TREE], d, t, q.ctypes.data, v.ctypes.data, v, q)
+    velocity, position = vector_at(qd, n), vector_at(q, places[NQ])
+    status = columns.linearise(places, x, header[TREE], d, t, q, qd, velocity, position)
+    found = vector_at(out, c * (3 + n))
     row = at_.row(places, 0)
-    for k in range(places[CONDITIONS]):
+    for k in range(c):
         for i in range(3):
-            states[k, i] = x[at_.state(places, k) + i]
+            found[3 * k + i] = x[at_.state(places, k) + i]
         columns.jacobian_row(places, x, k, row)
-        for j in range(places[N]):
-            jacobian[k, j] = x[row + j]
+        for j in range(n):
+            found[3 * c + k * n + j] = x[row + j]
     return status

@@ -52,13 +52,13 @@ class Closed(Denoc):
         self._places, self._numbers = tables(system, self.tree.seats, names, usual_rank(system, at), columns)
         self.conditions = tuple((loop.name, condition) for loop in _ordered(system) for condition in loop.conditions)
         self._tree_header = self._header
-        from harness.denoc.loops import address
+        from harness.denoc.loops.address import address
 
-        forward, settle = address.addresses()
+        dynamics = address()
         header = self._header.copy()
         header[TREE], header[CUTS] = self._tree_header.ctypes.data, self._places.ctypes.data
         header[CUT_NUMBERS] = self._numbers.ctypes.data
-        header[FORWARD], header[RECURSION], header[SETTLE] = forward, forward, settle
+        header[FORWARD], header[RECURSION], header[SETTLE] = dynamics, dynamics, dynamics
         self._header = header
         self._model = int(header.ctypes.data)
         if self._chart is None:
@@ -86,10 +86,10 @@ class Closed(Denoc):
         return qd
 
     def _settle(self, q: Array, qd: Array) -> None:
-        from harness.denoc.recursion.dynamics_call import call_rows
+        """Close positions and velocities again, in place."""
+        from harness.denoc.loops.address import called
 
-        idle = self._zero
-        status = call_rows(int(self._header[SETTLE]), self._model, q[None], qd[None], idle[None], idle[None])
+        status = called()(self._model, q.ctypes.data, qd.ctypes.data, 0, 0)
         if status > 0:
             raise self.singular(status)
 
@@ -103,13 +103,14 @@ class Closed(Denoc):
 
     def _described(self, q: Array, qd: Array) -> tuple[Array, Array]:
         """Value, rate and acceleration without joint accelerations of every condition, (c, 3), and J, (c, n)."""
-        from harness.denoc.loops.address import described
+        from harness.denoc.loops.address import called
 
-        states, jacobian = np.zeros((len(self.conditions), 3)), np.zeros((len(self.conditions), self.n))
-        status = described(self._model, q, qd, states, jacobian)
+        c = len(self.conditions)
+        found = np.empty(c * (3 + self.n))
+        status = called()(self._model, q.ctypes.data, qd.ctypes.data, 0, found.ctypes.data)
         if status > 0:
             raise self.singular(status)
-        return states, jacobian
+        return found[: 3 * c].reshape(c, 3), found[3 * c :].reshape(c, self.n)
 
     def constraint_forces(self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike | None = None) -> Array:
         """Constraint forces λ of ``conditions`` in free motion under τ [N, or N·m], shape (c,).

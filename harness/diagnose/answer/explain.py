@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import floor, log10
 
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
@@ -117,7 +118,7 @@ def _beside_a_force(
     if findings:
         hold = "hold" if len(findings) > 1 else "holds"
         share = (
-            f" and remove {_percent(explained)} of the mismatch there"
+            f" and remove {percent(explained)} of the mismatch there"
             if explained is not None and explained > 0.0
             else ""
         )
@@ -133,21 +134,24 @@ def _beside_a_force(
     sentences = [
         text,
         f"What is left of the data held out is {foretold:.2g} times the sensors' noise: a force of {force.size:.2g} {unit} at "
-        f"{force.joint}, {_percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
+        f"{force.joint}, {percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
         f"{force.memory:.2g} s.",
     ]
     if left.place is not None:
         sentences.append(
-            f"{_percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
-            f"{_percent(left.place.of_time)} of the time."
+            f"{percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
+            f"{percent(left.place.of_time)} of the time."
         )
     if conclusion.doubted:
         sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
     return sentences
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.4g} %"
+def percent(share: float) -> str:
+    if share < 0.995 or share >= 1.0:
+        return f"{100.0 * share:.2g} %" if share < 0.995 else "100 %"
+    # All is never said where something is left.
+    return f"{100.0 * share:.{-floor(log10(100.0 * (1.0 - share)))}f} %"
 
 
 def untried(not_tried: Sequence[NotTried]) -> str:

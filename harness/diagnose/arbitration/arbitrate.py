@@ -55,7 +55,7 @@ def arbitrate(
     tell = _teller(progress)
     tell("reading")
     asked = question(recordings, first, holdout=holdout, mapping=mapping, deadline=deadline)
-    every = comparable(list(systems.values()))
+    every = comparable(list(systems.values()), asked.problem.driven)
     try:
         tell("what the recordings say themselves")
         estimate = asked.estimate(list(systems.values()), every)
@@ -94,7 +94,7 @@ def arbitrate(
     }
 
 
-def comparable(systems: Sequence[System]) -> tuple[Number, ...]:
+def comparable(systems: Sequence[System], driven: bool = False) -> tuple[Number, ...]:
     """The numbers of models; InputError where something bends, whose numbers are not of this kind."""
     for system in systems:
         if system.flexible:
@@ -111,7 +111,7 @@ def comparable(systems: Sequence[System]) -> tuple[Number, ...]:
             source=more.source or more.name,
             mend="compare models of the same coordinates",
         )
-    return numbers(systems)
+    return numbers(systems, driven)
 
 
 def free(asked: Question, systems: Mapping[str, System], estimate: Estimate) -> dict[str, dict[str, FreeRuns]]:
@@ -252,4 +252,4 @@ def _better(names: Sequence[str], channel: str, places: Sequence[Mapping[str, An
 def _place(place: Mapping[str, Any]) -> str:
     if place["by"] == "recording":
         return str(place["group"])
-    return f"a {place['by']} of {place['group']} {place['by_unit']}"
+    return f"{place['by']} {place['group']} {place['by_unit']}"

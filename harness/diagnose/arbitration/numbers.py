@@ -26,6 +26,7 @@ from harness.system import System
 Array = NDArray[np.float64]
 
 USUAL = ("damping", "coulomb_torque")  # what every joint may have, whether a model says so or not
+OF_DRIVES = ("constant_torque",)  # the same of joints that are driven: an amplifier's zero
 # Terms that say where or how quickly another one acts: nothing by themselves, and held where a model has none.
 SHAPES = (
     "stribeck_velocity", "rest_angle", "dahl_stiffness", "polynomial_rest", "cogging_periods", "cogging_phase", "stop_angle",
@@ -88,14 +89,15 @@ class Number:
         return self.key[1] in SHAPES
 
 
-def numbers(models: Sequence[System]) -> tuple[Number, ...]:
-    """What rigid models of the same joints are compared by, the first one's base parameters first.
+def numbers(models: Sequence[System], driven: bool = False) -> tuple[Number, ...]:
+    """What rigid models of the same joints are compared by, the first one's base parameters first; driven: whether efforts act.
 
     A base parameter that one model has and another, by its geometry, has not is left out.
     """
     own = [{p.key: p for p in base_parameters(model)} for model in models]
     first = models[0]
     rows = [_row(model) for model in models]
+    usual = (*USUAL, *OF_DRIVES) if driven else USUAL
     found: list[Number] = []
     for key, parameter in own[0].items():
         if all(key in other for other in own):
@@ -106,7 +108,7 @@ def numbers(models: Sequence[System]) -> tuple[Number, ...]:
         for slot in SLOTS:
             key = (name, slot.name)
             values = [lane[1][lane[0].slot(*key)] for lane in rows]
-            if slot.name == ARMATURE or slot.name in NOT_FREED or not (slot.name in USUAL or any(values)):
+            if slot.name == ARMATURE or slot.name in NOT_FREED or not (slot.name in usual or any(values)):
                 continue
             found.append(_number(name, key, values, references(first, name), first, None))
     return tuple(found)

@@ -22,6 +22,9 @@ def prepared(model: str | Path | System) -> System:
     system = one_degree(freed(system), "a comparison of models")
     if not system.joint_names:
         raise InputError("has no joint that moves", source=system.source, mend="give a model with a movable joint")
+    if system.actuators:
+        told = "its actuators do not act here: efforts are what recordings state"
+        system = replace(system, actuators=(), notes=(*system.notes, told))
     shaped = replace(system, attachments=())
     for attachment in system.attachments:
         shaped = apply(shaped, attachment)

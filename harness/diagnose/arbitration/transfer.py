@@ -64,7 +64,7 @@ def transfer(
 
     tell("reading")
     asked = question(recordings, system, holdout=holdout, mapping=mapping, deadline=deadline)
-    every = comparable([system])
+    every = comparable([system], asked.problem.driven)
     try:
         tell("what the recordings say themselves")
         estimate = asked.estimate([system], every)

@@ -52,7 +52,7 @@ def _show(console: Console, heads: tuple[Column | str, ...], lines: list[tuple[s
 
 
 def _findings(findings: list[Mapping[str, Any]]) -> Shown:
-    heads = ("effect", "at", "parameters", figures("ΔBIC"), "cannot be told from")
+    heads = ("effect", "at", "grade", "parameters", figures("ΔBIC"), "cannot be told from")
     lines: list[tuple[str, ...]] = []
     for finding in one_by_one(findings):
         parameters = "; ".join(
@@ -61,7 +61,8 @@ def _findings(findings: list[Mapping[str, Any]]) -> Shown:
         )
         others = ", ".join(rivals_of(finding))
         bic = finding.get("evidence", {}).get("delta_bic")
-        lines.append((finding["effect"], finding["site"], parameters, "" if bic is None else f"{bic:.0f}", others))
+        weight = "" if bic is None else f"{bic:.0f}"
+        lines.append((finding["effect"], finding["site"], finding.get("grade") or "", parameters, weight, others))
     return heads, lines
 
 
