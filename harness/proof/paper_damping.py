@@ -100,6 +100,9 @@ OUTCOMES = {
     "not seen": "no non-linear damping is found",
 }
 
+# What is drawn, and of which outcomes it is the share.
+SHARES = {"found": ("named", "likeliest"), "told apart": ("named",)}
+
 
 def conceal(kind: str, rng: np.random.Generator) -> Concealed:
     """Damping of a kind that takes 40 to 70 % of what the first swings from 90° lose by ξ = 1.9e-3, viscous damping the rest."""
@@ -241,6 +244,7 @@ def told(answers: Sequence[Answer]) -> Study:
     for answer in answers:
         by[answer.trial.truth.kind, answer.trial.release, answer.trial.duration].append(answer)
     kinds = [kind for kind in KINDS if any(kind == key[0] for key in by)]
+    every = max(len(found) for found in by.values())
     seconds = tuple(f"{d:g} s" for d in durations)
     cells = [
         (_words(kind), f"{release:g}°", *(_cell(by[kind, release, d]) for d in durations))
@@ -266,29 +270,39 @@ def told(answers: Sequence[Answer]) -> Study:
         "seconds_it_takes": (("concealed", *(f"from {release:g}°" for release in releases)), needs),
         "concealed": _concealed(answers),
     }
-    series: list[Series] = []
-    numbers: dict[str, float] = {}
-    for label, good, style in (
-        ("found, alone", ("named", "likeliest"), "line"),
-        ("and told from the others", ("named",), "dashed"),
-    ):
+    shares = {
+        (name, release, d): _share([[a.outcome in good for a in by[kind, release, d]] for kind in kinds], every)
+        for name, good in SHARES.items()
+        for release in releases
+        for d in durations
+    }
+    records = tuple({"trial": a.trial.key, **facts_of(a), "outcome": a.outcome} for a in answers)
+    numbers = {f"{name}_{release:g}_{d:g}": share for (name, release, d), share in shares.items()}
+    return Study(tables, _curves(shares, releases, durations), numbers, records)
+
+
+def _curves(
+    shares: Mapping[tuple[str, float, float], float], releases: Sequence[float], durations: Sequence[float]
+) -> tuple[Series, ...]:
+    """Shares by length, a line each release, and by release, a line each length; what was not asked of all kinds is left out."""
+    made = []
+    for name, style in zip(SHARES, ("line", "dashed"), strict=True):
         for release in releases:
-            shares = [_share([a.outcome in good for kind in kinds for a in by[kind, release, d]]) for d in durations]
-            series.append(
-                Series(
-                    "paper",
-                    "seconds it takes to know",
-                    f"{label}, from {release:g}°",
-                    tuple(durations),
-                    tuple(shares),
-                    "length of the recording [s]",
-                    "share of the concealed truths",
-                    style=style,
+            at = [(d, shares[name, release, d]) for d in durations if not math.isnan(shares[name, release, d])]
+            made.append(
+                _curve(
+                    "seconds it takes to know", f"{name}, from {release:g}°", at, "length of the recording [s]", style
                 )
             )
-            numbers |= {f"{good[-1]}_{release:g}_{d:g}": share for d, share in zip(durations, shares, strict=True)}
-    records = tuple({"trial": a.trial.key, **facts_of(a), "outcome": a.outcome} for a in answers)
-    return Study(tables, tuple(series), numbers, records)
+        for d in durations:
+            at = [(r, shares[name, r, d]) for r in sorted(releases) if not math.isnan(shares[name, r, d])]
+            made.append(_curve("release it takes to know", f"{name}, {d:g} s", at, "release [°]", style))
+    return tuple(line for line in made if len(line.x) > 1)
+
+
+def _curve(figure: str, label: str, at: Sequence[tuple[float, float]], x_label: str, style: str) -> Series:
+    x, y = tuple(x for x, _ in at), tuple(y for _, y in at)
+    return Series("paper", figure, label, x, y, x_label, "share of the concealed truths", style=style)
 
 
 def _concealed(answers: Sequence[Answer]) -> Table:
@@ -306,8 +320,9 @@ def _concealed(answers: Sequence[Answer]) -> Table:
     return ("draw", "kind", "share of the first loss", "viscous [N·m·s]", "parameters"), rows
 
 
-def _share(held: Sequence[bool]) -> float:
-    return float(np.mean(held)) if held else math.nan
+def _share(held: Sequence[Sequence[bool]], every: int) -> float:
+    """Share over all kinds, ``every`` answers of each; nan where some were not asked, which would be a share of other things."""
+    return float(np.mean(held)) if all(len(answers) == every for answers in held) else math.nan
 
 
 def _words(name: str) -> str:
