@@ -90,7 +90,7 @@ READERS = (
 
 ADAPTERS = (
     *_of(
-        "pinocchio.py", "chain_7",
+        "pinocchio_model.py", "chain_7",
         ("gravity a thousandth too strong", "model.gravity.linear = np.array(system.gravity)",
          "model.gravity.linear = 1.001 * np.array(system.gravity)", "gravity; pinocchio"),
         ("damping a hundredth too strong", "return -self.damping * qd", "return -1.01 * self.damping * qd",
@@ -105,13 +105,13 @@ ADAPTERS = (
         ("axes turned round", "kind(np.array(joint.axis))", "kind(-np.array(joint.axis))", "mass; pinocchio"),
     ),
     *_of(
-        "pinocchio.py", "joint_springs",
+        "pinocchio_model.py", "joint_springs",
         ("springs slack on the other side", "self.stiffness * (x - self.rest) + self",
          "self.stiffness * (x + self.rest) + self",
          "stiffness; pinocchio"),
     ),
     *_of(
-        "mujoco.py", "chain_7",
+        "mujoco_model.py", "chain_7",
         ("centres of mass a tenth of a millimetre off", "ipos=np.array(link.com),", "ipos=np.array(link.com) + 1e-4,",
          "mass; mujoco"),
         ("armature forgotten", "springref=slack,\n                armature=joint.armature,",
@@ -125,13 +125,13 @@ ADAPTERS = (
          "spec.option.gravity = -np.array(system.gravity)", "gravity; mujoco"),
     ),
     *_of(
-        "mujoco.py", "joint_springs",
+        "mujoco_model.py", "joint_springs",
         ("springs slack at zero", "springref=slack", "springref=0.0", "stiffness; mujoco"),
         ("springs twice as stiff", "stiffness=np.array([joint.stiffness,", "stiffness=np.array([2.0 * joint.stiffness,",
          "stiffness; mujoco"),
     ),
     *_of(
-        "exudyn_rigid.py", "chain_7",
+        "exudyn_rigid_model.py", "chain_7",
         ("damping a hundredth too strong", "jointDControlVector=np.array([joint.damping for",
          "jointDControlVector=np.array([1.01 * joint.damping for", "damping; exudyn"),
         ("inverse dynamics with a sign wrong", "return mass @ qdd - right", "return mass @ qdd + right",
