@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from harness.system.description import Array, Link
+from harness.system.description import Array, Link, constant
 
 # Model files print inertias with about six digits; a body thinner than that is not a contradiction.
 PRINTED_DIGITS = 1e-6
@@ -23,6 +25,24 @@ def point_inertia(mass: float, offset: Array) -> Array:
 def about_origin(link: Link) -> Array:
     """Inertia tensor of a link about its link-frame origin [kg·m²], shape (3, 3)."""
     return np.asarray(link.inertia) + point_inertia(link.mass, np.asarray(link.com))
+
+
+def inertial_numbers(link: Link) -> Array:
+    """Mass [kg], first moments [kg·m], second moments xx, yy, zz, xy, xz, yz about the link-frame origin [kg·m²], shape (10,).
+
+    Every one adds up over bodies that are joined.
+    """
+    about = about_origin(link)
+    return np.concatenate([[link.mass], link.mass * link.com, about[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]])
+
+
+def with_inertial_numbers(link: Link, numbers: Array) -> Link:
+    """The link with these ``inertial_numbers`` (10,) in the place of its own."""
+    m, first, (xx, yy, zz, xy, xz, yz) = np.split(numbers, (1, 4))
+    mass = float(m[0])
+    com = first / mass if mass > 0.0 else np.zeros(3)
+    whole = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return replace(link, mass=mass, com=constant(com), inertia=constant(whole - point_inertia(mass, com)))
 
 
 def impossible(mass: float, inertia: Array) -> str | None:

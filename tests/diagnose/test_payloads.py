@@ -55,6 +55,10 @@ def test_friction_that_payloads_share_is_found_beside_a_model_for_each() -> None
     assert found["effect"] == "coulomb_friction"
     low, high = found["parameters"]["torque"]["ci95"]
     assert low <= DRY <= high
+    # What is missing at the joint has no slope over the angle, as weights that are known would give it.
+    assert told.curves is not None
+    (missing,) = told.curves.forces
+    assert abs(np.polyfit(missing.position, missing.force, 1)[0]) < 0.02  # N·m/rad
     # The recording held out is the heaviest, and its model is run again in other engines.
     assert all(row["difference"] is None or row["note"] == "" for row in told.replayed().replay)
 

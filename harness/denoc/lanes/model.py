@@ -57,7 +57,7 @@ from harness.denoc.lanes.tree import (
 )
 from harness.errors import InputError, UnsupportedError
 from harness.system import Link, System
-from harness.system.inertia import about_origin
+from harness.system.inertia import inertial_numbers
 from harness.system.lowering import one_degree
 
 Array = NDArray[np.float64]
@@ -428,8 +428,7 @@ def _modes(link: Link) -> int:
 
 def _rigid_part(link: Link) -> Array:
     """Ten inertial parameters about the link's origin of what does not bend: mass, first and second moments, (10,)."""
-    about = about_origin(link)
-    own = np.concatenate([[link.mass], link.mass * link.com, about[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]])
+    own = inertial_numbers(link)
     beam = link.beam
     if beam is None:
         return own

@@ -149,7 +149,6 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
     channels = _positions(outcome)
     if problem.system.flexible or channels is None:
         return ()
-    model = Denoc(problem.system)
     slowest = min(swings(problem.system))
     rows: list[tuple[Array, Array, Array]] = []
     for run in problem.train:
@@ -160,7 +159,7 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
             continue
         values = np.stack([np.interp(grid, run.time, np.nan_to_num(run.values[c])) for c in channels], axis=1)
         q, qd, qdd = (savgol_filter(values, width, 3, deriv=d, delta=step, axis=0) for d in (0, 1, 2))
-        torque = model.inverse_dynamics_batch(q, qd, qdd)
+        torque = Denoc(problem.system_in(run)).inverse_dynamics_batch(q, qd, qdd)
         effort = None
         if run.effort is not None:
             drive = Drive(run, run.effort.T, held=problem.held)
@@ -185,7 +184,7 @@ def _energy(outcome: Outcome, residuals: Sequence[Residuals]) -> tuple[Energy, .
     channels = _positions(outcome)
     if system.flexible or channels is None or len(channels) != 1 or outcome.problem.driven or system.drives:
         return ()
-    model = Denoc(system)
+    models = {run.name: Denoc(outcome.problem.system_in(run)) for run in outcome.problem.runs}
     joint = system.joint_names[0]
     slowest = references(system, joint).frequency
     collected: dict[str, tuple[list[float], list[float]]] = {k: ([], []) for k in ("recorded", "nominal", "augmented")}
@@ -200,7 +199,7 @@ def _energy(outcome: Outcome, residuals: Sequence[Residuals]) -> tuple[Energy, .
             ("recorded", r.measured), ("nominal", r.measured - r.nominal), ("augmented", r.measured - r.augmented),
         ):  # fmt: skip
             turns = _turning_points(np.nan_to_num(values), width)
-            heights = [model.energy(np.array([x]), np.zeros(1))[1] for x in turns]
+            heights = [models[r.recording].energy(np.array([x]), np.zeros(1))[1] for x in turns]
             for (a, b), (ea, eb) in zip(pairwise(turns), pairwise(heights), strict=True):
                 collected[kind][0].append(0.5 * abs(b - a))
                 collected[kind][1].append(ea - eb)

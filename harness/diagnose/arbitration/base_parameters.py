@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.denoc.lanes.rows import INERTIA_SLOTS
 from harness.system import System
+from harness.system.inertia import inertial_numbers
 
 Array = NDArray[np.float64]
 Key = tuple[str, str]  # link (or joint, for a rotor's inertia) and the parameter's name
@@ -74,10 +75,8 @@ def inertial_parameters(system: System) -> dict[Key, float]:
     inertias."""
     found: dict[Key, float] = {}
     for link in system.links:
-        c = link.com
-        tensor = link.inertia + link.mass * (float(c @ c) * np.eye(3) - np.outer(c, c))
-        values = [link.mass, *(link.mass * c), *np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2]]
-        found.update({(link.name, name): float(v) for name, v in zip(INERTIA_SLOTS, values, strict=True)})
+        pairs = zip(INERTIA_SLOTS, inertial_numbers(link), strict=True)
+        found.update({(link.name, name): float(value) for name, value in pairs})
     found.update({(joint.name, ARMATURE): joint.armature for joint in system.movable_joints})
     return found
 

@@ -42,15 +42,17 @@ def shaken_up_and_down(study: Study, fitted: Fit) -> Test:
     window.
     """
     own = _probe(study, fitted)
-    system = study.problem.system
-    found = own.motions.values()
-    weights = _gravity(own.names, system, np.concatenate([m.q for m in found])) / own.torque
-    by_window = dict(zip(own.motions, np.split(weights, np.cumsum([len(m.q) for m in found])[:-1]), strict=True))
+    problem = study.problem
+    by_window: dict[Window, Array] = {}
+    for run in dict.fromkeys(window.run for window in own.motions):
+        found = {window: motion.q for window, motion in own.motions.items() if window.run == run}
+        weights = _gravity(own.names, problem.system_in(problem.runs[run]), np.concatenate([*found.values()]))
+        ends = np.cumsum([len(q) for q in found.values()])[:-1]
+        by_window |= dict(zip(found, np.split(weights / own.torque, ends), strict=True))
 
     def changes(window: Window, waves: Array) -> Array:
-        pulses = [
-            own.pulses(name, window, waves * by_window[window][:, j]) for j, name in enumerate(system.joint_names)
-        ]
+        names = problem.system.joint_names
+        pulses = [own.pulses(name, window, waves * by_window[window][:, j]) for j, name in enumerate(names)]
         return np.asarray(np.sum(pulses, axis=0))
 
     return _at_one_frequency(study, own, changes, UP_AND_DOWN)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.lanes.model import LaneModel
+from harness.denoc.lanes.rows import INERTIA_SLOTS
 from harness.denoc.motion.hold import kept
 from harness.diagnose.prediction.coordinates import CLOCK_MARGIN
 from harness.diagnose.prediction.mechanisms import Mechanism, Mechanisms
@@ -24,7 +25,6 @@ from harness.diagnose.prediction.stiff_runs import StiffRuns
 from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.grid import Grid, hermite, make_grid
 from harness.diagnose.problem.hypothesis import Hypothesis
-from harness.diagnose.problem.payloads import SLOTS
 from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
 from harness.diagnose.problem.windows import Window
 from harness.effects.attach import sensor_chain
@@ -117,7 +117,7 @@ class Predictor(Mechanisms):
         if key not in self._payloads:
             added = np.zeros(mechanism.model.P)
             for link, change in self.runs[run].payload.items():
-                added[[mechanism.model.slot(link, name) for name in SLOTS]] = change
+                added[[mechanism.model.slot(link, name) for name in INERTIA_SLOTS]] = change
             self._payloads[key] = added
         return self._payloads[key]
 

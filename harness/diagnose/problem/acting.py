@@ -188,13 +188,11 @@ def _within(actuator: Actuator, force: Array) -> Array:
 def _limited(system: System, recordings: Sequence[Recording]) -> System:
     """The system with those limits acting that the file states as stops and that a recording meets; notes tell of all it meets."""
     stated = {stop.joint for stop in system.limits}
-    acting, told = [], []
+    acting, through, told = [], set(), []
     for joint in system.movable_joints:
         if not has_range(joint):
             continue
-        courses = [
-            c.values for r in recordings for c in r.channels if c.site == joint.name and c.quantity == "position"
-        ]
+        courses = _courses(joint, recordings)
         if not courses:
             continue
         low, high = (float(f([f(values) for values in courses])) for f in (np.nanmin, np.nanmax))
@@ -204,27 +202,30 @@ def _limited(system: System, recordings: Sequence[Recording]) -> System:
                 continue
             where = f"joint {joint.name!r}, recorded from {low:.4g} to {high:.4g} {_unit(joint)}"
             if beyond > PAST * extent:
+                through.add(joint.name)
                 told.append(f"{where}, runs through its limit of {end:.4g}: it does not act")
             elif joint.name in stated:
                 acting.append(joint.name)
                 told.append(f"{where}, meets its limit of {end:.4g}, which acts as the file says")
             else:
                 told.append(f"{where}, meets its limit of {end:.4g}: the file says of no stop there, none acts")
-    through = {
-        name for name in acting if any(note.startswith(f"joint {name!r}") and "runs through" in note for note in told)
-    }
     system = replace(system, notes=(*system.notes, *told))
     reached = [name for name in acting if name not in through]
     return bounded(system, reached) if reached else system
 
 
+def _courses(joint: Joint, recordings: Sequence[Recording]) -> list[Array]:
+    """A joint's recorded positions, recording by recording."""
+    return [c.values for r in recordings for c in r.channels if c.site == joint.name and c.quantity == "position"]
+
+
 def _place(joint: Joint, recordings: Sequence[Recording]) -> float | None:
-    courses = [c.values for r in recordings for c in r.channels if c.site == joint.name and c.quantity == "position"]
+    courses = _courses(joint, recordings)
     return float(np.nanmedian(np.concatenate(courses))) if courses else None
 
 
 def _moves(joint: Joint, recordings: Sequence[Recording]) -> bool:
-    courses = [c.values for r in recordings for c in r.channels if c.site == joint.name and c.quantity == "position"]
+    courses = _courses(joint, recordings)
     pushed = any(np.any(c.values) for r in recordings for c in (*r.efforts, *r.commands) if c.site == joint.name)
     return pushed or any(np.nanmax(values) - np.nanmin(values) > STILL[_unit(joint)] for values in courses)
 

@@ -9,25 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import InputError
-from harness.system import Link, System
-from harness.system.description import constant
-from harness.system.inertia import about_origin
+from harness.system import System
+from harness.system.inertia import inertial_numbers, with_inertial_numbers
 from harness.system.write_toml import to_toml
 
 Array = NDArray[np.float64]
 
-SLOTS = (
-    "mass", "first_x", "first_y", "first_z",
-    "inertia_xx", "inertia_yy", "inertia_zz", "inertia_xy", "inertia_xz", "inertia_yz",
-)  # fmt: skip
-"""Inertial numbers of a link as rows of lanes hold them: every one adds up over bodies."""
-
 
 def payload(system: System, other: System) -> Mapping[str, Array]:
-    """By how much the inertial numbers ``SLOTS`` (10,) of links differ in another model of the same rig; links that do only.
+    """By how much the ``inertial_numbers`` (10,) of links differ in another model of the same rig; links that do only.
 
     Raises InputError where anything but the mass, centre and inertia of rigid links differs.
     """
+    if other is system:
+        return {}
     named = {link.name: link for link in system.links}
     if other.joint_names != system.joint_names or {link.name for link in other.links} != named.keys():
         raise InputError(
@@ -49,7 +44,7 @@ def payload(system: System, other: System) -> Mapping[str, Array]:
             mend="models of one rig may differ in masses, centres and inertias of rigid links",
             source=other.source,
         )
-    found = {link.name: _numbers(link) - _numbers(named[link.name]) for link in other.links}
+    found = {link.name: inertial_numbers(link) - inertial_numbers(named[link.name]) for link in other.links}
     differing = {name: change for name, change in found.items() if np.any(change != 0.0)}
     bending = [name for name in differing if named[name].flexible]
     if bending:
@@ -63,16 +58,10 @@ def payload(system: System, other: System) -> Mapping[str, Array]:
 
 def carrying(system: System, change: Mapping[str, Array]) -> System:
     """The system with its links carrying so much more: the inverse of ``payload``."""
-    links = []
-    for link in system.links:
-        if link.name in change:
-            m, first, (xx, yy, zz, xy, xz, yz) = np.split(_numbers(link) + change[link.name], (1, 4))
-            mass = float(m[0])
-            com = first / mass if mass > 0.0 else np.zeros(3)
-            whole = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-            own = whole - mass * (com @ com * np.eye(3) - np.outer(com, com))
-            link = replace(link, mass=mass, com=constant(com), inertia=constant(own))
-        links.append(link)
+    links = [
+        with_inertial_numbers(link, inertial_numbers(link) + change[link.name]) if link.name in change else link
+        for link in system.links
+    ]
     return replace(system, links=tuple(links))
 
 
@@ -86,9 +75,3 @@ def one_each(systems: Sequence[System], recordings: int) -> list[System]:
             mend="give one model for all, or one for each recording in their order, the one held out last",
         )
     return list(systems)
-
-
-def _numbers(link: Link) -> Array:
-    """``SLOTS`` of a link, second moments about its origin."""
-    i = about_origin(link)
-    return np.array([link.mass, *(link.mass * link.com), *np.diag(i), i[0, 1], i[0, 2], i[1, 2]])

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import coherence
 
+from harness.diagnose.problem.payloads import carrying
 from harness.effects.measured import Measured
 from harness.effects.scale import swings
 from harness.errors import InputError
@@ -102,6 +103,10 @@ class Problem:
     @property
     def runs(self) -> tuple[Run, ...]:
         return self.train + self.heldout
+
+    def system_in(self, run: Run) -> System:
+        """The system as it was in a run, with what its links carried then."""
+        return carrying(self.system, run.payload) if run.payload else self.system
 
     def position_of(self, joint: str) -> int | None:
         """Which channel measures a joint's position, or None if none does."""
