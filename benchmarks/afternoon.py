@@ -11,7 +11,6 @@ predict training recordings left out in turn as well.
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from collections.abc import Sequence
@@ -27,8 +26,13 @@ from harness.proof.peers.runs import as_run
 from harness.recording import Recording, read_recordings
 from harness.system import System
 
-from real_recordings import SPLITS, Pushed, folder_of_recordings, judge, piece, pushed, read_split  # isort: skip
+from real_recordings import SPLITS, Pushed, asked_rigs, judge, piece, pushed, read_split  # isort: skip
 from real_recordings_free_run import native  # isort: skip
+
+WINDOW: dict[str, Any] = {
+    "type": float,
+    "help": "length of free runs [s] of rigs not known; default: whole recordings",
+}
 
 
 def divided(folder: Path, work: Path, rig: str, system: System) -> tuple[list[Recording], list[Recording]]:
@@ -45,6 +49,18 @@ def divided(folder: Path, work: Path, rig: str, system: System) -> tuple[list[Re
         )
     (only,) = free_parts(system, read_recordings(heldout, system=system))
     return [piece(only, 0.0, 0.7)], [piece(only, 0.7, 1.0)]
+
+
+class Case:
+    """One rig: its model, recordings to fit and to judge on, how long free runs are, and what is left out of them."""
+
+    def __init__(self, rig: str, folder: Path, work: Path, window: float | None) -> None:
+        self.system = harness.load(folder / rig / "model.urdf", physical=False)
+        self.train, self.heldout = divided(folder, work, rig, self.system)
+        split = SPLITS.get(rig)
+        self.window = split.window if split else window
+        pushes = split is not None and split.fit_effort
+        self.left_out: Pushed = pushed(self.system, self.train, self.heldout) if pushes else {}
 
 
 def fit(system: System, train: Sequence[Recording], window: float | None, left_out: Pushed) -> tuple[Fitted, Fitted]:
@@ -73,11 +89,8 @@ def fit(system: System, train: Sequence[Recording], window: float | None, left_o
 
 def examine(rig: str, folder: Path, work: Path, window: float | None) -> dict[str, Any]:
     """One line of the table."""
-    system = harness.load(folder / rig / "model.urdf", physical=False)
-    train, heldout = divided(folder, work, rig, system)
-    split = SPLITS.get(rig)
-    window = split.window if split else window
-    left_out = pushed(system, train, heldout) if split and split.fit_effort else {}
+    case = Case(rig, folder, work, window)
+    system, train, heldout, window, left_out = case.system, case.train, case.heldout, case.window, case.left_out
     row: dict[str, Any] = {"rig": rig, "unit": system.movable_joints[0].position_unit, "window_s": window}
     row["published"] = judge(native(system), system, train, heldout, window, left_out)
     began = time.perf_counter()
@@ -92,18 +105,7 @@ def examine(rig: str, folder: Path, work: Path, window: float | None) -> dict[st
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("rigs", nargs="*", metavar="RIG", help="folder names; default: all")
-    parser.add_argument("--recordings", help="folder of the recordings")
-    parser.add_argument("--work", default="real_recordings", help="folder for pieces of recordings")
-    parser.add_argument("--json", help="table to write or to add lines to")
-    parser.add_argument(
-        "--window", type=float, help="length of the free runs [s] of rigs not known; default: whole recordings"
-    )
-    arguments = parser.parse_args()
-    folder = folder_of_recordings(arguments.recordings)
-    if folder is None:
-        raise SystemExit("no recordings: give --recordings or set DENOC_RECORDINGS")
+    arguments, folder = asked_rigs(__doc__ or "", window=WINDOW)
     rigs = arguments.rigs or sorted(p.name for p in folder.iterdir() if (p / "model.urdf").exists())
     rows = {}
     if arguments.json and Path(arguments.json).exists():

@@ -9,7 +9,6 @@ A peer that is not made for a rig says so. What a file has already is not made a
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -18,34 +17,23 @@ from typing import Any
 
 import numpy as np
 
-import harness
 from harness.compare.peers.figaroh import fit_figaroh
-from harness.compare.peers.runs import Run
+from harness.compare.peers.runs import NotForIt, Run, as_run
 from harness.compare.peers.servo_friction import LADDER, climb
 from harness.compare.peers.sysid import WHAT, fit_sysid
 from harness.effects.scale import swings
-from harness.proof.peers.runs import as_run
 from harness.proof.peers.servo_friction import arm_of
 from harness.recording import Recording
 
-from afternoon import divided, fit  # isort: skip
-from real_recordings import SPLITS, Pushed, folder_of_recordings, judge, piece, pushed  # isort: skip
+from afternoon import WINDOW, Case, fit  # isort: skip
+from real_recordings import asked_rigs, judge, piece  # isort: skip
 from real_recordings_free_run import Simulate, native  # isort: skip
 
 Found = tuple[Simulate, dict[str, Any]]
-Windows = Sequence[Sequence[tuple[float, float]]]
 
 
-class Case:
-    """One rig: its model, recordings to fit and to judge on, and how long free runs are."""
-
-    def __init__(self, rig: str, folder: Path, work: Path, window: float | None) -> None:
-        self.system = harness.load(folder / rig / "model.urdf", physical=False)
-        self.train, self.heldout = divided(folder, work, rig, self.system)
-        split = SPLITS.get(rig)
-        self.window = split.window if split else window
-        pushes = split is not None and split.fit_effort
-        self.left_out: Pushed = pushed(self.system, self.train, self.heldout) if pushes else {}
+class Asked(Case):
+    """One rig as peers are given it."""
 
     def runs(self, recordings: Sequence[Recording]) -> list[Run]:
         """As peers are given them."""
@@ -69,19 +57,19 @@ class Case:
         return [piece(self.train[0], 0.0, 0.7)], [self.train[0]]
 
 
-def published(case: Case) -> Found:
+def published(case: Asked) -> Found:
     """The model as its authors published it."""
     return native(case.system), {}
 
 
-def practitioner(case: Case) -> Found:
+def practitioner(case: Asked) -> Found:
     """Least squares with choice by data held out within the training recordings."""
     _, chosen = fit(case.system, case.train, case.window, case.left_out)
     half = {k: 1.96 * v for k, v in chosen.std.items()}
     return chosen.free_run, {"kept": chosen.laws, "values": chosen.values, "half95": half}
 
 
-def sysid(case: Case) -> Found:
+def sysid(case: Asked) -> Found:
     """``mujoco.sysid``; its armature or centre of mass freed, whichever fits better."""
     runs = case.runs(case.train)
     driven = any(r.driven for r in runs)
@@ -93,10 +81,10 @@ def sysid(case: Case) -> Found:
     return found.free_run, {"kept": kept, "values": dict(found.values), "half95": half}
 
 
-def ladder(case: Case) -> Found:
+def ladder(case: Asked) -> Found:
     """BAM's M1 to M6 and what is below, the step chosen by a training recording that is not fitted to."""
     if len(case.system.joint_names) != 1 or case.system.movable_joints[0].prismatic:
-        raise ValueError("it is for one joint that turns")
+        raise NotForIt("it is for one joint that turns")
     known, tried = case.folds()
     found, errors = climb(arm_of(case.system), case.windows(known), case.windows(tried))
     return found.free_run, {
@@ -107,7 +95,7 @@ def ladder(case: Case) -> Found:
     }
 
 
-def figaroh(case: Case) -> Found:
+def figaroh(case: Asked) -> Found:
     """FIGAROH on the effort; with how it predicts the effort held out."""
     runs, held = case.runs(case.train), case.runs(case.heldout)
     found = fit_figaroh(case.system, runs, held, max(swings(case.system)) / (2.0 * np.pi))
@@ -117,7 +105,7 @@ def figaroh(case: Case) -> Found:
     return found.free_run, {"kept": kept, "values": dict(found.values), "half95": half, **told}
 
 
-PEERS: Mapping[str, Callable[[Case], Found]] = {
+PEERS: Mapping[str, Callable[[Asked], Found]] = {
     "published": published,
     "practitioner": practitioner,
     "mujoco.sysid": sysid,
@@ -126,14 +114,14 @@ PEERS: Mapping[str, Callable[[Case], Found]] = {
 }
 
 
-def ask(peer: str, case: Case) -> dict[str, Any]:
+def ask(peer: str, case: Asked) -> dict[str, Any]:
     """One cell of the table."""
     began, worked = time.perf_counter(), time.process_time()
     try:
         simulate, told = PEERS[peer](case)
         seconds, processor = time.perf_counter() - began, time.process_time() - worked
         errors = judge(simulate, case.system, case.train, case.heldout, case.window, case.left_out)
-    except ValueError as error:
+    except NotForIt as error:
         return {"not_for_it": str(error)}
     except Exception as error:  # a peer may fail in any way; the table says so
         return {"error": f"{type(error).__name__}: {error}"}
@@ -141,27 +129,19 @@ def ask(peer: str, case: Case) -> dict[str, Any]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("rigs", nargs="*", metavar="RIG", help="folder names; default: all")
-    parser.add_argument("--peers", nargs="+", choices=PEERS, default=list(PEERS), help="default: all")
-    parser.add_argument("--recordings", help="folder of the recordings")
-    parser.add_argument("--work", default="real_recordings", help="folder for pieces of recordings")
-    parser.add_argument("--json", help="table to write or to go on with")
-    parser.add_argument(
-        "--window", type=float, help="length of free runs [s] of rigs not known; default: whole recordings"
+    arguments, folder = asked_rigs(
+        __doc__ or "",
+        peers={"nargs": "+", "choices": PEERS, "default": list(PEERS), "help": "default: all"},
+        window=WINDOW,
     )
-    arguments = parser.parse_args()
-    folder = folder_of_recordings(arguments.recordings)
-    if folder is None:
-        raise SystemExit("no recordings: give --recordings or set DENOC_RECORDINGS")
     target = Path(arguments.json) if arguments.json else None
     rows: dict[str, Any] = json.loads(target.read_text(encoding="utf-8"))["rigs"] if target and target.exists() else {}
     for rig in arguments.rigs or sorted(p.name for p in folder.iterdir() if (p / "model.urdf").exists()):
-        case: Case | None = None
+        case: Asked | None = None
         for peer in arguments.peers:
             if peer in rows.get(rig, {}):
                 continue
-            case = case or Case(rig, folder, Path(arguments.work), arguments.window)
+            case = case or Asked(rig, folder, Path(arguments.work), arguments.window)
             row = rows.setdefault(rig, {"unit": case.system.movable_joints[0].position_unit, "window_s": case.window})
             row[peer] = cell = ask(peer, case)
             held = cell.get("heldout")

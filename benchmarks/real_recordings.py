@@ -72,6 +72,22 @@ SPLITS = {
 }
 
 
+def asked_rigs(what: str, **more: dict[str, Any]) -> tuple[argparse.Namespace, Path]:
+    """The command line of a benchmark on rigs, and the folder of their recordings. more: further options by name."""
+    parser = argparse.ArgumentParser(description=what, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rigs", nargs="*", metavar="RIG", help="folder names; default: all")
+    parser.add_argument("--recordings", help="folder of the recordings")
+    parser.add_argument("--work", default="real_recordings", help="folder for pieces of recordings and diagnoses")
+    parser.add_argument("--json", help="table to write or to add lines to")
+    for name, how in more.items():
+        parser.add_argument(f"--{name.replace('_', '-')}", **how)
+    arguments = parser.parse_args()
+    folder = folder_of_recordings(arguments.recordings)
+    if folder is None:
+        raise SystemExit("no recordings: give --recordings or set DENOC_RECORDINGS")
+    return arguments, folder
+
+
 def folder_of_recordings(given: str | None = None) -> Path | None:
     """Where real recordings are, or None."""
     beside = Path(__file__).resolve().parents[2] / "shared" / "recordings"
@@ -283,16 +299,7 @@ def about_joint(system: System) -> dict[str, float]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("rigs", nargs="*", metavar="RIG", help=f"of {', '.join(SPLITS)}; default: all")
-    parser.add_argument("--recordings", help="folder of the recordings")
-    parser.add_argument("--work", default="real_recordings", help="folder of diagnoses")
-    parser.add_argument("--json", help="table to write or to add lines to")
-    parser.add_argument("--without-peer", action="store_true")
-    arguments = parser.parse_args()
-    folder = folder_of_recordings(arguments.recordings)
-    if folder is None:
-        raise SystemExit("no recordings: give --recordings or set DENOC_RECORDINGS")
+    arguments, folder = asked_rigs(__doc__ or "", without_peer={"action": "store_true"})
     rows = {}
     if arguments.json and Path(arguments.json).exists():
         rows = {r["rig"]: r for r in json.loads(Path(arguments.json).read_text(encoding="utf-8"))["rows"]}

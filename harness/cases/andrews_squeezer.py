@@ -26,7 +26,7 @@ BEGINNING = (14222.4439199541138705911625887, -10666.8329399655854029433719415)
 
 def motion(bench: Bench) -> Iterable[Row]:
     """The end of the run, and the accelerations at its beginning."""
-    model = bench.models[NATIVE].model  # type: ignore[attr-defined]
+    model = bench.native
     start, still = squeezer_start(model.position_names), np.zeros(model.n)
     torque = np.zeros(model.n)
     torque[model.names.index("beta")] = SQUEEZER_TORQUE

@@ -7,13 +7,16 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.protocol import EngineModel
 from harness.system import System
+
+if TYPE_CHECKING:
+    from harness.denoc.model import Denoc
 
 Array = NDArray[np.float64]
 
@@ -154,6 +157,15 @@ class Bench:
     system: System
     models: Mapping[str, EngineModel]
     refusals: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def native(self) -> Denoc:
+        """The native model itself, for what only it is asked."""
+        from harness.engines.denoc_native import NativeModel
+
+        model = self.models[NATIVE]
+        assert isinstance(model, NativeModel)
+        return model.model
 
     @cached_property
     def explained(self) -> dict[str, Any]:

@@ -41,7 +41,7 @@ def closed_form(windows: int, bench: Bench) -> Iterable[Row]:
     """The first crank's angle over ten seconds, through a singular position twice a turn."""
     start = initial_state(bench.system, {"crank0": 0.0}, {"crank0": -SPEED})
     time = np.linspace(0.0, DURATION, 501)
-    model = bench.models[NATIVE].model  # type: ignore[attr-defined]
+    model = bench.native
     truth = four_bars_angle(windows, SPEED, time)
     steps = model.simulate(*start, time, method="rk4", step=5e-4)
     yield bench.row(

@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 from harness.cases.case import Array
 from harness.cases.rotor import INERTIA as J
+from harness.cases.solver_event import Event
 from harness.engines.oscillator import oscillate
 
 SPRING = 0.5  # N·m/rad
@@ -54,11 +55,7 @@ def _integrated(
         event = None
         if kinks is not None:
             bend = kinks
-
-            def event(t: float, y: Array) -> float:
-                return bend(y[0], y[1])
-
-            event.terminal = True  # type: ignore[attr-defined]
+            event = Event(lambda _, y: bend(y[0], y[1]))
         while True:
             run = solve_ivp(
                 lambda _, y: [y[1], torque(y[0], y[1]) / J], (t, time[-1]), y, method="DOP853", rtol=1e-12, atol=1e-13,
@@ -140,15 +137,12 @@ def _dahl(start: tuple[float, float], torque: float, stiffness: float) -> Callab
         found = np.empty_like(time)
         t, y, sense = float(time[0]), np.array([*start, 0.0]), math.copysign(1.0, start[1])
 
-        def rest(t: float, y: Array) -> float:
-            return float(y[1])
-
         def rates(_: float, y: Array) -> list[float]:
             return [y[1], -(y[2] + SPRING * y[0]) / J, stiffness * y[1] * (1.0 - sense * y[2] / torque)]
 
-        rest.terminal = True  # type: ignore[attr-defined]
+        rest = Event(lambda _, y: float(y[1]))
         while True:
-            rest.direction = -sense  # type: ignore[attr-defined]
+            rest.direction = -sense
             run = solve_ivp(
                 rates,
                 (t, time[-1]), y, method="DOP853", rtol=1e-12, atol=1e-14, dense_output=True, events=rest, max_step=0.02,

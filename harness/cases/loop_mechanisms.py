@@ -16,10 +16,9 @@ _STILL = constant(np.eye(3))
 _NOWHERE = constant(np.zeros(3))
 
 
-def hinge(name: str, parent: str, child: str, xyz: Sequence[float] = (0.0, 0.0, 0.0), **more: object) -> Joint:
+def hinge(name: str, parent: str, child: str, xyz: Sequence[float] = (0.0, 0.0, 0.0), axis: Array = _UP) -> Joint:
     """A revolute joint about z, or about ``axis``."""
-    axis = constant(more.pop("axis", _UP))
-    return Joint(name, JointType.REVOLUTE, parent, child, xyz=constant(xyz), axis=axis, **more)  # type: ignore[arg-type]
+    return Joint(name, JointType.REVOLUTE, parent, child, xyz=constant(xyz), axis=constant(axis))
 
 
 def flat(name: str, mass: float, com: Sequence[float], inertia: float) -> Link:

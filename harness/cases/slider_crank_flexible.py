@@ -116,7 +116,7 @@ def exudyn_run(time: Array) -> tuple[Array, Array]:
 
 def motion(bench: Bench) -> Iterable[Row | Series]:
     """Slider and crank from rest under a constant torque; what bending does to the slider, for scale."""
-    model = bench.models[NATIVE].model  # type: ignore[attr-defined]
+    model = bench.native
     time = np.linspace(0.0, DURATION, 301)
     start = initial_state(bench.system, {"crank": ANGLE}, {})
     torque = np.zeros(model.n)

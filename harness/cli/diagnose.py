@@ -126,11 +126,7 @@ def diagnose(
         others: dict[str, Any] = {"--holdout": holdout, "--tolerance": tolerance, "--fit-effort": fit_effort or None,
                   "--effects": effects_files or None, "--time-limit": time_limit, "--compare": compare,
                   "--transfer": published}  # fmt: skip
-        for option, given in others.items():
-            if given is not None:
-                raise InputError(
-                    f"{option} does not go with --engine", mend="leave it out: nothing is fitted to the model"
-                )
+        _refuse(others, "does not go with --engine", "leave it out: nothing is fitted to the model")
         if len(models) != 1:
             raise InputError("--engine is doubted beside one --model", mend="give the model that the recordings are of")
         return diagnose_engine(recordings, models[0], engine, mapping, allow, out, json_file, strict)
@@ -144,16 +140,9 @@ def diagnose(
     if not models:
         if not identified:
             raise InputError("no --model given", mend="give the nominal model, or --compare or --transfer")
-        asked_of_a_search = {
-            "--tolerance": tolerance is not None,
-            "--fit-effort": fit_effort,
-            "--effects": effects_files,
-        }
-        for option, given in {**asked_of_a_search, "--strict": strict}.items():
-            if given:
-                raise InputError(
-                    f"{option} is for a diagnosis, which needs a --model", mend="give --model, or leave it away"
-                )
+        asked_of_a_search = {"--tolerance": tolerance, "--fit-effort": fit_effort or None, "--effects": effects_files or None,
+                             "--strict": strict or None}  # fmt: skip
+        _refuse(asked_of_a_search, "is for a diagnosis, which needs a --model", "give --model, or leave it away")
     ahead.start(ahead.DIAGNOSE)
     if time_limit is None and sys.stderr.isatty():
         time_limit = USUAL_LIMIT
@@ -181,6 +170,15 @@ def diagnose(
     assert document is not None
     write_json(json_text(document), json_file)
     return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0
+
+
+def _refuse(options: dict[str, Any], why: str, mend: str) -> None:
+    """InputError for the first of these options that is given (is not None)."""
+    from harness.errors import InputError
+
+    for option, given in options.items():
+        if given is not None:
+            raise InputError(f"{option} {why}", mend=mend)
 
 
 def _searched(

@@ -18,6 +18,7 @@ from harness.cases.case import Array, Series
 from harness.cases.paper.study import Progress, Study, silent
 from harness.cases.pendulums import paper_inertia, paper_restoring, paper_small_frequency
 from harness.cases.rigid_pendulum_damped import DAMPING
+from harness.cases.solver_event import Event
 from harness.compare.decay import Decay, estimate
 from harness.compare.decay.oscillator import LAWS, losses
 from harness.parallel import parallel_map
@@ -97,13 +98,10 @@ def motion(coefficients: Sequence[float], start: float, time: Array) -> Array:
     square = paper_restoring() / paper_inertia()
     angle, at, q = np.full(len(time), start), float(time[0]), start
 
-    def turns(_: float, state: Array) -> float:
-        return float(state[1])
-
-    turns.terminal = True  # type: ignore[attr-defined]
+    turns = Event(lambda _, state: float(state[1]))
     while at < time[-1] and square * abs(math.sin(q)) > dry:
         sense = -math.copysign(1.0, math.sin(q))
-        turns.direction = -sense  # type: ignore[attr-defined]
+        turns.direction = -sense
 
         def slope(_: float, state: Array, sense: float = sense) -> list[float]:
             drag = viscous * state[1] + sense * (dry + quadratic * state[1] ** 2)

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, filtfilt
 
-from harness.compare.peers.runs import Run, heldout_error
+from harness.compare.peers.runs import NotForIt, Run, heldout_error
 from harness.compare.peers.servo_friction import swing_of_one_joint
 from harness.system import System
 from harness.system.write import write
@@ -76,12 +76,12 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
     """Base parameters of a rig of one joint from driven recordings, filtered where free runs over these are best.
 
     frequency: of its fastest swing [Hz]; where nothing pulls back, one hertz stands for it. Raises ImportError where
-    FIGAROH is not installed, ValueError where no effort is known or the joint is not alone.
+    FIGAROH is not installed, NotForIt where no effort is known or the joint is not alone.
     """
     if len(system.joint_names) != 1:
-        raise ValueError("it is asked about rigs of one joint")
+        raise NotForIt("it is asked about rigs of one joint")
     if not all(run.driven for run in (*train, *heldout)):
-        raise ValueError("it needs a known effort: a free swing is the null vector of its regression")
+        raise NotForIt("it needs a known effort: a free swing is the null vector of its regression")
     found = [_fitted(system, train, heldout, above * frequency) for above in ABOVE]
     return min(found, key=lambda one: heldout_error(one.free_run, train))
 

@@ -20,6 +20,10 @@ FIRST = 0.03  # s of a run that its first state is read off from, and at least t
 FINEST = 2e-3  # s, between samples that are fitted where nothing drives
 
 
+class NotForIt(ValueError):
+    """A rig that a peer is not made for: it is not asked, which counts neither for nor against it."""
+
+
 @dataclass(frozen=True)
 class Run:
     """Positions (T, n) [rad or m] over time (T,) [s], efforts (T, n) [N·m or N] or None where the joints are free."""

@@ -52,7 +52,7 @@ def arbitrate(
     first = prepared(models[0])
     second = paired(first, prepared(models[1]))
     systems = dict(zip(names, (first, second), strict=True))
-    tell = _teller(progress)
+    tell = teller(progress, 5)
     tell("reading")
     asked = question(recordings, first, holdout=holdout, mapping=mapping, deadline=deadline)
     every = comparable(list(systems.values()), asked.problem.driven)
@@ -72,7 +72,7 @@ def arbitrate(
         ) from None
     tell("telling")
     own = {name: values(s, every) for name, s in systems.items()}
-    alike = counted_alike(own, every, estimate.reference, _reference_size(own[names[0]], estimate))
+    alike = counted_alike(own, every, estimate.reference, reference_size(estimate))
     rows, combinations = by_number(estimate, alike), by_combination(estimate, alike)
     prediction = predictions(asked, runs, {name: near[name] for name in names})
     return {
@@ -84,10 +84,7 @@ def arbitrate(
         "numbers": rows,
         "counted_by": None if estimate.reference is None else every[estimate.reference].label,
         "combinations": combinations,
-        "louder": [
-            {"channel": c.name, "times_noise": float(np.sqrt(v))}
-            for c, v in zip(asked.problem.channels, estimate.louder, strict=True)
-        ],
+        "louder": louder(asked, estimate),
         "notes": notes(systems, first, second),
         "provenance": asked.made_from,
         "curves": curves(asked, runs),
@@ -188,19 +185,29 @@ def notes(systems: Mapping[str, System], first: System, second: System) -> list[
     return told
 
 
-def _teller(progress: Callable[[int, int, str], None] | None) -> Callable[[str], None]:
+def teller(progress: Callable[[int, int, str], None] | None, total: int) -> Callable[[str], None]:
+    """What tells one step after another, of so many."""
     count = 0
 
     def tell(what: str) -> None:
         nonlocal count
         count += 1
         if progress is not None:
-            progress(count, 5, what)
+            progress(count, total, what)
 
     return tell
 
 
-def _reference_size(numbers: Array, estimate: Estimate) -> float:
+def louder(asked: Question, estimate: Estimate) -> list[dict[str, Any]]:
+    """By how much what the estimate leaves is larger than the channels' noise."""
+    return [
+        {"channel": c.name, "times_noise": float(np.sqrt(v))}
+        for c, v in zip(asked.problem.channels, estimate.louder, strict=True)
+    ]
+
+
+def reference_size(estimate: Estimate) -> float:
+    """The number that free swings are counted by, as the recordings have it; 1 where they need none."""
     return float(estimate.numbers[estimate.reference]) if estimate.reference is not None else 1.0
 
 

@@ -13,7 +13,7 @@ from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.objective import States
 from harness.diagnose.estimation.window_states import measured_state
-from harness.diagnose.problem.problem import Problem
+from harness.diagnose.problem.problem import Problem, Run
 from harness.diagnose.problem.windows import Window, cut
 from harness.effects.scale import swings
 from harness.system import System
@@ -28,10 +28,10 @@ def of_model(problem: Problem, system: System) -> Problem:
     """The same recordings put to another model of the same joints."""
     order = [problem.system.joint_names.index(name) for name in system.joint_names]
 
-    def put(runs: Sequence[object]) -> tuple[object, ...]:
-        return tuple(r if r.effort is None else replace(r, effort=r.effort[:, order]) for r in runs)  # type: ignore[attr-defined,type-var]
+    def put(runs: Sequence[Run]) -> tuple[Run, ...]:
+        return tuple(r if r.effort is None else replace(r, effort=r.effort[:, order]) for r in runs)
 
-    return replace(problem, system=system, train=put(problem.train), heldout=put(problem.heldout))  # type: ignore[arg-type]
+    return replace(problem, system=system, train=put(problem.train), heldout=put(problem.heldout))
 
 
 def period(problem: Problem) -> float:

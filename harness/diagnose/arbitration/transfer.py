@@ -10,7 +10,17 @@ from typing import Any
 import numpy as np
 
 from harness.diagnose.arbitration.agreement import by_combination, by_number, counted_alike
-from harness.diagnose.arbitration.arbitrate import REFITTED, Array, comparable, curves, free, notes, predictions
+from harness.diagnose.arbitration.arbitrate import (
+    REFITTED,
+    comparable,
+    curves,
+    free,
+    louder,
+    notes,
+    predictions,
+    reference_size,
+    teller,
+)
 from harness.diagnose.arbitration.estimate import WIDE, estimated
 from harness.diagnose.arbitration.numbers import values
 from harness.diagnose.arbitration.pairing import prepared
@@ -54,14 +64,7 @@ def transfer(
     deadline = deadline_of(time_limit)
     (name,) = labels([name or model])
     system = prepared(model)
-    steps = 0
-
-    def tell(what: str) -> None:
-        nonlocal steps
-        steps += 1
-        if progress is not None:
-            progress(steps, 4, what)
-
+    tell = teller(progress, 4)
     tell("reading")
     asked = question(recordings, system, holdout=holdout, mapping=mapping, deadline=deadline)
     every = comparable([system], asked.problem.driven)
@@ -71,8 +74,7 @@ def transfer(
         tell("free runs as published")
         runs = free(asked, {name: system}, estimate)
         published = values(system, every)
-        to = 1.0 if estimate.reference is None else float(estimate.numbers[estimate.reference])
-        alike = counted_alike({name: published}, every, estimate.reference, to)
+        alike = counted_alike({name: published}, every, estimate.reference, reference_size(estimate))
         rows = by_number(estimate, alike)
         for row in rows:
             # With one model, what the interval holds is what carries over.
@@ -104,10 +106,7 @@ def transfer(
         "numbers": rows,
         "counted_by": None if estimate.reference is None else every[estimate.reference].label,
         "combinations": combinations,
-        "louder": [
-            {"channel": c.name, "times_noise": float(np.sqrt(v))}
-            for c, v in zip(asked.problem.channels, estimate.louder, strict=True)
-        ],
+        "louder": louder(asked, estimate),
         "notes": notes({name: system}, system, system),
         "provenance": asked.made_from,
         "curves": curves(asked, runs),
@@ -142,6 +141,3 @@ def _told(row: dict[str, Any]) -> str:
     half = WIDE * float(row["std"] or 0.0)
     unit = written(row["unit"])
     return f"{row['number']} (published {row['published']:.4g}, here {row['value']:.4g} ± {half:.2g} {unit})"
-
-
-__all__ = ["SCHEMA", "Array", "transfer"]

@@ -9,7 +9,7 @@ err together cannot make look large.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -285,19 +285,20 @@ def least(
         own = np.sum(sizes / np.array(together) * (np.log(variance) + left / sizes / variance))
         return float(own) + study.criterion(fitted) - fitted.cost
 
-    def likeliest(fits: Sequence[Fit]) -> list[tuple[float, Fit]]:
-        return sorted(((value(fitted), fitted) for fitted in fits), key=lambda pair: pair[0])[:ABREAST]
+    def likeliest(weighed: Iterable[tuple[float, Fit]]) -> list[tuple[float, Fit]]:
+        return sorted(weighed, key=lambda pair: pair[0])[:ABREAST]
 
-    front = likeliest(ordered[:COMPARED])
+    front = likeliest((value(fitted), fitted) for fitted in ordered[:COMPARED])
     lowest, best = front[0]
     while front:
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
-        shorter: dict[frozenset[str], Fit] = {}
+        shorter: dict[frozenset[str], tuple[float, Fit]] = {}
         for above, fitted in front:
             members = range(len(fitted.hypothesis.members))
-            plainer = [study.below(fitted, k) for k in members] + specialized(study, fitted)
-            shorter |= {f.hypothesis.identity: f for f in plainer if value(f) < above}
-        front = likeliest(list(shorter.values()))
+            for plainer in [study.below(fitted, k) for k in members] + specialized(study, fitted):
+                if (own := value(plainer)) < above:
+                    shorter[plainer.hypothesis.identity] = own, plainer
+        front = likeliest(shorter.values())
         if front and front[0][0] < lowest:
             lowest, best = front[0]
             progress(" + ".join(best.hypothesis.keys) or "nothing")

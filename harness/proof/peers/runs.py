@@ -7,13 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.compare.peers.runs import Run, as_run
+from harness.compare.peers.runs import NotForIt, Run, as_run
 
 __all__ = ["NotForIt", "Run", "as_run", "finding"]
-
-
-class NotForIt(ValueError):
-    """A rig that a peer is not made for: it is not asked, which counts neither for nor against it."""
 
 
 # On the angle of one joint that swings freely these leave the same trace; peers that do not say so are given it.
