@@ -1,6 +1,6 @@
 """A drive that does not answer small efforts."""
 
-from harness.effects.effect import Effect, Family, Input, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, Input, Parameter, Plausible, SiteKind
 from harness.effects.measurement import deadzone
 from harness.effects.scale import Scale
 
@@ -18,6 +18,10 @@ EFFECT = Effect(
             scale=Scale(0.05, effort=1),
             starts=(0.3, 2.0),
             linear_unit="N",
+            plausible=Plausible(
+                Scale(0.05, effort=1),
+                "servo drives, a few hundredths of their range (Tao and Kokotović, Wiley, 1996)",
+            ),
         ),
     ),
     signature="Small efforts do nothing, large ones are short by the same amount, either sign alike.",

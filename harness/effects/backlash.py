@@ -1,7 +1,7 @@
 """Play between the drive side of a joint and its link."""
 
 from harness.effects.drive_side import with_drive_side
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -18,6 +18,7 @@ EFFECT = Effect(
             scale=Scale(0.01),
             starts=(0.3, 3.0),
             linear_unit="m",
+            plausible=Plausible(Scale(0.01), "gearheads, 1 to 60 arc minutes by their catalogues"),
         ),
     ),
     signature="At reversals of the driving torque the measured side runs on alone for the width of the gap, then is "

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.effects.directions import sideways
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
@@ -46,6 +46,11 @@ EFFECT = Effect(
             neutral=np.inf,
             scale=Scale(300.0, mass=1, frequency=2),
             starts=(0.2, 1.0, 10.0),
+            plausible=Plausible(
+                Scale(0.04, frequency=-2, mass=-1),
+                "a stand alone vibrates several times as fast as what it carries swings",
+                inverse=True,
+            ),
         ),
         Parameter("mass", "kg", "that moves with the base", lower=1e-6, scale=Scale(2.0, mass=1), starts=(0.5, 2.0)),
         Parameter(

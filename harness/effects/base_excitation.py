@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -19,6 +19,10 @@ EFFECT = Effect(
             lower=0.0,
             scale=Scale(0.02, gravity=1),
             starts=(0.5,),
+            plausible=Plausible(
+                Scale(0.005, gravity=1),
+                "floors of offices are built for half a hundredth of gravity (Murray, Allen and Ungar, AISC Design Guide 11, 1997)",
+            ),
         ),
         Parameter(
             "frequency",

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -19,6 +19,10 @@ EFFECT = Effect(
             scale=Scale(0.02, torque=1),
             starts=(0.5,),
             linear_unit="N",
+            plausible=Plausible(
+                Scale(0.03, torque=1),
+                "some hundredths of a motor's torque (Jahns and Soong, IEEE Trans. Ind. Electron. 43 (1996) 321)",
+            ),
         ),
         Parameter(
             "periods",

@@ -4,7 +4,7 @@ Friction that differs with direction, T₊ and T₋, is dry friction of (T₊ + 
 sliding and sticking alike, so it needs no effect of its own.
 """
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -21,6 +21,10 @@ EFFECT = Effect(
             scale=Scale(0.02, torque=1),
             starts=(0.1, 1.0),
             linear_unit="N",
+            plausible=Plausible(
+                Scale(0.1, torque=1),
+                "bearings take a hundredth of what gravity does, gears tens of hundredths (Armstrong-Hélouvry, 1991)",
+            ),
         ),
     ),
     signature="The amplitude falls by the same amount in every half-swing (straight envelope); the motion ends "

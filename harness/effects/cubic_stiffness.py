@@ -1,6 +1,6 @@
 """A spring that stiffens (or softens) with the cube of the angle."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -16,6 +16,7 @@ EFFECT = Effect(
             scale=Scale(0.05, torque=1),
             starts=(0.5, -0.5, 2.0),
             linear_unit="N/m**3",
+            plausible=Plausible(Scale(0.1, torque=1), "cables and hoses, a tenth of what gravity does"),
         ),
     ),
     signature="Frequency changes with amplitude otherwise than gravity makes it, and is right for small swings.",

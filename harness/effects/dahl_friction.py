@@ -1,6 +1,6 @@
 """Dry friction with presliding: the contact gives like a spring before it slides."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -17,6 +17,10 @@ EFFECT = Effect(
             scale=Scale(0.02, torque=1),
             starts=(0.1, 1.0),
             linear_unit="N",
+            plausible=Plausible(
+                Scale(0.1, torque=1),
+                "bearings take a hundredth of what gravity does, gears tens of hundredths (Armstrong-Hélouvry, 1991)",
+            ),
         ),
         Parameter(
             "stiffness",

@@ -49,14 +49,20 @@ class SiteKind(StrEnum):
 class Plausible:
     """How far from absence a number usually is, and why: the scale of a Cauchy prior, whose tails rule nothing out.
 
-    size: in the parameter's unit. source: where that is from.
+    size: in the parameter's unit. source: where that is from. inverse: what is usually small is one over the number, and ``size``
+    is in one over its unit: how much something gives, of a stiffness; how slow it is, of a frequency.
     """
 
     size: Scale
     source: str
+    inverse: bool = False
 
-    def surprise(self, away: float, references: References) -> float:
-        """−2 log of the prior's density, less its greatest value, at a distance from absence."""
+    def surprise(self, value: float, neutral: float, references: References) -> float:
+        """−2 log of the prior's density, less its greatest value, at a value of the number.
+
+        neutral: at which the effect is absent.
+        """
+        away = 1.0 / max(abs(value), 1e-300) if self.inverse else value - neutral
         return float(2.0 * np.log1p((away / self.size(references)) ** 2))
 
 

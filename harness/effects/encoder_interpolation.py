@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.effects.effect import CHANNEL_UNIT, Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import CHANNEL_UNIT, Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import periodic_error
 from harness.effects.scale import Scale
 
@@ -20,6 +20,7 @@ EFFECT = Effect(
             upper=0.2,  # a disc more eccentric than that reads backwards somewhere
             scale=Scale(0.002, signal=1),
             starts=(1.0,),
+            plausible=Plausible(Scale(0.001), "a disc of 10 mm radius that sits 10 µm off its centre"),
         ),
         Parameter(
             "periods",

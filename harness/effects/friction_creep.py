@@ -3,7 +3,7 @@
 The friction may be an effect of the catalogue or what the model states.
 """
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -21,6 +21,9 @@ EFFECT = Effect(
             starts=(0.003, 0.1, 3.0, 40.0),
             search="size",
             linear_unit="m/s",
+            plausible=Plausible(
+                Scale(0.01, frequency=1), "slower than what is seen as rest: a hundredth of a radian in a swing's phase"
+            ),
         ),
     ),
     signature="As dry friction while it slides; but where that would hold the joint, it creeps on towards the equilibrium, "

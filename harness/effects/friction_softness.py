@@ -6,7 +6,7 @@ In MuJoCo's terms τ = timeconst · dmax / 2 and J = d / (1 − d) / invweight, 
 9.5 ms and nine times the joint's inertia.
 """
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -23,6 +23,7 @@ EFFECT = Effect(
             upper=1.0,
             scale=Scale(0.01),
             search="size",
+            plausible=Plausible(Scale(0.02), "MuJoCo's own default of solref, 0.02 s"),
         ),
         Parameter(
             "inertia",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from harness.effects.bending import add_mode, next_mode
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -30,6 +30,9 @@ EFFECT = Effect(
             upper=0.99,
             scale=Scale(0.01),
             starts=(0.01, 0.3, 3.0),
+            plausible=Plausible(
+                Scale(0.02), "metals and clamps: 0.0019 for the paper's strip, ten times that for bolted ones"
+            ),
         ),
     ),
     signature="A second, higher frequency in strain, deflection or tip acceleration after a release or an impact.",

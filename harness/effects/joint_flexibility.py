@@ -1,7 +1,7 @@
 """A drive side that is coupled to its link by a spring: gear, belt, shaft."""
 
 from harness.effects.drive_side import with_drive_side
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -19,6 +19,11 @@ EFFECT = Effect(
             scale=Scale(30.0, torque=1),
             starts=(0.2, 1.0, 10.0),
             linear_unit="N/m",
+            plausible=Plausible(
+                Scale(0.01, torque=-1),
+                "gears and belts twist by some thousandths of a radian under the arm's weight",
+                inverse=True,
+            ),
         ),
         Parameter(
             "damping",

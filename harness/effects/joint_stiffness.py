@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -19,6 +19,7 @@ EFFECT = Effect(
             scale=Scale(0.1, torque=1),
             starts=(0.3, 2.0),
             linear_unit="N/m",
+            plausible=Plausible(Scale(0.1, torque=1), "cables and hoses, a tenth of what gravity does"),
         ),
         Parameter(
             "rest_angle",
@@ -29,6 +30,7 @@ EFFECT = Effect(
             scale=Scale(0.5),
             starts=(0.0, 1.0, -1.0),
             linear_unit="m",
+            plausible=Plausible(Scale(1.5), "a cable rests within a quarter of a turn of where the joint is used"),
         ),
     ),
     signature="The swing is faster than modelled, most at large amplitude where gravity softens and the spring does "

@@ -1,6 +1,6 @@
 """A hand that lets go after the recording has begun; acts on every channel."""
 
-from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import release
 from harness.effects.scale import Scale
 
@@ -19,6 +19,7 @@ EFFECT = Effect(
             scale=Scale(0.1, frequency=-1),
             starts=(0.3, 3.0),
             search="range",
+            plausible=Plausible(Scale(0.2), "a hand lets go within some tenths of a second"),
         ),
     ),
     signature="The signal stands still at first, then the motion is the modelled one, late by the same time "

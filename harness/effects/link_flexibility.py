@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from harness.effects.bending import bend
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -24,6 +24,11 @@ EFFECT = Effect(
             starts=(0.5, 1.5, 5.0),
             search="spectrum",
             inexact=0.01,  # see ``bend``
+            plausible=Plausible(
+                Scale(1.0, frequency=-1),
+                "what bends slower than some times its swing would have been modelled",
+                inverse=True,
+            ),
         ),
         Parameter(
             "damping_ratio",
@@ -33,6 +38,9 @@ EFFECT = Effect(
             upper=0.99,
             scale=Scale(0.01),
             starts=(0.3, 3.0, 20.0),
+            plausible=Plausible(
+                Scale(0.02), "metals and clamps: 0.0019 for the paper's strip, ten times that for bolted ones"
+            ),
         ),
     ),
     signature="A fast decaying vibration rides on the swing after release and sudden changes, at one frequency.",

@@ -1,6 +1,6 @@
 """Dry friction of a bearing that grows with the force it carries."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -17,6 +17,10 @@ EFFECT = Effect(
             scale=Scale(0.005, length=1),
             starts=(0.2, 2.0),
             linear_unit="1",
+            plausible=Plausible(
+                Scale(0.005, length=1),
+                "a dry bush (0.1) on a shaft of a twentieth of the length; ball bearings far less",
+            ),
         ),
     ),
     signature="As dry friction, but more at the bottom of a fast swing, where the bearing also carries the "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from harness.effects.effect import Effect, Family, Parameter, Reshape, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
 from harness.effects.scale import Scale
 from harness.errors import InputError
 from harness.system import System
@@ -33,6 +33,9 @@ EFFECT = Effect(
             upper=0.99,
             scale=Scale(0.01),
             starts=(0.3, 3.0),
+            plausible=Plausible(
+                Scale(0.02), "metals and clamps: 0.0019 for the paper's strip, ten times that for bolted ones"
+            ),
         ),
     ),
     signature="The link's vibration dies away sooner than modelled; the swing does not.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from harness.effects.catalogue import catalogue
-from harness.effects.effect import Effect, Family, Parameter
+from harness.effects.effect import Effect, Family, Parameter, Plausible
 
 INTRODUCTION = """# The catalogue of effects
 
@@ -50,7 +50,7 @@ def _section(effect: Effect) -> str:
         f"- **Engines** {'; '.join(f'{engine}: {how}' for engine, how in effect.expressed_by.items())}.",
     ]
     lines += [
-        f"- **Usually** `{parameter.name}` is within {parameter.plausible.size} of absence: {parameter.plausible.source}."
+        f"- **Usually** {_usual(parameter.name, parameter.plausible)}: {parameter.plausible.source}."
         for parameter in effect.parameters
         if parameter.plausible is not None
     ]
@@ -64,6 +64,14 @@ def _section(effect: Effect) -> str:
         lines.append(f"- **Mistaken for** {', '.join(f'`{name}`' for name in effect.confusable_with)}.")
     lines += [f"- **Source** {effect.source}", ""]
     return "\n".join(lines)
+
+
+def _usual(name: str, plausible: Plausible) -> str:
+    return (
+        f"1 / `{name}` is within {plausible.size}"
+        if plausible.inverse
+        else f"`{name}` is within {plausible.size} of absence"
+    )
 
 
 def _row(parameter: Parameter) -> str:

@@ -1,6 +1,6 @@
 """Damping by a polynomial of the velocity, as a model file states it: MuJoCo's ``damping="a b c"`` beyond its first number."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -16,6 +16,7 @@ EFFECT = Effect(
             scale=Scale(0.01, torque=1, frequency=-2),
             starts=(0.2,),
             linear_unit="N*s**2/m**2",
+            plausible=Plausible(Scale(0.1, torque=1, frequency=-2), "as viscous damping, at the speed of the swing"),
         ),
         Parameter(
             "cubic",
@@ -24,6 +25,7 @@ EFFECT = Effect(
             scale=Scale(0.01, torque=1, frequency=-3),
             starts=(0.2,),
             linear_unit="N*s**3/m**3",
+            plausible=Plausible(Scale(0.1, torque=1, frequency=-3), "as viscous damping, at the speed of the swing"),
         ),
     ),
     signature="As quadratic drag, the more so the faster: wide swings shrink fast, small ones hardly.",

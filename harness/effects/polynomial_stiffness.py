@@ -1,6 +1,6 @@
 """A spring by a polynomial of its stretch, as a model file states it: MuJoCo's ``stiffness="k1 k2 k3"`` beyond its first number."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -16,6 +16,7 @@ EFFECT = Effect(
             scale=Scale(0.05, torque=1),
             starts=(0.5,),
             linear_unit="N/m**2",
+            plausible=Plausible(Scale(0.1, torque=1), "cables and hoses, a tenth of what gravity does"),
         ),
         Parameter(
             "cubic",
@@ -24,6 +25,7 @@ EFFECT = Effect(
             scale=Scale(0.05, torque=1),
             starts=(0.5,),
             linear_unit="N/m**3",
+            plausible=Plausible(Scale(0.1, torque=1), "as the quadratic coefficient"),
         ),
         Parameter("rest_angle", "rad", "where the spring is slack", scale=Scale(0.5), starts=(0.0,), linear_unit="m"),
     ),

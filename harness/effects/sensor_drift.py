@@ -1,6 +1,6 @@
 """A sensor whose zero wanders steadily."""
 
-from harness.effects.effect import CHANNEL_UNIT, Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import CHANNEL_UNIT, Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import drift
 from harness.effects.scale import Scale
 
@@ -16,6 +16,9 @@ EFFECT = Effect(
             "growth of the offset, zero at the first sample",
             scale=Scale(0.02, signal=1, duration=-1),
             starts=(1.0, -1.0),
+            plausible=Plausible(
+                Scale(0.01, signal=1, duration=-1), "a hundredth of the range in one recording (Doebelin, 2004, ch. 3)"
+            ),
         ),
     ),
     signature="The middle of the swing wanders steadily while the swing about it is as modelled.",

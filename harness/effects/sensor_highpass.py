@@ -1,6 +1,6 @@
 """A sensor that forgets: a charge amplifier, alternating-current coupling."""
 
-from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import highpass, highpass_memory
 from harness.effects.scale import Scale
 
@@ -18,6 +18,7 @@ EFFECT = Effect(
             upper=1e4,
             scale=Scale(0.05, frequency=1),
             starts=(0.2, 1.0, 5.0),
+            plausible=Plausible(Scale(0.5), "charge amplifiers, 0.1 to 2 Hz; 2 Hz in the paper"),
         ),
         Parameter(
             "settled",

@@ -1,6 +1,6 @@
 """Hum that a sensor's cable picks up: mains, a motor's switching supply."""
 
-from harness.effects.effect import CHANNEL_UNIT, Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import CHANNEL_UNIT, Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import hum, hum_courses
 from harness.effects.scale import Scale
 
@@ -17,6 +17,9 @@ EFFECT = Effect(
             lower=0.0,
             scale=Scale(0.002, signal=1),
             starts=(1.0,),
+            plausible=Plausible(
+                Scale(0.002, signal=1), "what mains induce in leads that are shielded, thousandths of the range"
+            ),
         ),
         Parameter(
             "frequency",

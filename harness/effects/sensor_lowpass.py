@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, Parameter, Sensor, SiteKind
+from harness.effects.effect import Effect, Family, Parameter, Plausible, Sensor, SiteKind
 from harness.effects.measurement import lowpass, lowpass_memory
 from harness.effects.scale import Scale
 
@@ -20,6 +20,9 @@ EFFECT = Effect(
             neutral=np.inf,
             scale=Scale(1.0, frequency=1),
             starts=(0.5, 2.0, 10.0, 100.0),
+            plausible=Plausible(
+                Scale(5.0, interval=1), "filters before sampling let a fifth of the rate through", inverse=True
+            ),
         ),
     ),
     signature="Fast parts of the signal are too small and late, slow parts right: vibration is missing in the "

@@ -6,6 +6,7 @@ from harness.effects.effect import (
     Effect,
     Family,
     Parameter,
+    Plausible,
     Sensor,
     SiteKind,
 )
@@ -24,6 +25,9 @@ EFFECT = Effect(
             "signal + quadratic · signal²",
             scale=Scale(0.03, signal=-1),
             starts=(0.0, 1.0, -1.0),
+            plausible=Plausible(
+                Scale(0.01, signal=-1), "linearity of transducers, 0.1 to 1 % of the range (Doebelin, 2004, ch. 3)"
+            ),
         ),
         Parameter(
             "cubic",
@@ -31,6 +35,9 @@ EFFECT = Effect(
             "… + cubic · signal³",
             scale=Scale(0.03, signal=-2),
             starts=(0.0, 1.0, -1.0),
+            plausible=Plausible(
+                Scale(0.01, signal=-2), "linearity of transducers, 0.1 to 1 % of the range (Doebelin, 2004, ch. 3)"
+            ),
         ),
     ),
     signature="The residual is a curve over the signal itself, the same going and coming, and small near zero.",

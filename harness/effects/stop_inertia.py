@@ -9,7 +9,7 @@ joint's inertia, and what acts on the joint beside the stop counts for little wh
 
 from collections.abc import Mapping
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import References, Scale
 
 
@@ -33,6 +33,10 @@ EFFECT = Effect(
             scale=Scale(1.0, inertia=1),
             starts=(19.0, 1.0),
             linear_unit="kg",
+            plausible=Plausible(
+                Scale(1.0, inertia=1),
+                "rotors seen through gears are as heavy as the arm they drive (Armstrong et al., ICRA 1986)",
+            ),
         ),
     ),
     signature="As an end stop, but while it pushes, gravity and drive hardly count, and the blow takes longer.",

@@ -1,6 +1,6 @@
 """Dry friction that is larger at rest and falls with speed to the Coulomb level."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -17,6 +17,10 @@ EFFECT = Effect(
             scale=Scale(0.02, torque=1),
             starts=(0.1, 1.0),
             linear_unit="N",
+            plausible=Plausible(
+                Scale(0.1, torque=1),
+                "bearings take a hundredth of what gravity does, gears tens of hundredths (Armstrong-Hélouvry, 1991)",
+            ),
         ),
         Parameter(
             "static_torque",
@@ -26,6 +30,9 @@ EFFECT = Effect(
             scale=Scale(0.03, torque=1),
             starts=(0.2, 1.5),
             linear_unit="N",
+            plausible=Plausible(
+                Scale(0.1, torque=1), "breaking loose takes up to twice what sliding does (Armstrong-Hélouvry, 1991)"
+            ),
         ),
         Parameter(
             "stribeck_velocity",

@@ -1,6 +1,6 @@
 """Viscous damping: a torque against the motion, in proportion to its speed."""
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -17,6 +17,10 @@ EFFECT = Effect(
             scale=Scale(0.01, torque=1, frequency=-1),
             starts=(0.3, 2.0),
             linear_unit="N*s/m",
+            plausible=Plausible(
+                Scale(0.1, torque=1, frequency=-1),
+                "swings of rigs die out within a few to some hundred periods (a damping ratio of 0.05)",
+            ),
         ),
     ),
     signature="The amplitude falls by the same factor in every swing (exponential envelope); energy lost in a "

@@ -115,6 +115,23 @@ def test_every_effect_is_stated_in_full():
             assert parameter.lower < parameter.upper
 
 
+def test_every_effect_says_how_large_it_usually_is_unless_it_is_a_place_or_has_no_number(pendulum):
+    sizes = effects.references(pendulum, "pivot")
+    places = {"end_stop", "sensor_saturation"}  # where something begins is not a size
+    for name, effect in effects.catalogue().items():
+        usual = [p for p in effect.parameters if p.plausible is not None]
+        assert bool(usual) == (bool(effect.parameters) and name not in places), name
+        for parameter in usual:
+            own, size = parameter.plausible, parameter.plausible.size(sizes)
+            assert own.source and np.isfinite(size) and size > 0.0
+            # Where the effect is absent it surprises nobody; ten times its usual size, like a Cauchy density there.
+            absent = parameter.neutral if np.isfinite(parameter.neutral) else np.finfo(float).max
+            absent = np.finfo(float).max if own.inverse else absent
+            assert own.surprise(absent, parameter.neutral, sizes) == pytest.approx(0.0, abs=1e-12)
+            far = 0.1 / size if own.inverse else parameter.neutral + 10.0 * size
+            assert own.surprise(far, parameter.neutral, sizes) == pytest.approx(2.0 * np.log(101.0))
+
+
 def test_confusion_goes_both_ways_for_the_classes_that_a_single_angle_sensor_cannot_part():
     known = effects.catalogue()
     for one, other in (

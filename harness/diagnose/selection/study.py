@@ -131,8 +131,7 @@ class Study:
             values = self.predictor.effect_values(fitted.hypothesis, k, fitted.x)
             for parameter, value in zip(member.effect.parameters, values, strict=True):
                 if parameter.plausible is not None:
-                    away = value - (parameter.neutral if np.isfinite(parameter.neutral) else 0.0)
-                    total += parameter.plausible.surprise(float(away), member.references)
+                    total += parameter.plausible.surprise(float(value), parameter.neutral, member.references)
         return total
 
     def evidence(self, fitted: Fit) -> float:
