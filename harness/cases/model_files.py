@@ -14,7 +14,9 @@ import numpy as np
 from harness.cases.beams import closed_form
 from harness.cases.case import NATIVE, Array, Bench, Case, Row, Series
 from harness.cases.checks import Measured
+from harness.cases.checks.as_read import AsRead
 from harness.cases.flexible_pendulum import pinned_with_hub
+from harness.cases.users import state_checks
 from harness.compare import quantities
 from harness.denoc import Denoc
 from harness.errors import UnsupportedError
@@ -22,6 +24,10 @@ from harness.system import System, load
 
 SHIPPED = Path(__file__).parents[2] / "models"
 STATES = 5
+MANY = 12  # coordinates, by which accelerations of floating mechanisms are judged
+FLOATING = (
+    "acrobat", "biped", "buoy", "flying_arm", "gripper_in_flight", "quadruped", "rope", "satellite", "thrown_box", "two_bodies",
+)  # fmt: skip
 WHY = "the same file read twice: rounding of double precision, conversions of rotations included"
 
 # General rotations in every place that has some, and numbers that are all different.
@@ -223,6 +229,19 @@ def _case(name: str, title: str, build: Any, *checks: Measured) -> Case:
     )
 
 
+def _read_again(name: str, title: str, file: str) -> Case:
+    """A floating mechanism, handed on to every engine, and read once more by those that have a reader."""
+    return Case(
+        name=name,
+        title=title,
+        source="MuJoCo's and Pinocchio's own readers of the same file",
+        system=partial(_shipped, file),
+        checks=(*state_checks(MANY), AsRead(SHIPPED / file)),
+        group="rigid",
+        engines=(NATIVE, "mujoco", "pinocchio"),
+    )
+
+
 def _both(text: str | None, path: Path | None) -> tuple[Measured, ...]:
     return (
         Measured("file_by_mujoco", partial(_mujoco, text, path)),
@@ -251,6 +270,10 @@ CASES = (
             Measured("file_by_mujoco", partial(_mujoco, None, SHIPPED / "mjcf" / f"{name}.xml")),
         )
         for name in ("cart_pendulum", "double_pendulum", "rigid_pendulum", "triple_pendulum")
+    ),
+    *(
+        _read_again(f"file_floating_{name}", f"models/mjcf/floating/{name}.xml", f"mjcf/floating/{name}.xml")
+        for name in FLOATING
     ),
     Case(
         name="file_toml_flexible_pendulum",

@@ -28,12 +28,12 @@ def differences(ours: Sequence[Placed], theirs: Sequence[Placed]) -> tuple[str, 
         elsewhere = a.parent in moved
         placed: list[str] = []
         if not elsewhere:
-            if a.prismatic != b.prismatic:
-                placed.append(f"joint {a.joint!r}: {_kind(b)} for {_kind(a)} here")
+            if a.kind != b.kind:
+                placed.append(f"joint {a.joint!r}: {b.kind} for {a.kind} here")
             elif _apart(a.axis, b.axis) > ALLOWED:
                 placed.append(f"joint {a.joint!r}: axis {_vector(b.axis)} for {_vector(a.axis)} here")
             # Of a hinge only the line counts that it turns about; of a slide only the direction.
-            elif not a.prismatic and _apart(np.cross(a.axis, a.origin), np.cross(a.axis, b.origin)) > ALLOWED * length:
+            elif a.kind in ("revolute", "ball") and _apart(_line(a, a.origin), _line(a, b.origin)) > ALLOWED * length:
                 placed.append(f"joint {a.joint!r}: origin {_vector(b.origin)} m for {_vector(a.origin)} m here")
         if elsewhere or placed:
             moved.add(k)
@@ -77,8 +77,9 @@ def _apart(a: Array, b: Array) -> float:
     return float(np.abs(np.asarray(a) - np.asarray(b)).max())
 
 
-def _kind(placed: Placed) -> str:
-    return "prismatic" if placed.prismatic else "revolute"
+def _line(placed: Placed, origin: Array) -> Array:
+    """What counts of a point of a joint: the line through it along the axis, or of a ball the point itself."""
+    return np.cross(placed.axis, origin) if placed.kind == "revolute" else origin
 
 
 def _vector(values: Array) -> str:

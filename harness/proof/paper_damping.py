@@ -346,7 +346,8 @@ def _cell(answers: Sequence[Answer]) -> str:
     for answer in answers:
         word = answer.outcome
         if word in ("another", "in a class"):
-            word += ": " + " + ".join(_words(effect) for effect in answer.found if effect in KINDS)
+            others = [effect for effect in answer.found if effect in KINDS]
+            word += ": " + (" + ".join(map(_words, others)) or "viscous damping alone")
         said.append(word)
     if not said:
         return "not asked"

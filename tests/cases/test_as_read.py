@@ -58,6 +58,42 @@ def test_readers_agree_on_random_mechanisms(tmp_path: Path, ending: str) -> None
     assert [row.verdict for row in rows if row.engines[-1] != own] == ["pass"] * 4
 
 
+FLOATING = """<mujoco><compiler angle="degree"/><worldbody><body name="trunk" pos="0.3 0 0.7" euler="10 20 30">
+<freejoint name="root"/><inertial pos="0.02 0.01 0" mass="4" fullinertia="0.05 0.07 0.06 0.002 0.001 -0.003"/>
+<body name="arm" pos="0.2 0.05 0" euler="0 40 10"><joint name="shoulder" type="ball" pos="0 0.01 0.02"/>
+<inertial pos="0 0.02 -0.2" mass="0.7" fullinertia="0.011 0.012 0.003 0.0004 0.0002 0.0001"/>
+<body name="fore" pos="0.1 0.02 -0.3"><joint name="elbow" axis="0 1 0.2" pos="0.01 0 0"/>
+<inertial pos="0 0.01 -0.1" mass="0.3" fullinertia="0.004 0.005 0.002 0.0002 0.0001 0"/></body></body></body>
+</worldbody></mujoco>"""
+
+
+def test_floating_bodies_and_balls_are_read_again_too(tmp_path: Path) -> None:
+    path = file(tmp_path, FLOATING, "floating.xml")
+    rows = rows_of(path)
+    assert [(row.engines[-1], row.verdict) for row in rows] == [("mujoco", "pass")] * 4 + [("pinocchio", "pass")] * 4
+    assert max(row.difference or 0.0 for row in rows) < 1e-12
+
+
+def test_a_ball_that_is_elsewhere_fails_and_is_named(tmp_path: Path) -> None:
+    path = file(tmp_path, FLOATING, "floating.xml")
+    system = harness.load(path)
+    ball = system.joint("shoulder")
+    moved = system.replace_joint(replace(ball, xyz=constant(np.asarray(ball.xyz) + np.array([0.0, 0.0, 1e-3]))))
+    failed = [row for row in rows_of(path, moved) if row.verdict == "fail"]
+    assert failed and all("joint 'shoulder': origin" in row.note for row in failed)
+
+
+def test_a_root_that_is_asked_to_float_is_read_so(tmp_path: Path) -> None:
+    path = tmp_path / "tree.urdf"
+    write(random_tree(6, seed=8, damping=True), path)
+    case = case_of("model", path, floating=True)
+    system = case.system()
+    assert (system.nq, system.nv) == (13, 12)
+    bench = Bench(case, system, {"denoc": engine("denoc").build(system)})
+    rows = [row for row in AsRead(path).run(bench) if isinstance(row, Row)]
+    assert [row.verdict for row in rows if row.engines[-1] == "pinocchio"] == ["pass"] * 4
+
+
 def test_a_misreading_fails_and_names_the_joint(tmp_path: Path) -> None:
     """Our own former reading of this file, its quaternions passed over: the file's own reader says otherwise."""
     path = file(tmp_path, QUATERNIONS, "quat.urdf")

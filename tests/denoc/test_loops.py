@@ -18,7 +18,7 @@ from harness.system.description import constant
 from harness.system.kinematics import mass_matrix, poses
 from harness.system.lowering import lower
 from harness.system.manifold import integrate
-from tests.denoc.several_degrees import following, in_space
+from harness.system.random_joints import following, in_space
 
 KINDS = {
     "ball": ("x", "y", "z"),

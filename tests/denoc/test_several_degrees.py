@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
-from several_degrees import following, in_space, joint, link, random_position
 
 import harness
 from harness.denoc import Denoc
@@ -17,6 +16,7 @@ from harness.denoc.matrices import denoc_matrices
 from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, Mimic, System, load, write
 from harness.system.description import constant
+from harness.system.random_joints import following, in_space, joint, link, random_position
 from harness.system.rotation import from_quaternion
 
 Build = Callable[[], System]

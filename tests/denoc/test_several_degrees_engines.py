@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from several_degrees import following, in_space, joint, link, random_position
 
 from harness.engines.registry import engine
 from harness.errors import EngineUnavailableError, UnsupportedError
 from harness.system import Joint, JointType, System
+from harness.system.random_joints import following, free_of_a_link, in_space, joint, random_position
 
 
 def fixed_base() -> System:
@@ -20,17 +20,6 @@ def fixed_base() -> System:
     rest = following()
     first = joint("ball", JointType.UNIVERSAL, "base", "a", rng)
     return System("fixed base", (first, *rest.joints[1:]), rest.links)
-
-
-def free_of_a_link() -> System:
-    """A free joint between two moving links, which MuJoCo's own free joint is not."""
-    rng = np.random.default_rng(12)
-    joints = (
-        joint("hinge", JointType.REVOLUTE, "base", "a", rng),
-        joint("loose", JointType.FREE, "a", "b", rng),
-        joint("slide", JointType.PRISMATIC, "b", "c", rng),
-    )
-    return System("loose", joints, tuple(link(name, rng) for name in "abc"))
 
 
 @pytest.mark.parametrize("build", [in_space, following, fixed_base, free_of_a_link])

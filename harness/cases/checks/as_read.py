@@ -47,8 +47,9 @@ class AsRead:
             return
         # Readers of their own take mimicking joints for independent ones, or leave what they follow to the simulation.
         independent = freed(bench.system)
-        if not independent.simple:
-            which = next(joint for joint in independent.joints if not joint.simple)
+        others = [joint for joint in independent.joints if not (joint.simple or joint.turns_in_space)]
+        if others:
+            which = others[0]
             reason = f"joint {which.name!r} of type {which.type}: how it was read is not compared yet"
             for name in readers_of(self.path):
                 yield bench.skipped(READING, (NATIVE, name), reason)

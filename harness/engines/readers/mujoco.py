@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.engines.mujoco_model import _mujoco
 from harness.engines.protocol import Array
@@ -18,24 +20,35 @@ from harness.system.inertia import combine
 from harness.system.mjcf_left_out import disabled
 from harness.system.read_mjcf import compiled, names_of_joints
 
+KINDS = ("free", "ball", "prismatic", "revolute")  # in the order of mjtJoint
+
 
 @dataclass(frozen=True, eq=False)
 class MujocoReading:
-    """See ``Reading``. joints: MuJoCo's index of each of ``names``."""
+    """See ``Reading``. joints: MuJoCo's index of each of ``names``. Its free and ball joints have our positions and velocities."""
 
     names: tuple[str, ...]
     model: Any
     data: Any
     joints: tuple[int, ...]
 
-    @property
-    def _dofs(self) -> Array:
-        return np.array([self.model.jnt_dofadr[k] for k in self.joints])
+    @cached_property
+    def _dofs(self) -> NDArray[np.intp]:
+        return self._of_joints(self.model.jnt_dofadr, (6, 3))
+
+    @cached_property
+    def _places(self) -> NDArray[np.intp]:
+        return self._of_joints(self.model.jnt_qposadr, (7, 4))
+
+    def _of_joints(self, first: Array, several: tuple[int, int]) -> NDArray[np.intp]:
+        """MuJoCo's indices joint by joint; several: how many a free joint has, and a ball."""
+        sizes = [(*several, 1, 1)[int(self.model.jnt_type[k])] for k in self.joints]
+        return np.concatenate([first[k] + np.arange(size) for k, size in zip(self.joints, sizes, strict=True)])
 
     def _set(self, q: Array, qd: Array | None = None) -> Any:
         mujoco = _mujoco()
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[[self.model.jnt_qposadr[k] for k in self.joints]] = q
+        self.data.qpos[self._places] = q
         if qd is not None:
             self.data.qvel[self._dofs] = qd
         mujoco.mj_fwdPosition(self.model, self.data)
@@ -57,10 +70,19 @@ class MujocoReading:
         return (self.data.qfrc_bias - self.data.qfrc_gravcomp)[self._dofs]
 
     def gravity(self, q: Array) -> Array:
-        return self.bias(q, np.zeros(len(self.names)))
+        return self.bias(q, np.zeros(len(self._dofs)))
+
+    def _zero(self) -> Array:
+        """Positions with every coordinate zero and every rotation the identity."""
+        whole = np.zeros(self.model.nq)
+        for k in range(self.model.njnt):
+            several = {0: 3, 1: 0}.get(int(self.model.jnt_type[k]))
+            if several is not None:
+                whole[self.model.jnt_qposadr[k] + several] = 1.0
+        return np.asarray(whole[self._places])
 
     def placed(self) -> tuple[Placed, ...]:
-        self._set(np.zeros(len(self.names)))
+        self._set(self._zero())
         model, data = self.model, self.data
         # The last joint of the nearest body above that has one carries a body; -1: it does not move.
         carrier = [-1] * model.nbody
@@ -75,16 +97,15 @@ class MujocoReading:
                 tensor = turn @ np.diag(model.body_inertia[b]) @ turn.T
                 pieces[carrier[b]].append((float(model.body_mass[b]), np.array(data.xipos[b]), tensor))
         found = []
-        slide = int(_mujoco().mjtJoint.mjJNT_SLIDE)
         for name, k in zip(self.names, self.joints, strict=True):
             mass, com, inertia = combine(*pieces[k]) if pieces[k] else (0.0, np.zeros(3), np.zeros((3, 3)))
             found.append(
                 Placed(
                     name,
                     model.body(int(model.jnt_bodyid[k])).name,
-                    int(model.jnt_type[k]) == slide,
+                    KINDS[int(model.jnt_type[k])],
                     self.joints.index(above[k]) if above[k] in self.joints else -1,
-                    np.array(data.xaxis[k]),
+                    np.array(data.xaxis[k]) * (int(model.jnt_type[k]) > 1),
                     np.array(data.xanchor[k]),
                     mass,
                     com,
@@ -106,7 +127,7 @@ class MujocoReading:
                 values["armature"] = float(model.dof_armature[at])
                 values["damping"] = float(model.dof_damping[at]) if dampers else 0.0
             values["friction"] = float(model.dof_frictionloss[at]) if dry else 0.0
-            if model.jnt_limited[k]:
+            if model.jnt_limited[k] and model.jnt_type[k] > 1:  # a ball's is a cone
                 values["lower"], values["upper"] = (float(x) for x in model.jnt_range[k])
             found[name] = values
         return found

@@ -10,20 +10,21 @@ import numpy as np
 
 from harness.engines.folded import bodies
 from harness.engines.protocol import Array
-from harness.system import System
+from harness.system import Joint, System
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
     """A joint and what moves rigidly with it, every joint position being zero, in base coordinates.
 
-    axis: unit vector, shape (3,). origin: a point of the axis [m]. mass [kg], com [m], inertia about it [kg·m²] of all links
-    carried on this joint and no further one.
+    kind: ``revolute``, ``prismatic``, ``ball`` or ``free``. axis: unit vector, shape (3,); zero of a joint that has none.
+    origin: a point of the axis, or a ball's centre [m]. mass [kg], com [m], inertia about it [kg·m²] of all links carried on this
+    joint and no further one.
     """
 
     joint: str
     link: str
-    prismatic: bool
+    kind: str
     parent: int
     axis: Array
     origin: Array
@@ -33,7 +34,7 @@ class Placed:
 
 
 class Reading(Protocol):
-    """A model as an engine's own reader made it; q, qd in the order of ``names``, shape (n,).
+    """A model as an engine's own reader made it; q (nq,), qd (nv,) as in our system: its order, its signs, its conventions.
 
     names: the movable joints it read.
     """
@@ -56,6 +57,13 @@ class Reading(Protocol):
         ...
 
 
+def kind_of(joint: Joint) -> str:
+    """What readers call a joint's kind."""
+    if joint.turns_in_space:
+        return str(joint.type)
+    return "prismatic" if joint.prismatic else "revolute"
+
+
 def placed_bodies(system: System) -> tuple[Placed, ...]:
     """The same of our own description."""
     found: list[Placed] = []
@@ -68,9 +76,9 @@ def placed_bodies(system: System) -> tuple[Placed, ...]:
             Placed(
                 body.joint.name,
                 body.joint.child,
-                body.joint.prismatic,
+                kind_of(body.joint),
                 body.parent,
-                turn @ body.joint.axis,
+                np.zeros(3) if body.joint.turns_in_space else turn @ body.joint.axis,
                 origin,
                 body.mass,
                 origin + turn @ body.com,

@@ -1,4 +1,4 @@
-"""Mechanisms with joints of several degrees of freedom, for tests."""
+"""Random mechanisms with joints of several degrees of freedom and joints that follow others."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.system import Joint, JointType, Link, Mimic, System
-from harness.system.description import Array, constant
+from harness.system.description import Array, Joint, JointType, Link, Mimic, System, constant
+from harness.system.lowering import neutral_position
+from harness.system.manifold import integrate
 from harness.system.rotation import from_quaternion
 
 
@@ -67,9 +68,17 @@ def following(seed: int = 2) -> System:
     return System("following", joints, tuple(link(name, rng) for name in "abcde"))
 
 
-def random_position(system: System, rng: np.random.Generator) -> Array:
-    """Positions away from the neutral ones, quaternions unit."""
-    from harness.denoc import Denoc
+def free_of_a_link(seed: int = 12) -> System:
+    """A free joint between two moving links, which MuJoCo's own free joint is not."""
+    rng = np.random.default_rng(seed)
+    joints = (
+        joint("hinge", JointType.REVOLUTE, "base", "a", rng),
+        joint("loose", JointType.FREE, "a", "b", rng),
+        joint("slide", JointType.PRISMATIC, "b", "c", rng),
+    )
+    return System("loose", joints, tuple(link(name, rng) for name in "abc"))
 
-    model = Denoc(system)
-    return model.integrate(model.neutral, rng.standard_normal(model.n))
+
+def random_position(system: System, rng: np.random.Generator) -> Array:
+    """Positions (nq,) away from the neutral ones, quaternions unit."""
+    return integrate(system, neutral_position(system), rng.standard_normal(system.nv))
