@@ -18,7 +18,7 @@ VISCOUS, DRY, NOISE = 2e-3, 6e-3, 2e-4
 
 
 def rig() -> System:
-    pivot = Joint("pivot", JointType.REVOLUTE, "base", "rod", axis=constant([0.0, 1.0, 0.0]))
+    pivot = Joint("pivot", JointType.CONTINUOUS, "base", "rod", axis=constant([0.0, 1.0, 0.0]))
     rod = Link("rod", MASS, constant([0.0, 0.0, -COM]), constant(np.diag([ABOUT_COM, ABOUT_COM, 1e-5])))
     return System("rig", (pivot,), (rod,))
 

@@ -23,7 +23,7 @@ import io
 import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,7 @@ from scipy.signal import butter, filtfilt
 
 from harness.compare.peers.runs import NotForIt, Run, heldout_error
 from harness.compare.peers.servo_friction import swing_of_one_joint
-from harness.system import System
+from harness.system import JointType, System
 from harness.system.write import write
 
 Array = NDArray[np.float64]
@@ -82,6 +82,10 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
         raise NotForIt("it is asked about rigs of one joint")
     if not all(run.driven for run in (*train, *heldout)):
         raise NotForIt("it needs a known effort: a free swing is the null vector of its regression")
+    joint = system.movable_joints[0]
+    if joint.type is JointType.CONTINUOUS:
+        # Pinocchio has cosine and sine of such a joint as positions, FIGAROH one column a joint.
+        system = system.replace_joint(replace(joint, type=JointType.REVOLUTE))
     found = [_fitted(system, train, heldout, above * frequency) for above in ABOVE]
     return min(found, key=lambda one: heldout_error(one.free_run, train))
 

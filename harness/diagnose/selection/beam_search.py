@@ -364,8 +364,9 @@ def finished(study: Study, ordered: Sequence[Fit]) -> list[Fit]:
 
 def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress) -> list[Fit]:
     """Swap members of the best set for alternatives until nothing improves; all fits known then, best first."""
-    # Far above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
-    for _ in range(3 if ordered[0].score < HOPELESS * study.samples else 1):
+    # Above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
+    complete = ordered[0].score < HOPELESS * study.samples and not study.left_out
+    for _ in range(3 if complete else 1):
         ordered = finished(study, ordered)
         if exhausted(study, ordered[0]):
             break

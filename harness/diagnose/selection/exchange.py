@@ -37,6 +37,7 @@ MOST_SIZES, MOST_SIZED, SIZING = 4, 2, 10
 BEGINNINGS = (0.0625, 0.25, 1.0)  # of every window
 SAME_WORK = 10.0  # times what the best set leaves on any beginnings, that a relative leaves there at most
 MOST_SECOND = 2  # nearly as good sets whose other members' relatives are tried
+MOST_EMPTIED = 8  # sets tried without a member that has come to nothing, likeliest first
 MOST_REDUCED, NEARLY_BEST = 6, 20.0  # sets, in the criterion
 NEAR = 60.0  # in the score
 BEYOND = 30.0  # times the cost of noise alone; what is left there is phases that have slipped, and tests say nothing
@@ -286,7 +287,7 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
     found = []
     tried = slow = 0
     # Where the set leaves more than noise, of what is dear to fit only the likeliest is worth it.
-    most_slow = count if best.score < FLOOR * study.samples else MOST_SLOW
+    most_slow = count if best.score < FLOOR * study.samples and not study.left_out else MOST_SLOW
     for scored in study.ranked(without):
         if scored.candidate.key == member.key or tried >= count:
             continue
@@ -402,14 +403,15 @@ def emptied(study: Study, best: Fit) -> list[Fit]:
 
     What was found beside something that explained part of it by mistake may need nothing beside it.
     """
-    own, found = study.criterion(best), []
-    for fitted in list(study.fits.values()):
+    own, promising = study.criterion(best), []
+    for fitted in study.fits.values():
         for k, member in enumerate(fitted.hypothesis.members):
-            price = study.price(member, len(fitted.hypothesis.members) - 1)
-            if study.criterion(fitted) - price < own and _came_to_nothing(study, fitted, k):
-                found.append(study.reduce(fitted, k))
+            without = study.criterion(fitted) - study.price(member, len(fitted.hypothesis.members) - 1)
+            if without < own and _came_to_nothing(study, fitted, k):
+                promising.append((without, len(promising), fitted, k))
                 break
-    return found
+    # Beside a force that is left out sets are hardly worth more than one another, and most of them promise to win.
+    return [study.reduce(fitted, k) for _, _, fitted, k in sorted(promising)[:MOST_EMPTIED]]
 
 
 def _came_to_nothing(study: Study, fitted: Fit, k: int) -> bool:

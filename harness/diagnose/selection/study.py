@@ -304,6 +304,11 @@ class Study:
         """Variance of what a fit leaves, in units of the noise's; one at least."""
         return max(fitted.cost / self.samples, 1.0)
 
+    @property
+    def left_out(self) -> bool:
+        """Whether the likelihood knows of a force that every set leaves out: beside that no set is complete."""
+        return self.likelihood.discrepancy is not None
+
     def only_noise(self, fitted: Fit) -> bool:
         """Whether a fit leaves no more than noise alone would at times."""
         return fitted.score <= self.samples + CLEARLY * float(np.sqrt(2.0 * self.samples))
