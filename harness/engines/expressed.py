@@ -132,8 +132,8 @@ class JointForces:
         return (*acting, self.drives) if self.drives is not None else tuple(acting)
 
     def rest(self, q: Array, qd: Array) -> Array:
-        """Cogging, end stops, teeth and drives, shape (n,). A stop or a tooth pushes and never pulls."""
-        total = np.zeros(len(self.constant))
+        """Cogging, end stops, teeth and drives, shape (n,) or (T, n). A stop or a tooth pushes and never pulls."""
+        total = np.zeros(np.shape(q))
         for kind in self._acting:
             total += kind(q, qd)
         return total

@@ -223,3 +223,11 @@ def test_mistakes_in_effects_are_told() -> None:
     )
     assert "rest position" in str(registry.engine("mujoco").refuses(both))
     assert registry.engine("pinocchio").refuses(both) is None
+
+
+def test_forces_of_laws_take_many_states_at_once() -> None:
+    laws = (Attachment(name, "joint2", LAWS[name]) for name in FORCES_ONLY)
+    forces = express(arm(*laws)).forces
+    q, qd = np.linspace(-1.0, 1.2, 14).reshape(7, 2), np.linspace(2.0, -2.0, 14).reshape(7, 2)
+    one_by_one = [forces(*state) for state in zip(q, qd, strict=True)]
+    np.testing.assert_array_equal(forces(q, qd), np.array(one_by_one))

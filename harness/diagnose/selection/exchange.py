@@ -403,7 +403,8 @@ def emptied(study: Study, best: Fit) -> list[Fit]:
 
     What was found beside something that explained part of it by mistake may need nothing beside it.
     """
-    own, promising = study.criterion(best), []
+    own = study.criterion(best)
+    promising: list[tuple[float, int, Fit, int]] = []
     for fitted in study.fits.values():
         for k, member in enumerate(fitted.hypothesis.members):
             without = study.criterion(fitted) - study.price(member, len(fitted.hypothesis.members) - 1)
