@@ -8,7 +8,7 @@ from harness.cases.case import Bench, Case, Row, Series, thin
 from harness.compare.descriptions import TOLERANCE, Comparison, Cost, Difference, alike, compare, costs, namesakes
 from harness.errors import UnsupportedError
 from harness.system import System
-from harness.system.lowering import freed, one_degree
+from harness.system.lowering import chained, freed, refuse_loops
 
 # Single costs are worked out for this many differences, the largest first; the rest have that of all together.
 PRICED = 12
@@ -61,8 +61,10 @@ class Descriptions:
             )
             return
         try:
-            # As descriptions, joints that follow others are joints like any.
-            systems = [one_degree(freed(system), "a comparison of descriptions") for system in self.systems]
+            for system in self.systems:
+                refuse_loops(system, "a comparison of descriptions")
+            # As descriptions, joints that follow others are joints like any; free ones and balls are chains of simple ones.
+            systems = [freed(chained(freed(system))) for system in self.systems]
         except UnsupportedError as error:
             yield bench.skipped("description", self.names, error.what)
             return

@@ -18,6 +18,7 @@ from harness.cases.results import Results, from_dict
 from harness.compare.descriptions import TOLERANCE
 from harness.engines import registry
 from harness.engines.protocol import Engine, EngineModel
+from harness.engines.readers.register import root_of
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.journal import Journal
 from harness.parallel import parallel_map
@@ -44,17 +45,27 @@ class Outcome:
 
 
 @dataclass(frozen=True)
+class Other:
+    """The second of two models that are held against one another: the names of both, its file, whether its root is let float."""
+
+    first: str
+    second: str
+    path: Path
+    floating: bool = False
+
+
+@dataclass(frozen=True)
 class Task:
     """One case for a worker: by name if built in, by path if it is a user's model.
 
-    against: names of two models and the path of the second, where their descriptions are compared within ``tolerance``.
+    against: where two descriptions are compared within ``tolerance``, the second.
     """
 
     case: str
     engines: tuple[str, ...]
     model: Path | None = None
     physical: bool = True
-    against: tuple[str, str, Path] | None = None
+    against: Other | None = None
     tolerance: float = TOLERANCE
     allow: tuple[Path, ...] = ()
     floating: bool = False
@@ -83,7 +94,7 @@ def validate(
     tolerance: relative difference (angles: rad) allowed between two descriptions of one mechanism. separate: models are of
     different mechanisms, and are not held against one another.
     allow: folders beside a model's own that it may name includes and meshes in.
-    floating: let the root links of URDF models float on a free joint.
+    floating: let the root links of URDF models float on a free joint; InputError where no model is one.
     progress: called with (done, total, name of the case that ended). journal: where each case is kept as it ends; cases that
     it has already are not run again.
     Raises InputError for an unreadable model and an unknown case or engine.
@@ -104,16 +115,30 @@ def validate(
     folders = tuple(Path(folder).resolve() for folder in allow)
     # What cannot be read is said before anything runs.
     files = names_of(paths)
-    systems = {name: read(path, physical=physical, allow=folders, floating=floating) for name, path in files.items()}
+    # The other formats say themselves what floats.
+    urdf = [path for path in files.values() if root_of(path) == "robot"]
+    floats = {name: floating and (path in urdf or not urdf) for name, path in files.items()}
+    systems = {
+        name: read(path, physical=physical, allow=folders, floating=floats[name]) for name, path in files.items()
+    }
     tasks = [
-        Task(name, engine_names(engines), path.resolve(), physical, allow=folders, floating=floating)
+        Task(name, engine_names(engines), path.resolve(), physical, allow=folders, floating=floats[name])
         for name, path in files.items()
     ]
     if not separate:
         from harness.cases.descriptions import pairs_of
 
         tasks += [
-            Task(f"{a} against {b}", (), files[a].resolve(), physical, (a, b, files[b].resolve()), tolerance, folders)
+            Task(
+                f"{a} against {b}",
+                (),
+                files[a].resolve(),
+                physical,
+                Other(a, b, files[b].resolve(), floats[b]),
+                tolerance,
+                folders,
+                floats[a],
+            )
             for a, b in pairs_of(systems)
         ]
     return run(tasks, workers, dask, progress, journal)
@@ -207,12 +232,12 @@ def run_task(task: Task) -> Outcome:
         if task.against is not None:
             from harness.cases.descriptions import case_of_two
 
-            first, second, path = task.against
+            other = task.against
             systems = (
-                read(task.model, physical=task.physical, allow=task.allow),
-                read(path, physical=task.physical, allow=task.allow),
+                read(task.model, physical=task.physical, allow=task.allow, floating=task.floating),
+                read(other.path, physical=task.physical, allow=task.allow, floating=other.floating),
             )
-            case = case_of_two((first, second), systems, task.tolerance)
+            case = case_of_two((other.first, other.second), systems, task.tolerance)
         else:
             from harness.cases.users import doubts
 
