@@ -13,7 +13,6 @@ from harness.errors import InputError
 from harness.system import System, random_tree, write
 from harness.system.random_joints import in_space
 
-
 BASE = """<link name="base"><inertial><mass value="2"/>
 <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
 
