@@ -1,6 +1,7 @@
 """Many states at once, by each of the kernels that a mechanism can be given to, and short chains of hinges one by one."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from harness.cases.beams import alternating_chain
@@ -9,6 +10,7 @@ from harness.cases.checks.batch import BATCHES, BatchAgreement
 from harness.cases.checks.batch_straight import BatchStraight
 from harness.cases.users import state_checks
 from harness.system import System, random_chain, random_tree
+from harness.system.random_joints import free_of_a_link, in_space
 
 ENGINES = ("denoc", "pinocchio", "mujoco")
 
@@ -21,6 +23,13 @@ def _checks(allowed: float) -> tuple[Check, ...]:
 def hinges(n: int) -> System:
     """A chain of hinges alone: from four to eight it has a kernel of its own for one state."""
     return random_chain(n, seed=40 + n, prismatic=0.0, armature=True, damping=True)
+
+
+def floating() -> System:
+    """A free body with joints of several degrees on it, and no armature that resists the spin of a ball."""
+    system = in_space()
+    joints = tuple(replace(joint, armature=0.0) if joint.turns_in_space else joint for joint in system.joints)
+    return replace(system, joints=joints)
 
 
 def _batch(name: str, title: str, build: Callable[[], System], allowed: float) -> Case:
@@ -50,6 +59,8 @@ CASES = (
         partial(random_tree, 14, seed=50, prismatic=0.3, fixed=0.2, armature=True, damping=True),
         1e-11,
     ),
+    _batch("in_space", "What floats, with a ball and other joints on it, many states at once", floating, 1e-11),
+    _batch("loose", "A free joint between two links that move, many states at once", free_of_a_link, 1e-11),
     _batch("long", "Seventy joints, many states at once", partial(random_chain, 70, seed=51, prismatic=0.1), 1e-9),
     Case(
         name="batch_flexible",

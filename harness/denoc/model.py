@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from markupsafe import escape
@@ -33,6 +34,7 @@ from harness.system import System, Trajectory
 from harness.system.lowering import lower, neutral_position
 
 if TYPE_CHECKING:
+    from harness.denoc.batch.in_space import SpaceBatch
     from harness.denoc.batch.model import BatchModel
     from harness.denoc.chart.chart import Chart
     from harness.denoc.motion.integrate import Event
@@ -68,6 +70,7 @@ class Denoc:
         "_many",
         "_mass",
         "_model",
+        "_space",
         "_zero",
         "beams",
         "n",
@@ -142,6 +145,7 @@ class Denoc:
             self._forward = self._inverse = _declined
         self._model = int(self._header.ctypes.data)
         self._many: BatchModel | None = None
+        self._space: SpaceBatch | Literal[False] | None = None
         self._mass: Any = None
         self._kernels: Any = rigid
         self._arguments: tuple[Any, ...] = (tree.bodies, tree.rows, tree.topology)
@@ -313,6 +317,11 @@ class Denoc:
         self._same_length(Q=Q, Qd=Qd, Tau=Tau)
         result = place_for(Qd.shape, out)
         Q, Qd, Tau = apart(Q, out), apart(Qd, out), apart(Tau, out)
+        space = self._in_space(Q)
+        if space is not None:
+            space.forward_dynamics(Q, Qd, Tau, result, self.accelerations)
+            if finite(result):
+                return result
         many = self._eight_at_a_time(Q)
         if many is not None and finite(np.asarray(many.forward_dynamics(Q, Qd, Tau, out=result))):
             return result
@@ -328,7 +337,11 @@ class Denoc:
             return many.inverse_dynamics(Q, Qd, Qdd, out=out)
         result = place_for(Qd.shape, out)
         Q, Qd, Qdd = apart(Q, out), apart(Qd, out), apart(Qdd, out)
-        call_rows(int(self._header[INVERSE]), self._model, Q, Qd, Qdd, result)
+        by_row = partial(call_rows, int(self._header[INVERSE]), self._model)
+        space = self._in_space(Q)
+        if space is not None:
+            return space.inverse_dynamics(Q, Qd, Qdd, result, by_row)
+        by_row(Q, Qd, Qdd, result)
         return result
 
     def mass_matrix_batch(self, Q: ArrayLike, *, out: Array | None = None) -> Array:
@@ -341,7 +354,11 @@ class Denoc:
         if many is not None and (many.serial or self.n < _LARGE):
             return many.mass_matrix(Q, out=out)
         result = place_for((len(Q), self.n, self.n), out)
-        self._mass_rows(apart(Q, out), result)
+        Q = apart(Q, out)
+        space = self._in_space(Q)
+        if space is not None and (space.serial or self.n < _LARGE):
+            return space.mass_matrix(Q, result, self._mass_rows)
+        self._mass_rows(Q, result)
         return result
 
     def _eight_at_a_time(self, Q: Array) -> BatchModel | None:
@@ -353,6 +370,17 @@ class Denoc:
 
             self._many = BatchModel(self.system)
         return self._many
+
+    def _in_space(self, Q: Array) -> SpaceBatch | None:
+        """The same for rigid systems whose joints turn in space, where ``SpaceBatch`` takes them."""
+        if self._chart is None or len(Q) < 8:
+            return None
+        if self._space is None:
+            from harness.denoc.batch.in_space import SpaceBatch
+
+            lowered = self._chart.lowered
+            self._space = SpaceBatch(self.system, lowered) if SpaceBatch.takes(self.system, lowered) else False
+        return self._space or None
 
     def accelerations(self, Q: Array, Qd: Array, Tau: Array, out: Array | None = None) -> Array:
         """``forward_dynamics`` row by row, for arrays known to be sound; Tau may have no rows, for no forces."""

@@ -12,6 +12,7 @@ import pytest
 from harness.cases.gate import read_accepted
 from harness.cases.gate.coverage import EXEMPT, PATHS, rows_of, table
 from harness.denoc import Denoc
+from harness.denoc.batch.in_space import SpaceBatch
 from harness.denoc.batch.model import BatchModel
 from harness.denoc.compiling.tasks import TASKS
 from harness.denoc.joint_laws import laws
@@ -31,7 +32,7 @@ def functions(owner: object) -> list[str]:
 
 
 def paths_of_the_code() -> set[str]:
-    owners = (Denoc, Closed, LaneModel, BatchModel)
+    owners = (Denoc, Closed, LaneModel, BatchModel, SpaceBatch)
     found = {f"{owner.__name__}.{name}" for owner in owners for name in functions(owner)}
     # What a closed mechanism does as any other is a path already.
     found -= {f"Closed.{name}" for name in functions(Denoc)} - {f"Closed.{name}" for name in AGAIN}

@@ -16,7 +16,7 @@ from harness.denoc.matrices import denoc_matrices
 from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, Mimic, System, load, write
 from harness.system.description import constant
-from harness.system.random_joints import following, in_space, joint, link, random_position
+from harness.system.random_joints import following, free_of_a_link, in_space, joint, link, random_position
 from harness.system.rotation import from_quaternion
 
 Build = Callable[[], System]
@@ -43,6 +43,45 @@ def test_forward_undoes_inverse_dynamics(build: Build) -> None:
     # Batches say the same, row by row.
     many = model.forward_dynamics_batch(np.tile(q, (9, 1)), np.tile(v, (9, 1)), np.tile(tau, (9, 1)))
     np.testing.assert_allclose(many, np.tile(a, (9, 1)), atol=1e-12)
+
+
+def without_armature_of_balls() -> System:
+    system = in_space()
+    return replace(system, joints=tuple(replace(j, armature=0.0) if j.turns_in_space else j for j in system.joints))
+
+
+def hanging_ball() -> System:
+    """A ball on the base, whose weight acts whichever way it is turned, with a damper and a slide on it."""
+    rng = np.random.default_rng(21)
+    joints = (
+        joint("ball", JointType.BALL, "base", "a", rng, damping=0.4),
+        joint("slide", JointType.PRISMATIC, "a", "b", rng, damping=0.1),
+    )
+    return System("hanging", joints, (link("a", rng), link("b", rng)))
+
+
+@pytest.mark.parametrize("build", [in_space, without_armature_of_balls, free_of_a_link, hanging_ball, following])
+def test_many_states_at_once_are_one_after_another(build: Build) -> None:
+    system, rng = build(), np.random.default_rng(22)
+    model = Denoc(system)
+    q = np.array([random_position(system, rng) for _ in range(37)])
+    v, a, tau = rng.standard_normal((3, 37, model.n))
+    # A third of a turn about y and a quarter: where turns about x, y and z lose a direction.
+    for row, angle in ((3, 0.5 * np.pi), (4, 0.5 * np.pi + 1e-9), (5, -0.5 * np.pi)):
+        for at in [k for k, name in enumerate(system.position_names) if name.endswith(".qw")]:
+            q[row, at : at + 4] = np.cos(0.5 * angle), 0.0, np.sin(0.5 * angle), 0.0
+    for many, one, others in (
+        (model.forward_dynamics_batch, model.forward_dynamics, (v, tau)),
+        (model.inverse_dynamics_batch, model.inverse_dynamics, (v, a)),
+        (model.mass_matrix_batch, model.mass_matrix, ()),
+    ):
+        expected = np.array([one(*row) for row in zip(q, *others, strict=True)])
+        found = many(q, *others)
+        # Near the singular place rounding grows by 1 / 0.15²; all else is rounding of double precision.
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+        out = np.full_like(expected, np.nan)
+        assert many(q, *others, out=out) is out
+        np.testing.assert_array_equal(out, found)
 
 
 @BOTH

@@ -65,6 +65,9 @@ PATHS: dict[str, tuple[str, ...]] = {
     "BatchModel.forward_dynamics": ("batch_tree/forward_dynamics_batch/*",),
     "BatchModel.inverse_dynamics": ("batch_tree/inverse_dynamics_batch/*",),
     "BatchModel.mass_matrix": ("batch_tree/mass_matrix_batch/*", "batch_hinges/mass_matrix_batch/*"),
+    "SpaceBatch.forward_dynamics": ("batch_in_space/forward_dynamics_batch/*", "batch_loose/forward_dynamics_batch/*"),
+    "SpaceBatch.inverse_dynamics": ("batch_in_space/inverse_dynamics_batch/*", "batch_loose/inverse_dynamics_batch/*"),
+    "SpaceBatch.mass_matrix": ("batch_in_space/mass_matrix_batch/*", "batch_loose/mass_matrix_batch/*"),
     # Loops.
     "Closed.forward_dynamics": ("four_bar/acceleration/*", "bricard/acceleration/*", "andrews_squeezer/acceleration/*"),
     "Closed.inverse_dynamics": ("four_bar/inverse_dynamics/*", "bricard/inverse_dynamics/*"),
@@ -97,6 +100,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     "kernel flexible": ("flexible_pendulum/*", "two_flexible_links/*"),
     "kernel flexible_others": ("*/mass_matrix_straight/*", "beam_paths/tip_acceleration*"),
     "kernel batches": ("batch_*/*",),
+    "kernel in_space": ("batch_in_space/*", "batch_loose/*"),
     "kernel dop853": ("integrators/dop853_error/*",),
     "kernel rk4": ("integrators/rk4_order/*",),
     "kernel gauss": ("integrators/gauss_order/*",),
@@ -173,6 +177,7 @@ PATHS: dict[str, tuple[str, ...]] = {
 
 # Numbers of a description that no dynamics hang on, or that another row's pattern cannot hold; each with its reason.
 EXEMPT: dict[str, str] = {
+    "SpaceBatch.takes": "a question about a description, and computes nothing",
     "Closed.assemble": "what every row of a closed mechanism begins with",
     "Closed.closed_velocity": "what every row of a closed mechanism begins with",
     "Closed.open_by": "what loops_kept is measured with; its own values: tests alone",

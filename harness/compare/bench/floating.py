@@ -54,6 +54,6 @@ def _rows(case: str, name: str, options: Options) -> Iterable[Row]:
         timings["ours"].per(COUNT),
         timings["theirs"].per(COUNT),
         case=case,
-        note=f"a state, {COUNT} states a call, one thread; ours one state after the other, joints in space have no lanes yet",
+        note=f"a state, {COUNT} states a call, one thread; ours eight at once",
         wanted=WANTED,
     )

@@ -49,6 +49,7 @@ TASKS = {
     "gauss": Task("motion", "gauss", "fixed_step", "gauss_legendre6"),
     "rk4": Task("motion", "rk4", "fixed_step", "runge_kutta4"),
     "batches": Task("batch", "batches", "tree_mass", "mass_matrix"),
+    "in_space": Task("batch", "in_space", "turns", "masses_from_turns"),
     "chain": Task("recursion", "rigid_chain", "rigid_address", "chain"),
     "rigid": Task("recursion", "rigid_dynamics", "rigid_address", "inverse"),
     "rigid_others": Task("recursion", "rigid_others", "rigid", "locate"),
