@@ -32,6 +32,7 @@ from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere
 from harness.diagnose.selection.exchange import specialized
 from harness.diagnose.selection.study import HOPELESS, Study
+from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
 
 COMPARED = 12  # sets whose own force is estimated, to choose the one that the first likelihood is made from
@@ -41,6 +42,9 @@ SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave s
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
 LINEAR = 0.2  # of what laws leave (RMS), by which a linear view of an error that would explain it may be wrong
 ABREAST = 2  # sets that members are left out of side by side: of two that are as good, one may have the wrong law
+PLAINLY = (
+    8.0  # of what a set leaves (squares): three times the error is more than a law costs, whatever else is fitted anew
+)
 LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
 
@@ -265,6 +269,12 @@ def _alike(one: Misfit, other: Misfit) -> bool:
     return all(abs(a - b) <= SETTLED * max(a, b) for a, b in pairs)
 
 
+def _needed(study: Study, fitted: Fit, k: int) -> bool:
+    """Whether a set plainly leaves far more without member ``k``: the linear view tells, and nothing has to be fitted."""
+    rise = rise_without(fitted, len(study.predictor.nominal), k)
+    return bool(np.isfinite(rise)) and rise > PLAINLY * fitted.score
+
+
 def least(
     study: Study,
     sensors: Likelihood,
@@ -294,7 +304,7 @@ def least(
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
         shorter: dict[frozenset[str], tuple[float, Fit]] = {}
         for above, fitted in front:
-            members = range(len(fitted.hypothesis.members))
+            members = [k for k in range(len(fitted.hypothesis.members)) if not _needed(study, fitted, k)]
             for plainer in [study.below(fitted, k) for k in members] + specialized(study, fitted):
                 if (own := value(plainer)) < above:
                     shorter[plainer.hypothesis.identity] = own, plainer
