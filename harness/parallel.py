@@ -8,9 +8,10 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Collection, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import copy_context
 from functools import lru_cache
@@ -124,7 +125,7 @@ def _interrupts_ignored() -> Iterator[None]:
 
 
 def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) -> Iterator[tuple[int, R]]:
-    from concurrent.futures import FIRST_COMPLETED, Future, wait
+    from concurrent.futures import FIRST_COMPLETED, wait
 
     from joblib.externals.loky import get_reusable_executor
 
@@ -146,8 +147,21 @@ def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) ->
                 yield future.result()
     except BaseException:
         # Whatever went wrong (Ctrl-C included), no worker goes on computing for nobody.
-        executor.shutdown(wait=True, kill_workers=True)
+        try:
+            _passed_on(running)
+        finally:
+            executor.shutdown(wait=True, kill_workers=True)
         raise
+
+
+def _passed_on(calls: Collection[Future[Any]], patience: float = 2.0) -> None:
+    """Wait until all calls are with the workers: loky's manager ends in a KeyError of its own where it is stopped before.
+
+    patience: longest wait [s], for a pool that is broken and passes on nothing.
+    """
+    until = time.monotonic() + patience
+    while time.monotonic() < until and not all(call.running() or call.done() for call in calls):
+        time.sleep(1e-3)
 
 
 def _on_cluster(function: Callable[[T], R], items: Sequence[T], address: str) -> Iterator[tuple[int, R]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,39 +29,51 @@ def keyframe(system: System, name: str) -> Keyframe:
     raise InputError(f"no keyframe is named {name!r}", source=system.source, mend=did_you_mean(name, known))
 
 
+@dataclass(frozen=True)
+class Driving:
+    """How one actuator acts, or why it does not.
+
+    held: its command where that is held, None where it is recorded or the actuator left out. said: that in words.
+    """
+
+    actuator: Actuator
+    held: float | None
+    said: str
+
+
 def driven(
     system: System, command: Mapping[str, float], without: Collection[str] = (), recorded: Collection[str] = ()
-) -> tuple[System, tuple[str, ...]]:
-    """The system with its actuators acting under held commands, and one line for each that acts.
+) -> tuple[System, tuple[Driving, ...]]:
+    """The system with its actuators acting under held commands, and how each does that acts, or would.
 
     command: by actuator, 0 where absent. without: joints whose effort is an input already. recorded: actuators whose command comes
     as the effort that it asks for: they keep their gain.
     A drive without a range of force is a spring and a damper of its joint.
     """
-    told, drives = [], []
+    told: list[Driving] = []
+    drives = []
     for stated in system.actuators:
-        asked = command.get(stated.name, 0.0)
-        held = min(max(asked, stated.commands[0]), stated.commands[1])
-        acting = replace(stated, offset=stated.offset + stated.gain * held, gain=0.0)
-        if stated.name in recorded and stated.joint not in without:
-            told.append(f"actuator {stated.name!r} acts on joint {stated.joint!r} by its recorded command")
-            if _is_spring(stated):
-                system = system.replace_joint(_sprung(system.joint(stated.joint), stated))
-            else:
-                drives.append(stated)
-        elif stated.joint in without:
-            told.append(f"actuator {stated.name!r} is left out: the effort of joint {stated.joint!r} is given")
-        elif acting.offset or acting.stiffness or acting.damping:
-            kept = (
-                ""
-                if held == asked
-                else f", where its range of {stated.commands[0]:g} … {stated.commands[1]:g} keeps {asked:g}"
-            )
-            told.append(f"actuator {stated.name!r} acts on joint {stated.joint!r}, its command held at {held:g}{kept}")
-            if _is_spring(acting):
-                system = system.replace_joint(_sprung(system.joint(stated.joint), acting))
-            else:
-                drives.append(acting)
+        where = f"actuator {stated.name!r} acts on joint {stated.joint!r}"
+        acting, held = stated, None
+        if stated.joint in without:
+            said = f"actuator {stated.name!r} is left out: the effort of joint {stated.joint!r} is given"
+            told.append(Driving(stated, None, said))
+            continue
+        if stated.name in recorded:
+            said = f"{where} by its recorded command"
+        else:
+            asked = command.get(stated.name, 0.0)
+            low, high = stated.commands
+            acting, held = stated.commanded(asked), min(max(asked, low), high)
+            if not (acting.offset or acting.stiffness or acting.damping):
+                continue
+            kept = "" if held == asked else f", where its range of {low:g} … {high:g} keeps {asked:g}"
+            said = f"{where}, its command held at {held:g}{kept}"
+        told.append(Driving(stated, held, said))
+        if _is_spring(acting):
+            system = system.replace_joint(_sprung(system.joint(stated.joint), acting))
+        else:
+            drives.append(acting)
     return replace(system, drives=tuple(drives)), tuple(told)
 
 

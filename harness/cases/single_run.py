@@ -158,7 +158,8 @@ def run_once(
     notes: tuple[str, ...] = ()
     if command is not None:
         efforts = system.joint_names if tau is not None else ()
-        system, notes = driven(system, command, efforts)
+        system, driving = driven(system, command, efforts)
+        notes = tuple(each.said for each in driving)
     adapter = registry.engine(engine)
     version = adapter.version()
     # Effects may add coordinates of their own (a base that slides, a link that bends); these start at rest, undriven.

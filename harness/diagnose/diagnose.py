@@ -36,6 +36,7 @@ from harness.errors import InputError
 from harness.parallel import one_blas_thread
 from harness.recording import Recording, read_recordings
 from harness.system import System, load
+from harness.system.loop import explicit
 from harness.system.lowering import freed, one_degree
 
 Progress = Callable[[int, int, str], None]
@@ -141,7 +142,9 @@ def diagnose(
 
 
 def _nominal(system: System, tolerance: float | None) -> System:
-    system = one_degree(freed(system), "a diagnosis")
+    loops = system.loops if explicit(system.loops) else ()
+    # Joints that are polynomials of others are left to ``coupled``, as those are that mimic others.
+    system = one_degree(freed(replace(system, loops=() if loops else system.loops)), "a diagnosis")
     if tolerance is None:
         return system
     if not 0.0 < tolerance < 1.0:

@@ -11,11 +11,13 @@ import numpy as np
 from harness.effects.catalogue import effect
 from harness.engines.checked import held_forces, positive_step, sample_times, vector, vectors
 from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
+from harness.engines.curves import curves, march_along
 from harness.engines.expressed import Expressed, bends, express
 from harness.engines.protocol import Array, EngineError
 from harness.engines.soft_motion import soft_joints, soft_march
 from harness.errors import InputError, UnsupportedError
 from harness.system import Attachment, JointType, System, Trajectory
+from harness.system.loop import explicit
 from harness.system.lowering import chained, position_of_rate
 
 
@@ -100,6 +102,8 @@ class NativeModel:
         q0, qd0 = self._state(q0, qd0=qd0)
         time = sample_times(time)
         forces = held_forces(tau, time.size, n)
+        if self._coupled:
+            return self._simulate_coupled(q0, qd0, time, forces, positive_step(step))
         if self.by_calls:
             return self._simulate_softly(q0, qd0, time, forces, positive_step(step))
         if self.expressed.laws or self.system.drives or self.system.stops:
@@ -108,6 +112,25 @@ class NativeModel:
         method = "rk4" if plain and step is not None else None
         trajectory: Trajectory = self.model.simulate(q0, qd0, time, tau=forces, step=positive_step(step), method=method)
         return trajectory
+
+    @property
+    def _coupled(self) -> bool:
+        """Whether joints are polynomials of others, beside what a run with loops does not hold."""
+        system = self.system
+        rubbing = sum(joint.friction > 0.0 for joint in system.movable_joints)
+        more = bool(self.expressed.laws) or _acting(system) or rubbing > 1
+        return more and bool(explicit(system.loops)) and not system.flexible
+
+    def _simulate_coupled(
+        self, q0: Array, qd0: Array, time: Array, tau: Array | None, step: float | None
+    ) -> Trajectory:
+        system = replace(self.system, attachments=self.expressed.laws)
+        along = curves(system, explicit(system.loops))
+        # As soft as MuJoCo makes it, which counts with the inertia of the tree.
+        soft = soft_joints(system, np.asarray(np.linalg.inv(self.mass_matrix(self.model.neutral))), rubbing=True)
+        rates = None if len(q0) == len(qd0) else self.model.position_rates
+        found = march_along(along, self.forward_dynamics, self.mass_matrix, soft, q0, qd0, time, tau, rates, step=step)
+        return Trajectory(time, self.names, *found, position_names=self.position_names)
 
     @property
     def by_calls(self) -> bool:
@@ -173,8 +196,13 @@ class Native:
             expressed = express(without_mimics(system))
         except InputError as error:
             return str(error)
-        if system.loops and (expressed.laws or system.drives or system.stops):
-            return "beside loops the native dynamics has damping, springs and dry friction alone, no drives, limits or other laws"
+        if system.loops and (expressed.laws or _acting(system)):
+            if not explicit(system.loops) or bends(system) or follows(system):
+                return (
+                    "beside loops the native dynamics has damping, springs and dry friction alone, no drives, limits or other laws "
+                    "(but where joints are polynomials of others)"
+                )
+            return expressed.refusal("the native dynamics by single calls", constraints=True)
         if system.loops and any(link.gravcomp for link in system.links):
             return "the native dynamics has no gravity compensation of single links beside loops"
         if bends(system) and any(link.gravcomp for link in system.links):

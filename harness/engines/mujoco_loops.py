@@ -43,18 +43,17 @@ def add_equalities(mujoco: Any, spec: Any, closing: Closing, base: str) -> None:
             equality.data[10] = 1.0
         equality.solref, equality.solimp = solref, np.array(IMPEDANCE)
     for coupling in closing.couplings:
-        data = np.zeros(11)
-        data[:5] = coupling.coefficients
-        spec.add_equality(
+        equality = spec.add_equality(
             name=coupling.name,
             type=mujoco.mjtEq.mjEQ_JOINT,
             objtype=mujoco.mjtObj.mjOBJ_JOINT,
             name1=coupling.joint,
             name2=coupling.leader or "",
-            data=data,
             solref=solref,
             solimp=np.array(IMPEDANCE),
         )
+        # How many numbers an equality has differs between versions (11 before 4.0).
+        equality.data[:5] = coupling.coefficients
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,8 +48,11 @@ class SoftJoints:
     hold: Array
     time: Array
 
-    def acceleration(self, mass: Array, free: Array, q: Array, v: Array) -> Array:
-        """Accelerations (n,) under the constraints; ``free`` are those without."""
+    def acceleration(self, mass: Array, free: Array, q: Array, v: Array, basis: Array | None = None) -> Array:
+        """Accelerations (n,) under the constraints; ``free`` are those without.
+
+        basis: (n, m), the directions that joints coupled to one another leave; all if None.
+        """
         x, speed = self.factor * q[self.take] + self.shift, self.rows @ v
         side = np.where(x > self.upper, 1.0, np.where(x < self.lower, -1.0, 0.0))
         depth = np.where(side > 0.0, x - self.upper, np.where(side < 0.0, self.lower - x, 0.0))
@@ -57,7 +60,10 @@ class SoftJoints:
         touching, rubbing = side != 0.0, self.level > 0.0
         if not (touching.any() or rubbing.any()):
             return free
-        inverse = np.linalg.solve(mass, self.rows.T)
+        if basis is None:
+            inverse = np.linalg.solve(mass, self.rows.T)
+        else:
+            inverse = basis @ np.linalg.solve(basis.T @ mass @ basis, basis.T @ self.rows.T)
 
         def pushes(a: Array) -> tuple[Array, Array, Array]:
             """Forces of the constraints on their joints, and the inertia that each adds."""

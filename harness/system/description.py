@@ -266,9 +266,11 @@ class Attachment:
 class Actuator:
     """A drive with feedback of its own, as an MJCF states it; it acts in single runs and in a diagnosis, never in a comparison.
 
-    Force at ``joint``: offset + gain · command − stiffness · position − damping · velocity, within lower and upper [N·m or N].
-    stiffness, damping: at the joint, gear included. gain: per unit of the command, which is kept within ``commands``.
+    Force at ``joint``: offset + (gain + gain_position · position + gain_velocity · velocity) · command − stiffness · position
+    − damping · velocity, within lower and upper [N·m or N].
+    stiffness, damping: at the joint, gear included. gain and its slopes: per unit of the command, kept within ``commands``.
     together: least and greatest force of all actuators of the joint together [N·m or N].
+    note: the line of ``System.notes`` that says what it does by itself, if there is one.
     """
 
     name: str
@@ -281,6 +283,27 @@ class Actuator:
     upper: float = np.inf
     commands: tuple[float, float] = (-np.inf, np.inf)
     together: tuple[float, float] = (-np.inf, np.inf)
+    gain_position: float = 0.0
+    gain_velocity: float = 0.0
+    note: str = ""
+
+    @property
+    def varying(self) -> bool:
+        """Whether what a command gives depends on where the joint is, or how fast."""
+        return bool(self.gain_position or self.gain_velocity)
+
+    def commanded(self, command: float) -> Actuator:
+        """The same under a command that is held (kept within ``commands``), as one that takes none."""
+        held = min(max(command, self.commands[0]), self.commands[1])
+        return replace(
+            self,
+            offset=self.offset + self.gain * held,
+            stiffness=self.stiffness - self.gain_position * held,
+            damping=self.damping - self.gain_velocity * held,
+            gain=0.0,
+            gain_position=0.0,
+            gain_velocity=0.0,
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +73,26 @@ class Coupling:
         polynomial = np.polynomial.Polynomial(self.coefficients)
         first = polynomial.deriv()
         return float(polynomial(x)), float(first(x)), float(first.deriv()(x))
+
+
+def explicit(loops: Sequence[Loop | Coupling]) -> tuple[Coupling, ...]:
+    """Loops in an order in which each follows from what is known by then; none where they are not all of that kind.
+
+    They are where all are couplings, each of another joint, and none in a circle.
+    """
+    left = [loop for loop in loops if isinstance(loop, Coupling)]
+    followers = [coupling.joint for coupling in left]
+    if len(left) < len(loops) or len(set(followers)) < len(followers):
+        return ()
+    order: list[Coupling] = []
+    while left:
+        waiting = {coupling.joint for coupling in left}
+        ready = [coupling for coupling in left if coupling.leader not in waiting]
+        if not ready:
+            return ()
+        order += ready
+        left = [coupling for coupling in left if coupling not in ready]
+    return tuple(order)
 
 
 # Axes (of the first frame, of the second) whose cosine is zero while a turn is closed, and the sign that makes the cosine's rate

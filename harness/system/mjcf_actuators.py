@@ -1,8 +1,9 @@
 """What MuJoCo's actuators do at a joint: by their own, and when they are commanded.
 
-Whatever an actuator's kind, its force is asked of the compiled model: at rest, moved, moving and commanded. What is affine in those
-becomes an ``Actuator``; all else (activations, muscles, delays, tendons, sites) is told. Armature and damping of an actuator act
-whether it is commanded or not, and belong to its joint. Source: MuJoCo's documentation, Computation: actuation model.
+Whatever an actuator's kind, its force is asked of the compiled model: at rest, moved, moving and commanded. What is affine in
+position and velocity under every command, and in the command, becomes an ``Actuator``; all else (activations, muscles, delays,
+tendons, sites) is told. Armature and damping of an actuator act whether it is commanded or not, and belong to its joint. Source:
+MuJoCo's documentation, Computation: actuation model.
 
 An actuator has any number of commands and of forces, so that ``nu`` does not count the actuators: ``ctrl`` and what goes with it
 begin at ``actuator_ctrladr``, gears and forces at ``actuator_outadr``.
@@ -10,7 +11,7 @@ begin at ``actuator_ctrladr``, gears and forces at ``actuator_outadr``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,7 @@ def _gear(model: Any, i: int) -> float:
 
 
 def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple[str, ...]]:
-    """The actuators that are affine in position, velocity and command of one joint, and one line for each that is there.
+    """The actuators affine in a joint's position and velocity and in the command, and one line for each that is there.
 
     names: of the joints, in MuJoCo's order.
     """
@@ -85,17 +86,21 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
             continue
         actuator = _affine(mujoco, model, data, i, name, k, names[k])
         if actuator is None:
-            notes.append(f"actuator {name!r} left out: its force at joint {names[k]!r} is not affine")
-            continue
-        found.append(actuator)
-        said = _said(actuator)
-        if said:
             notes.append(
-                f"actuator {name!r} at joint {actuator.joint!r} has feedback, acting without a command too: {said}; it acts in "
-                "`denoc simulate` and `denoc diagnose`, nowhere else"
+                f"actuator {name!r} left out: its force at joint {names[k]!r} is not affine in position, velocity and command"
             )
+            continue
+        said = " and ".join(part for part in (_feedback(actuator), _by_command(actuator)) if part)
+        if said:
+            line = (
+                f"actuator {name!r} at joint {actuator.joint!r} has {said}; it acts in `denoc simulate` and `denoc diagnose`, "
+                "nowhere else"
+            )
+            notes.append(line)
+            actuator = replace(actuator, note=line)
         elif not _own_terms(model, i):
             silent.append(repr(name))
+        found.append(actuator)
     if silent:
         notes.append(f"actuator(s) {', '.join(silent)} do nothing without a command; joint effort is an input here")
     return tuple(found), tuple(notes)
@@ -138,29 +143,37 @@ def _affine(mujoco: Any, model: Any, data: Any, i: int, name: str, k: int, joint
         return gear * float(data.actuator_force[output])
 
     offset = force()
-    slopes = []
+    slopes = {}
     for axis in ("position", "velocity", "command"):
         near, far = ((force(**{axis: x}) - offset) / x for x in (_PROBE, 1.0))
         if abs(near - far) > _STRAIGHT * max(abs(near), abs(far)) + 1e-9:
             return None
-        slopes.append(far)
-    if abs(force(0.7, -0.4, 0.3) - (offset + 0.7 * slopes[0] - 0.4 * slopes[1] + 0.3 * slopes[2])) > _STRAIGHT * (
-        abs(offset) + sum(map(abs, slopes))
-    ):
-        return None
-    lower, upper = _range(model, i, gear)
-    return Actuator(
+        slopes[axis] = far
+    crossed = {
+        axis: force(**{axis: 1.0}, command=1.0) - offset - slopes[axis] - slopes["command"]
+        for axis in ("position", "velocity")
+    }
+    # What rounding leaves of a product that is not there.
+    size = _STRAIGHT * (abs(offset) + sum(map(abs, slopes.values())))
+    found = Actuator(
         name,
         joint,
-        slopes[2],
+        slopes["command"],
         offset,
-        -slopes[0],
-        -slopes[1],
-        lower,
-        upper,
+        -slopes["position"],
+        -slopes["velocity"],
+        *_range(model, i, gear),
         _command_range(model, i),
         _together(model, k),
+        gain_position=crossed["position"] if abs(crossed["position"]) > size else 0.0,
+        gain_velocity=crossed["velocity"] if abs(crossed["velocity"]) > size else 0.0,
     )
+    for position, velocity, command in ((0.7, -0.4, 0.3), (-1.3, 0.9, -0.6)):
+        held = replace(found, commands=(-np.inf, np.inf)).commanded(command)
+        straight = held.offset - held.stiffness * position - held.damping * velocity
+        if abs(force(position, velocity, command) - straight) > size + _STRAIGHT * sum(map(abs, crossed.values())):
+            return None
+    return found
 
 
 def _command_range(model: Any, i: int) -> tuple[float, float]:
@@ -205,7 +218,15 @@ def _range(model: Any, i: int, gear: float) -> tuple[float, float]:
     return float(ends[0]), float(ends[1])
 
 
-def _said(actuator: Actuator) -> str:
+def _by_command(actuator: Actuator) -> str:
+    """How what a command gives changes with the motion, in words; empty if it does not."""
+    slopes = ((actuator.gain_position, "position"), (actuator.gain_velocity, "velocity"))
+    parts = [f"{slope:+.4g} · {of}" for slope, of in slopes if slope]
+    return f"a gain that changes with the motion, {actuator.gain:.4g} {', '.join(parts)}" if parts else ""
+
+
+def _feedback(actuator: Actuator) -> str:
+    """What an actuator does without a command, in words; empty if nothing."""
     parts = []
     if actuator.offset:
         parts.append(f"{actuator.offset:+.4g}")
@@ -216,4 +237,4 @@ def _said(actuator: Actuator) -> str:
     lower, upper = max(actuator.lower, actuator.together[0]), min(actuator.upper, actuator.together[1])
     if parts and (np.isfinite(lower) or np.isfinite(upper)):
         parts.append(f"within {lower:.4g} … {upper:.4g}")
-    return ", ".join(parts)
+    return f"feedback, acting without a command too: {', '.join(parts)}" if parts else ""

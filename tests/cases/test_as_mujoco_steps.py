@@ -79,6 +79,10 @@ ACTS = {
         "rest": '<actuator><general name="g" joint="i" gainprm="2" biastype="affine" biasprm=".3 -1 -.1" '
         'gear="-2" forcerange="-.5 .4"/></actuator>'
     },
+    "a gain that changes with position and velocity": {
+        "rest": '<actuator><general name="g" joint="i" gaintype="affine" gainprm="2 .8 -.3" biastype="affine" '
+        'biasprm=".3 -1 -.1" gear="-1.5"/><damper name="d" joint="h" kv=".4" ctrlrange="0 1"/></actuator>'
+    },
     "all at once": {
         "a": 'gravcomp="1"',
         "h": 'damping=".05 .02 .01" stiffness=".5 .4 .3"',
@@ -104,6 +108,19 @@ def test_commands_of_a_keyframe_are_kept_within_their_range(tmp_path: Path, engi
     assert apart(path, engine, "k") < 1e-7
 
 
+@pytest.mark.parametrize("engine", ["denoc", "mujoco", "pinocchio"])
+def test_a_gain_that_changes_with_the_motion_acts_under_a_keyframes_command(tmp_path: Path, engine: str) -> None:
+    """A negative spring, a damper, and a range of force that is met: (2 + 0.8 l − 0.3 l̇) · u + bias, l = gear · q."""
+    rest = (
+        '<actuator><general name="g" joint="i" gaintype="affine" gainprm="2 .8 -.3" biastype="affine" biasprm=".3 -1 -.1" '
+        'gear="-1.5" forcerange="-2 1.5"/><damper name="d" joint="h" kv=".4" ctrlrange="0 .8"/></actuator>'
+    )
+    path = write(tmp_path, rest=rest + KEY.format(ctrl="1.7 1.5"))
+    system = harness.load(path)
+    assert sum("a gain that changes with the motion" in note for note in system.notes) == 2
+    assert apart(path, engine, "k") < 1e-6
+
+
 FOLLOWS = (
     '<equality><joint joint1="i" joint2="h" polycoef=".1 -.7 0 0 0" solref=".001 1" '
     'solimp=".9999 .9999 .001"/></equality>'
@@ -122,6 +139,38 @@ def test_a_coupled_gripper_has_its_servo_and_limits(tmp_path: Path, engine: str)
     rest = f'<actuator><position name="p" joint="h" kp="8" kv=".4" forcerange="-2 2"/></actuator>{FOLLOWS}'
     path = write(tmp_path, h='range="-1 1"', i='range="-0.1 0.4"', rest=rest)
     assert apart(path, engine, h=0.25, i=0.1 - 0.7 * 0.25) < 2e-3
+
+
+CURVE = (
+    '<equality><joint joint1="i" joint2="h" polycoef=".1 -.5 .4 .3 -.2" solref=".001 1" '
+    'solimp=".9999 .9999 .001"/></equality>'
+)
+SERVO = '<actuator><position name="p" joint="h" kp="8" kv=".4" forcerange="-2 2"/></actuator>'
+CURVED = {
+    "alone": ({}, 2e-4),
+    "a servo": ({"rest": SERVO}, 2e-4),
+    "polynomials": ({"h": 'damping=".05 .02 .01" stiffness=".5 .4 .3"', "i": 'damping=".01 0 .005"'}, 2e-4),
+    "limits of both": ({"h": 'range="-.45 1"', "i": 'range="-0.1 0.4"', "rest": SERVO}, 2e-3),
+    "dry friction of both": ({"h": 'frictionloss=".05"', "i": 'frictionloss=".03"'}, 2e-3),
+}
+
+
+@pytest.mark.parametrize("name", CURVED)
+@pytest.mark.parametrize("engine", ["denoc", "mujoco"])
+def test_a_joint_that_is_a_quartic_of_another_moves_as_in_mujoco(tmp_path: Path, name: str, engine: str) -> None:
+    """MuJoCo's equality gives by what its impedance of 0.9999 leaves, and pulls back; ours is exact."""
+    parts, allowed = CURVED[name]
+    path = write(tmp_path, **{**parts, "rest": parts.get("rest", "") + CURVE})
+    start = 0.5
+    follows = 0.1 - 0.5 * start + 0.4 * start**2 + 0.3 * start**3 - 0.2 * start**4
+    assert apart(path, engine, h=start, i=follows) < allowed
+
+
+def test_a_joint_that_an_equality_locks_stays(tmp_path: Path) -> None:
+    """An equality of one joint alone; the servo of another acts beside it."""
+    lock = '<equality><joint joint1="i" polycoef="-.3" solref=".001 1" solimp=".9999 .9999 .001"/></equality>'
+    path = write(tmp_path, rest=SERVO + lock)
+    assert apart(path, "denoc", h=0.5, i=-0.3) < 2e-4
 
 
 def test_servo_limits_and_damping_beside_a_free_joint(tmp_path: Path) -> None:

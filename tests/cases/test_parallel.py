@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -51,6 +52,23 @@ def test_an_error_comes_through_and_the_map_works_afterwards(workers):
     with pytest.raises(InputError, match="three"):
         parallel_map(fails, [1, 2, 3, 4], workers=workers)
     assert parallel_map(square, ITEMS, workers=workers) == SQUARES
+
+
+def waits(x: int) -> int:
+    time.sleep(0.02 if x == 0 else 0.2)
+    if x == 0:
+        raise InputError("the first is not wanted")
+    return x
+
+
+@pytest.mark.parametrize("again", range(3))
+def test_an_error_while_work_is_left_is_all_that_is_said(again, monkeypatch):
+    """loky's manager, stopped with a call that it has not passed on, ends in a KeyError that Python prints with its traceback."""
+    said: list[object] = []
+    monkeypatch.setattr(threading, "excepthook", said.append)
+    with pytest.raises(InputError, match="the first"):
+        parallel_map(waits, range(20), workers=2)
+    assert not said
 
 
 def test_no_workers_are_refused():

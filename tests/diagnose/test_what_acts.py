@@ -230,3 +230,64 @@ def test_joints_that_follow_are_held_where_they_are_still(tmp_path: Path) -> Non
     assert sum("is held at" in note for note in whole.notes) == 2
     with pytest.raises(UnsupportedError, match="joint 'g2' follows joint 'g1', and they move"):
         read(0.01)
+
+
+def test_joints_that_are_polynomials_of_others_are_held_where_they_are_still(tmp_path: Path) -> None:
+    """A gripper of two slides, one the square of the other, and a joint that an equality locks."""
+    path = tmp_path / "gripper.xml"
+    path.write_text(
+        """<mujoco><compiler angle="radian"/><worldbody><body name="rod"><joint name="pivot" axis="0 1 0"/>
+        <inertial pos="0 0 -.3" mass=".5" diaginertia=".004 .004 .0001"/>
+        <body name="f1" pos="0 0 -.3"><joint name="g1" type="slide" axis="1 0 0"/><inertial pos="0 0 0" mass=".01"
+        diaginertia="1e-5 1e-5 1e-5"/></body><body name="f2" pos="0 0 -.3"><joint name="g2" type="slide" axis="-1 0 0"/>
+        <inertial pos="0 0 0" mass=".01" diaginertia="1e-5 1e-5 1e-5"/></body><body name="f3" pos="0 0 -.3">
+        <joint name="g3" axis="0 1 0"/><inertial pos="0 0 0" mass=".01" diaginertia="1e-5 1e-5 1e-5"/></body></body></worldbody>
+        <equality><joint joint1="g2" joint2="g1" polycoef="0 0 20"/><joint joint1="g3" polycoef=".2"/></equality></mujoco>"""
+    )
+    system = harness.load(path)
+    loose = replace(system, loops=())
+    time = np.arange(400) * 0.01
+
+    def read(column: str, amplitude: float, middle: float) -> tuple[System, list[Recording]]:
+        table = np.stack([time, np.cos(5.0 * time), middle + amplitude * np.sin(7.0 * time)], axis=1)
+        np.savetxt(tmp_path / "r.csv", table, delimiter=",", header=f"time,pivot.position,{column}", comments="")
+        return coupled(system, loose, [read_recording(tmp_path / "r.csv", system=loose)])
+
+    # 20 · 0.02² = 0.008 m; and the other way round, from what is recorded of the follower.
+    for column, middle in (("g1.position", 0.02), ("g2.position", 0.008)):
+        whole, (kept,) = read(column, 1e-5, middle)
+        assert whole.joint_names == ("pivot",) and kept.channel_names == ("pivot.position",) and not whole.loops
+        assert abs(whole.joint("g1").xyz[0]) == pytest.approx(0.02, abs=1e-4)
+        assert whole.joint("g2").xyz[0] == pytest.approx(-0.008, abs=1e-4)
+        turned = np.asarray(whole.joint("g3").rotation)
+        assert turned[0, 0] == pytest.approx(np.cos(0.2)) and turned[0, 2] == pytest.approx(np.sin(0.2))
+        assert sum("is held at" in note for note in whole.notes) == 3
+    with pytest.raises(UnsupportedError, match="joint 'g2' follows joint 'g1', and they move"):
+        read("g1.position", 0.01, 0.02)
+    with pytest.raises(UnsupportedError, match="joint 'g3' is locked, and it moves"):
+        read("g3.position", 0.1, 0.2)
+
+
+VARYING = '<general name="a" joint="pivot" gaintype="affine" gainprm="1 .8 -.3" biastype="affine" biasprm="0 -6 -.1" gear="1.5"/>'
+
+
+def test_a_gain_that_changes_with_the_motion_is_held_under_a_constant_command(tmp_path: Path) -> None:
+    """(1 + 0.8 l − 0.3 l̇) · u − 6 l − 0.1 l̇ with l = 1.5 q and u = 0.4, times the gear."""
+    path = written(tmp_path, actuator=VARYING)
+    system = harness.load(path)
+    file = recorded(tmp_path, path.read_text(), noise=0.0)
+    read = read_recording(file, system=system)
+    with pytest.raises(
+        UnsupportedError, match=r"gain of actuator 'a' changes with the motion.*record the effort of joint 'pivot'"
+    ):
+        acting(system, [read])
+    (command,) = read.commands
+    held = replace(read, commands=(replace(command, values=np.full_like(command.values, 0.4)),))
+    whole, (driven,) = acting(system, [held])
+    assert not driven.efforts
+    joint = whole.joint("pivot")
+    assert joint.stiffness == pytest.approx(1.5**2 * (6.0 - 0.8 * 0.4))
+    assert joint.damping == pytest.approx(0.02 + 1.5**2 * (0.1 + 0.3 * 0.4))
+    assert joint.stiffness * joint.rest_position == pytest.approx(1.5 * 0.4)
+    assert any("its command held at 0.4" in note for note in whole.notes)
+    assert not any("no recording has its command" in note for note in whole.notes)

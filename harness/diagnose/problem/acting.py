@@ -18,10 +18,12 @@ from harness.recording import Recording
 from harness.recording.recording import LINEAR_UNITS, UNITS, Channel, QualityNote
 from harness.system import Actuator, Joint, JointType, System
 from harness.system.description import constant
+from harness.system.loop import explicit
 from harness.system.lowering import followed
 from harness.system.rotation import about_axis
 
 Array = NDArray[np.float64]
+Polynomial = np.polynomial.Polynomial
 
 NEAR = 0.02  # of a joint's range: how far from a limit a recording has met it, by its sensor's zero and the give of the stop
 PAST = 0.1  # of a joint's range: beyond, the joint runs through what the model states
@@ -54,27 +56,31 @@ def acting(
 def coupled(stated: System, system: System, recordings: Sequence[Recording]) -> tuple[System, list[Recording]]:
     """The system with joints that follow another fixed, and the one that they follow, where these are still; notes tell.
 
-    stated: the same as the file says which joint follows which; in ``system`` none does.
+    stated: the same as the file says which joint follows which, or is a polynomial of which; in ``system`` none mimics another.
     Raises UnsupportedError where they move: a mechanism of coupled joints is not what a diagnosis has.
     """
     found = list(recordings)
-    pairs = [(joint, followed(stated, joint)) for joint in stated.movable_joints if joint.mimic is not None]
     held: dict[str, float] = {}
-    for joint, (leader, multiplier, offset) in pairs:
-        place = held.get(leader)
-        if place is None:
-            place = _place(system.joint(leader), found)
-        if place is None and (own := _place(joint, found)) is not None and multiplier:
-            place = (own - offset) / multiplier
-        place = 0.0 if place is None else place
-        for name, position in ((leader, place), (joint.name, multiplier * place + offset)):
-            if _moves(system.joint(name), found):
+    for name, leader, polynomial in _followers(stated):
+        place = 0.0
+        if leader is not None:
+            known = held.get(leader)
+            if known is None:
+                known = _place(system.joint(leader), found)
+            if known is None and (own := _place(system.joint(name), found)) is not None:
+                known = _nearest_root(polynomial - own)
+            place = held[leader] = 0.0 if known is None else known
+        held[name] = float(polynomial(place))
+        for moving in (leader, name):
+            if moving is not None and _moves(system.joint(moving), found):
+                follows = (
+                    f"follows joint {leader!r}, and they move" if leader is not None else "is locked, and it moves"
+                )
                 raise UnsupportedError(
-                    f"joint {joint.name!r} follows joint {leader!r}, and they move: a diagnosis has no coupled joints yet",
-                    mend="simulate and validate have; give the model without <mimic>, or with one of the two fixed",
+                    f"joint {name!r} {follows}: a diagnosis has no coupled joints yet",
+                    mend="simulate and validate have; give the model without that <mimic> or <equality>, or with both fixed",
                     source=system.source,
                 )
-            held[name] = position
     told = []
     for name, position in held.items():
         joint = system.joint(name)
@@ -85,7 +91,28 @@ def coupled(stated: System, system: System, recordings: Sequence[Recording]) -> 
         )
         system = system.replace_joint(_fixed(joint, position))
         found = [_without(recording, name) for recording in found]
-    return replace(system, notes=(*stated.notes, *told)), found
+    # Where all loops are such followers, and every one is held, none is left.
+    loops = () if explicit(stated.loops) else system.loops
+    return replace(system, loops=loops, notes=(*stated.notes, *told)), found
+
+
+def _followers(stated: System) -> list[tuple[str, str | None, Polynomial]]:
+    """Joints that follow others, by whom, and as which polynomial of its position; who is followed comes first."""
+    found: list[tuple[str, str | None, Polynomial]] = [
+        (coupling.joint, coupling.leader, Polynomial(coupling.coefficients)) for coupling in explicit(stated.loops)
+    ]
+    for joint in stated.movable_joints:
+        if joint.mimic is not None:
+            leader, multiplier, offset = followed(stated, joint)
+            found.append((joint.name, leader, Polynomial([offset, multiplier])))
+    return found
+
+
+def _nearest_root(polynomial: Polynomial) -> float | None:
+    """The real root nearest to zero, if there is one."""
+    roots = np.asarray(polynomial.trim().roots(), dtype=np.complex128)
+    real = [float(root.real) for root in roots if abs(root.imag) < 1e-6 * (1.0 + abs(root))]
+    return min(real, key=abs, default=None)
 
 
 def feedback(system: System, q: Array, qd: Array, effort: Array | None) -> Array:
@@ -103,6 +130,7 @@ def feedback(system: System, q: Array, qd: Array, effort: Array | None) -> Array
 def _driven(system: System, recordings: list[Recording]) -> tuple[System, list[Recording]]:
     applied = {effort.site for recording in recordings for effort in recording.efforts}
     commanded: dict[str, Actuator] = {}
+    held: dict[str, float] = {}
     for actuator in system.actuators:
         having = [recording for recording in recordings if _command(recording, actuator) is not None]
         if not having or actuator.joint in applied:
@@ -114,8 +142,11 @@ def _driven(system: System, recordings: list[Recording]) -> tuple[System, list[R
                 mend=f"give it as {actuator.joint}.command, or leave the actuators out: --no-actuators",
                 source=lacking.source,
             )
-        commanded[actuator.name] = actuator
-    whole, told = driven(system, {}, applied, commanded)
+        if actuator.varying:
+            held[actuator.name] = _constant_command(having, actuator, system)
+        else:
+            commanded[actuator.name] = actuator
+    whole, driving = driven(system, held, applied, commanded)
     several = [drive.joint for drive in whole.drives]
     for joint in several:
         if several.count(joint) > 1:
@@ -125,8 +156,10 @@ def _driven(system: System, recordings: list[Recording]) -> tuple[System, list[R
                 source=system.source,
             )
     told = tuple(
-        f"{line}: no recording has its command ({_joint_of(line, system)}.command)" if "held at" in line else line
-        for line in told
+        f"{each.said}: no recording has its command ({each.actuator.joint}.command)"
+        if each.held is not None and each.actuator.name not in held
+        else each.said
+        for each in driving
     )
     found = [_pushed(recording, system, list(commanded.values())) for recording in recordings]
     # A command is in the effort now; a drive without feedback is no more than that.
@@ -134,16 +167,24 @@ def _driven(system: System, recordings: list[Recording]) -> tuple[System, list[R
     return replace(whole, drives=drives, notes=(*_still_true(system), *told)), found
 
 
+def _constant_command(recordings: Sequence[Recording], actuator: Actuator, system: System) -> float:
+    """The one command that an actuator with a gain that changes with the motion has; UnsupportedError if it has several."""
+    channels = [_command(recording, actuator) for recording in recordings]
+    values = np.concatenate([channel.values for channel in channels if channel is not None])
+    if np.ptp(values):
+        raise UnsupportedError(
+            f"the gain of actuator {actuator.name!r} changes with the motion, and its command with time: a diagnosis holds such a "
+            "drive under one constant command alone",
+            mend=f"record the effort of joint {actuator.joint!r}, or leave the actuators out: --no-actuators",
+            source=system.source,
+        )
+    return float(values[0])
+
+
 def _still_true(system: System) -> tuple[str, ...]:
     """Notes of reading without those that say of an actuator what acts here otherwise."""
-    names = [actuator.name for actuator in system.actuators]
-    return tuple(
-        note for note in system.notes if not any(note.startswith(f"actuator {name!r} at joint") for name in names)
-    )
-
-
-def _joint_of(line: str, system: System) -> str:
-    return next(a.joint for a in system.actuators if line.startswith(f"actuator {a.name!r} "))
+    otherwise = {actuator.note for actuator in system.actuators}
+    return tuple(note for note in system.notes if note not in otherwise)
 
 
 def _command(recording: Recording, actuator: Actuator) -> Channel | None:
