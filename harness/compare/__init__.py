@@ -1,5 +1,5 @@
-"""Trajectories, spectra, attribution, error budget.
+"""Trajectories, spectra, attribution, how motions part.
 
 Pure functions: ``quantities`` (how far apart), ``odd_one_out`` (who stands alone), ``trajectories`` (first divergence, and
-the horizon of chaotic motion), ``error_budget`` (what a difference is made of), ``attribution`` (which term is to blame).
+the horizon of chaotic motion), ``divergence_shape`` (in what way two motions part), ``attribution`` (which term is to blame).
 """

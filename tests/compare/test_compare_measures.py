@@ -1,11 +1,10 @@
-"""Differences as numbers, the odd one out, first divergence, horizon of predictability, error budget."""
+"""Differences as numbers, the odd one out, first divergence, horizon of predictability."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.compare.error_budget import error_budget
 from harness.compare.odd_one_out import vote
 from harness.compare.quantities import accelerations, forces, mass_matrices, relative
 from harness.compare.trajectories import compare, horizon
@@ -157,19 +156,3 @@ def test_regular_swing_is_predictable() -> None:
     assert not measured.chaotic
     # Amplitudes 1e-10 apart drift in phase in proportion to time: a line, not an exponential.
     assert 0.0 <= measured.growth < 0.2
-
-
-def test_error_budget_of_rk4_is_the_true_error() -> None:
-    system = rods(1)
-    start = np.array([2.0]), np.zeros(1)
-    time = np.linspace(0.0, 5.0, 101)
-    stepped = model("mujoco", system)
-    budget = error_budget(stepped, *start, time, step=1e-2)
-    exact = model("analytic", system).simulate(*start, time)
-    true = compare(exact, stepped.simulate(*start, time, step=1e-2), 1.0).largest
-    assert budget.integration == pytest.approx(true, rel=0.1)
-    assert budget.order == pytest.approx(4.0, abs=0.2)
-    assert budget.rounding < 1e-12
-    fine = error_budget(stepped, *start, time, step=1e-3)
-    assert budget.explains(true, fine)
-    assert not fine.explains(true, fine)
