@@ -79,7 +79,7 @@ def test_any_step_whatever_the_noise(tmp_path, modulus, noise, seed):
 @pytest.mark.parametrize("gear", [3.0, 7.0, 7.5, 6.43])
 @pytest.mark.parametrize("seed", range(4))
 def test_half_turns_behind_a_gear_keep_their_size_over_many_rounds(tmp_path, gear, seed):
-    """A sensor that repeats every half turn of the motor: π over the gear, whole or not; 17 rounds of it must not add up an error."""
+    """A sensor that repeats every half turn of the motor, π over the gear, whole or not: rounds must not add up an error."""
     angle, modulus, noise = swing(2.4, 0.1), np.pi / gear, 1e-3
     values = read(tmp_path, folded(angle, modulus, 0.07, noise, seed=seed)).channels[0].values
     left = values - angle
