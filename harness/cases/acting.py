@@ -53,7 +53,8 @@ def driven(
     told: list[Driving] = []
     drives = []
     for stated in system.actuators:
-        where = f"actuator {stated.name!r} acts on joint {stated.joint!r}"
+        feedback = stated.feedback_in_words()
+        where = f"actuator {stated.name!r} acts on joint {stated.joint!r}" + (f" with {feedback}" if feedback else "")
         acting, held = stated, None
         if stated.joint in without:
             said = f"actuator {stated.name!r} is left out: the effort of joint {stated.joint!r} is given"
@@ -75,6 +76,13 @@ def driven(
         else:
             drives.append(acting)
     return replace(system, drives=tuple(drives)), tuple(told)
+
+
+def idle(system: System) -> System:
+    """The system without its actuators, as asked; its notes say so of those that would act by themselves."""
+    acting = {actuator.note: actuator for actuator in system.actuators if actuator.note}
+    notes = (f"actuator {acting[n].name!r} is left out, as asked" if n in acting else n for n in system.notes)
+    return replace(system, actuators=(), notes=tuple(notes))
 
 
 def _is_spring(drive: Actuator) -> bool:

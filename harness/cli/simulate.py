@@ -84,6 +84,7 @@ def simulate(
     """
     import json
 
+    from harness.cases.acting import idle
     from harness.cases.acting import keyframe as keyframe_of
     from harness.cases.beam_shapes import told_shapes
     from harness.cases.case import NATIVE
@@ -107,6 +108,7 @@ def simulate(
     drive = None if effort is None else drive_from(effort, time, mechanism, hold=hold)
     tau = None if drive is None else drive.tau
     command = (frame.command if keyframe else {}) if actuators else None
+    mechanism = mechanism if actuators else idle(mechanism)
     run = run_once(
         mechanism, time, start, speed, engine=engine, tau=tau, hold=hold, step=step, command=command, limits=limits
     )
@@ -142,7 +144,8 @@ def simulate(
         }
         write_json(json.dumps(summary, indent=1, ensure_ascii=False), json_file)
     # Once the run is written: what refuses it is one line by itself.
-    say_notes([note for note in notes if keyframe or note != begins])
+    shown = out is not None or plot is not None
+    say_notes([note for note in notes if note != begins or (keyframe and not shown)])
     if out is None and plot is None and json_file is None:
         sys.stdout.write(csv_text(run.columns))
     elif run.energy is not None:

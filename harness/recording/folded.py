@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import make_lsq_spline
 from scipy.ndimage import median_filter
 
 from harness.errors import InputError
@@ -33,6 +34,8 @@ REPEATED = 3  # jumps that make a rule where readings go beyond the modulus
 MANY = 4  # jumps that no counter makes
 GAP = 3.0  # times the usual interval from which a jump is one over a gap
 SWINGS = 3.0  # moduli that a motion to and fro spans at most
+KNOTS = 8  # samples from knot to knot of a spline that no motion worth recording goes faster than
+SURE, APART = 4.0, 20.0  # standard deviations within which a modulus is a part of a turn, and that these then lie apart
 STEPS = 8.0  # quantisation steps that a modulus has at least
 ROUND = (
     100.0,
@@ -52,12 +55,14 @@ ROUND = (
 class Fold:
     """A constant step that readings jump by.
 
-    modulus, error: the step and how far it may be off [channel unit]. at: steps (from sample to sample) that jump. turns: +1 where
-    the reading fell, −1 where it rose. bounded: whether all readings lie within one step.
+    modulus, error: the step and how far it may be off at most [channel unit]; std: its standard deviation as all jumps together
+    tell it. at: steps (from sample to sample) that jump. turns: +1 where the reading fell, −1 where it rose. bounded: whether all
+    readings lie within one step.
     """
 
     modulus: float
     error: float
+    std: float
     at: NDArray[np.intp]
     turns: NDArray[np.intp]
     bounded: bool
@@ -182,8 +187,31 @@ def _fold(
         return None
     if not _is_reading(jumps, turns, whole, noise, step):
         return None
-    error = 4.0 * max(scatter, 2.0 * noise, 0.5 * step) / np.sqrt(len(jumps)) + float(np.max(np.abs(sizes - modulus)))
-    return Fold(modulus, float(error), jumps, turns, False)
+    typical = 4.0 * max(scatter, 2.0 * noise, 0.5 * step) / np.sqrt(len(jumps))
+    error = typical + float(np.max(np.abs(sizes - modulus)))
+    modulus, std = _told_by_all(time, reading, jumps, turns, modulus, typical)
+    return Fold(modulus, float(error), std, jumps, turns, False)
+
+
+def _told_by_all(
+    time: Array, reading: Array, jumps: NDArray[np.intp], turns: NDArray[np.intp], modulus: float, error: float
+) -> tuple[float, float]:
+    """The step that makes the readings smoothest, and its standard deviation: least squares beside a spline through the motion.
+
+    Jump by jump noise enters each size twice and more, and every further round adds the error once more. As it was, within
+    ``error``, where that gives something else: a jump may have been missed.
+    """
+    rounds = np.concatenate([[0.0], np.cumsum(np.bincount(jumps, turns, minlength=len(reading) - 1))])
+    knots = time[KNOTS:-KNOTS:KNOTS]
+    knots = np.concatenate([[time[0]] * 4, knots, [time[-1]] * 4])
+    rough = [signal - make_lsq_spline(time, signal, knots)(time) for signal in (reading, rounds)]
+    told = float(rough[1] @ rough[1])
+    found = -float(rough[0] @ rough[1]) / told if told > 0.0 else np.nan
+    if not abs(found - modulus) <= error:
+        return modulus, error
+    left = rough[0] + found * rough[1]
+    freedom = max(len(reading) - len(knots), 1)
+    return found, float(np.sqrt(left @ left / freedom / told))
 
 
 def _is_reading(jumps: NDArray[np.intp], turns: NDArray[np.intp], whole: Array, noise: float, step: float) -> bool:
@@ -223,7 +251,6 @@ def round_modulus(fold: Fold, step: float, factor: float, unit: str) -> float:
     scale = abs(factor)
     within = fold.error + 1.01 * min(step, scale)
     if unit == "rad":
-        # Behind a gear a turn of the sensor is a part of one of the joint: whole turns only where they are the joint's own.
         for part in (1.0, 2.0, 0.5, 0.25, 4.0):
             if abs(part * TURN - fold.modulus) <= min(within, 0.02 * fold.modulus):
                 return part * TURN
@@ -234,6 +261,12 @@ def round_modulus(fold: Fold, step: float, factor: float, unit: str) -> float:
         near = min(choices, key=lambda choice: abs(choice * base - fold.modulus))
         if abs(near * base - fold.modulus) <= min(within, 0.02 * fold.modulus):
             return near * base
+    if unit == "rad":
+        # A turn of a sensor behind a gear of whole numbers, or half of one.
+        parts = round(TURN / fold.modulus)
+        part, next_ = TURN / parts, TURN / (parts + 1)
+        if abs(part - fold.modulus) <= SURE * fold.std + 1e-9 and part - next_ > APART * fold.std:
+            return part
     return fold.modulus
 
 

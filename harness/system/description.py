@@ -270,7 +270,7 @@ class Actuator:
     − damping · velocity, within lower and upper [N·m or N].
     stiffness, damping: at the joint, gear included. gain and its slopes: per unit of the command, kept within ``commands``.
     together: least and greatest force of all actuators of the joint together [N·m or N].
-    note: the line of ``System.notes`` that says what it does by itself, if there is one.
+    gear: that all of them include. note: the line of ``System.notes`` that says what it does by itself, if there is one.
     """
 
     name: str
@@ -285,6 +285,7 @@ class Actuator:
     together: tuple[float, float] = (-np.inf, np.inf)
     gain_position: float = 0.0
     gain_velocity: float = 0.0
+    gear: float = 1.0
     note: str = ""
 
     @property
@@ -304,6 +305,26 @@ class Actuator:
             gain_position=0.0,
             gain_velocity=0.0,
         )
+
+    def feedback_in_words(self) -> str:
+        """What it does without a command; empty if nothing."""
+        slopes = ((-self.stiffness, "position"), (-self.damping, "velocity"))
+        parts = [f"{self.offset:+.4g}"] * bool(self.offset) + [f"{slope:+.4g} · {of}" for slope, of in slopes if slope]
+        lower, upper = max(self.lower, self.together[0]), min(self.upper, self.together[1])
+        if parts and (np.isfinite(lower) or np.isfinite(upper)):
+            parts.append(f"within {lower:.4g} … {upper:.4g}")
+        return ", ".join(parts) + self._geared() if parts else ""
+
+    def gain_in_words(self) -> str:
+        """How what a command gives changes with the motion; empty if it does not."""
+        slopes = ((self.gain_position, "position"), (self.gain_velocity, "velocity"))
+        parts = [f"{slope:+.4g} · {of}" for slope, of in slopes if slope]
+        return (
+            f"a gain that changes with the motion, {self.gain:.4g} {', '.join(parts)}{self._geared()}" if parts else ""
+        )
+
+    def _geared(self) -> str:
+        return "" if self.gear == 1.0 else f" (gear {self.gear:g} included)"
 
 
 @dataclass(frozen=True, eq=False)

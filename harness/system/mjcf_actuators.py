@@ -90,7 +90,10 @@ def actuators(model: Any, names: list[str]) -> tuple[tuple[Actuator, ...], tuple
                 f"actuator {name!r} left out: its force at joint {names[k]!r} is not affine in position, velocity and command"
             )
             continue
-        said = " and ".join(part for part in (_feedback(actuator), _by_command(actuator)) if part)
+        feedback, changing = actuator.feedback_in_words(), actuator.gain_in_words()
+        said = " and ".join(
+            [f"feedback, acting without a command too: {feedback}"] * bool(feedback) + [changing] * bool(changing)
+        )
         if said:
             line = (
                 f"actuator {name!r} at joint {actuator.joint!r} has {said}; it acts in `denoc simulate` and `denoc diagnose`, "
@@ -165,6 +168,7 @@ def _affine(mujoco: Any, model: Any, data: Any, i: int, name: str, k: int, joint
         *_range(model, i, gear),
         _command_range(model, i),
         _together(model, k),
+        gear=gear,
         gain_position=crossed["position"] if abs(crossed["position"]) > size else 0.0,
         gain_velocity=crossed["velocity"] if abs(crossed["velocity"]) > size else 0.0,
     )
@@ -216,25 +220,3 @@ def _range(model: Any, i: int, gear: float) -> tuple[float, float]:
     if model.actuator_forcelimited[i] and gear != 0.0:
         ends = np.sort(gear * np.asarray(model.actuator_forcerange[i], dtype=np.float64))
     return float(ends[0]), float(ends[1])
-
-
-def _by_command(actuator: Actuator) -> str:
-    """How what a command gives changes with the motion, in words; empty if it does not."""
-    slopes = ((actuator.gain_position, "position"), (actuator.gain_velocity, "velocity"))
-    parts = [f"{slope:+.4g} · {of}" for slope, of in slopes if slope]
-    return f"a gain that changes with the motion, {actuator.gain:.4g} {', '.join(parts)}" if parts else ""
-
-
-def _feedback(actuator: Actuator) -> str:
-    """What an actuator does without a command, in words; empty if nothing."""
-    parts = []
-    if actuator.offset:
-        parts.append(f"{actuator.offset:+.4g}")
-    if actuator.stiffness:
-        parts.append(f"{-actuator.stiffness:+.4g} · position")
-    if actuator.damping:
-        parts.append(f"{-actuator.damping:+.4g} · velocity")
-    lower, upper = max(actuator.lower, actuator.together[0]), min(actuator.upper, actuator.together[1])
-    if parts and (np.isfinite(lower) or np.isfinite(upper)):
-        parts.append(f"within {lower:.4g} … {upper:.4g}")
-    return f"feedback, acting without a command too: {', '.join(parts)}" if parts else ""

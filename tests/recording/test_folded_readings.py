@@ -76,6 +76,18 @@ def test_any_step_whatever_the_noise(tmp_path, modulus, noise, seed):
     assert np.ptp(left[np.isfinite(left)]) < 10.0 * noise + 4.0 * abs(note.size - modulus) + 1e-9
 
 
+@pytest.mark.parametrize("gear", [3.0, 7.0, 7.5, 6.43])
+@pytest.mark.parametrize("seed", range(4))
+def test_half_turns_behind_a_gear_keep_their_size_over_many_rounds(tmp_path, gear, seed):
+    """A sensor that repeats every half turn of the motor, π over the gear, whole or not: rounds must not add up an error."""
+    angle, modulus, noise = swing(2.4, 0.1), np.pi / gear, 1e-3
+    values = read(tmp_path, folded(angle, modulus, 0.07, noise, seed=seed)).channels[0].values
+    left = values - angle
+    rounds = np.rint(np.median(left) / modulus)
+    # Nothing but the noise that was put there: 2400 samples of it stay within 5 standard deviations.
+    assert np.abs(left - rounds * modulus).max() < 5.0 * noise
+
+
 def test_a_sensor_of_half_a_turn_in_degrees(tmp_path):
     angle = swing(1.5, 0.2)
     recording = read(tmp_path, np.degrees(folded(angle, np.pi)), "time,pivot.position [deg]")

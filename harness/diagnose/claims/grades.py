@@ -22,6 +22,7 @@ from harness.effects.scale import pull
 Array = NDArray[np.float64]
 
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
+BEYOND = 30.0  # times its usual size: of a centre of mass, three lengths of its link
 VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
 
 
@@ -99,7 +100,8 @@ def grade(
 ) -> str:
     """How firmly a claim stands.
 
-    Where noise is all that is left: established; likely where an error of a known shape is left. Beside a force that is left out:
+    Where noise is all that is left: established; where an error of a known shape is left, likely, or possible if it is far larger
+    than what it is named for ever is (a model that is far off bends whatever can be bent). Beside a force that is left out:
     possible, if it was chosen among many places (one of them always fits some of what something else makes), if it may as well be
     absent, or if it is no plain law of a single number and does not explain far more than what is left (it may be bent to what
     nobody has named); likely, if there are too few recordings to say whether it repeats, leaving one out takes it away, or its
@@ -108,7 +110,9 @@ def grade(
     values: its parameters; rows: see ``repeatability``.
     """
     if outcome.force is None:
-        return LIKELY if conclusion.remains.significant else ESTABLISHED
+        if not conclusion.remains.significant:
+            return ESTABLISHED
+        return POSSIBLE if _beyond_belief(claim, values) else LIKELY
     effect = claim.candidate.effect
     if not plain(effect) and claim.gain < FAKED * conclusion.remains.excess:
         return POSSIBLE
@@ -125,6 +129,18 @@ def grade(
     ]
     vague = first is not None and values[first.name].high > VAGUE * abs(values[first.name].value)
     return ESTABLISHED if stands and all(stands) and not vague else LIKELY
+
+
+def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:
+    """Whether a number, at the near end of its interval, is many times what it usually is."""
+    for parameter in claim.candidate.effect.parameters:
+        if parameter.plausible is not None and np.isfinite(parameter.neutral):
+            away = min(
+                abs(end - parameter.neutral) for end in (values[parameter.name].low, values[parameter.name].high)
+            )
+            if away > BEYOND * parameter.plausible.size(claim.candidate.references):
+                return True
+    return False
 
 
 def _holds(neutral: float, low: float, high: float) -> bool:

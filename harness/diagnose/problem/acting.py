@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.cases.acting import bounded, driven, has_range
+from harness.cases.acting import bounded, driven, has_range, idle
 from harness.errors import InputError, UnsupportedError
 from harness.recording import Recording
 from harness.recording.recording import LINEAR_UNITS, UNITS, Channel, QualityNote
@@ -48,6 +48,8 @@ def acting(
         )
     if actuators and system.actuators:
         system, found = _driven(system, found)
+    elif not actuators:
+        system = idle(system)
     if limits:
         system = _limited(system, found)
     return system, found
@@ -156,7 +158,7 @@ def _driven(system: System, recordings: list[Recording]) -> tuple[System, list[R
                 source=system.source,
             )
     told = tuple(
-        f"{each.said}: no recording has its command ({each.actuator.joint}.command)"
+        f"{each.said}: no recording has its command ({each.actuator.joint}.command); --no-actuators if it was off"
         if each.held is not None and each.actuator.name not in held
         else each.said
         for each in driving

@@ -32,14 +32,14 @@ UNKNOWN = 1.0  # of a logarithm: what is as uncertain as that is wide enough
 VALLEYS = 8.0
 
 
-def whole_interval(study: Study, fitted: Fit, index: int) -> tuple[float, float]:
-    """Whole numbers that the data leave open at 95 %, by fitting everything else again for each."""
+def whole_interval(study: Study, fitted: Fit, index: int, lower: float, upper: float) -> tuple[float, float]:
+    """Whole numbers from lower to upper that the data leave open at 95 %, by fitting everything else again for each."""
     limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted)
     value = study.counted(fitted, index)
     ends = []
     for sense in (-1.0, 1.0):
         reach = 0.0
-        while abs(reach) < MOST_NEIGHBOURS and value + reach + sense >= 1.0:
+        while abs(reach) < MOST_NEIGHBOURS and lower <= value + reach + sense <= upper:
             if study.neighbour(fitted, index, reach + sense).score > limit:
                 break
             reach += sense
@@ -133,7 +133,7 @@ def profiled(study: Study, fitted: Fit, k: int, read: Mapping[str, Estimate]) ->
     for j, parameter in enumerate(member.effect.parameters):
         own = read[parameter.name]
         if whole[j]:
-            low, high = whole_interval(study, fitted, first + j)
+            low, high = whole_interval(study, fitted, first + j, parameter.lower, parameter.upper)
             out[parameter.name] = _whole(own, low, high)
         elif log[j] and member.effect.adds_coordinates and own.std is not None and own.std < UNKNOWN * own.value:
             narrow = WIDE * min(own.std / own.value, WIDEST)
