@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -107,6 +108,21 @@ def test_the_robot_that_was_accepted_holds(accepted, tmp_path):
         "recorded_trajectory",
     } <= held
     assert all(row["seconds"] > 0.0 for row in answer["rows"] if "recorded" not in row["engines"])
+
+
+def test_a_robot_with_dry_friction_can_be_accepted(tmp_path):
+    """MuJoCo's friction turns over two steps late, which adds up to more than a fixed step errs by."""
+    robot, reference = tmp_path / "arm.urdf", tmp_path / "arm.accepted.json"
+    robot.write_text(re.sub(r"<dynamics [^>]*>", '<dynamics damping="0.05" friction="0.4"/>', ROBOT), encoding="utf-8")
+    assert '"0.4"' in robot.read_text()
+    options = ("--engine", "mujoco", "--workers", 1)
+    assert gate(robot, "--reference", reference, "--accept", "--new", "--why", "as delivered", *options) == 0
+    status, answer, _ = judged(robot, reference, tmp_path)
+    assert status == 0
+    (run,) = (
+        row for row in answer["rows"] if row["quantity"] == "recorded_trajectory" and row["engines"][0] == "mujoco"
+    )
+    assert run["difference"] > 1e-5 and run["allowed"] < 0.02
 
 
 @pytest.mark.parametrize(("old", "new", "quantity", "words", "line"), CHANGES)
