@@ -1,4 +1,4 @@
-"""Residual checks and reasons to doubt are files: the catalogues and the folders agree, and checks are told by their names."""
+"""Checks, reasons to doubt and ways to rewrite a set are files that the catalogues name; checks are told by their names."""
 
 from __future__ import annotations
 
@@ -14,24 +14,44 @@ from harness.diagnose.criticism.check import Asked, Check
 from harness.diagnose.criticism.checks.catalogue import checks
 from harness.diagnose.criticism.doubts.catalogue import reasons
 from harness.diagnose.criticism.reason import Reason
+from harness.diagnose.selection import beginnings as beginnings_package
+from harness.diagnose.selection import rewrites as rewrites_package
+from harness.diagnose.selection import scans as scans_package
+from harness.diagnose.selection.beginning import Beginning
+from harness.diagnose.selection.beginnings.catalogue import beginnings
+from harness.diagnose.selection.rewrite import Rewrite, Turn
+from harness.diagnose.selection.rewrites.catalogue import rewrites
+from harness.diagnose.selection.scan import Scan
+from harness.diagnose.selection.scans.catalogue import scans
+from harness.effects.catalogue import catalogue
 
 
 @pytest.mark.parametrize(
     ("package", "kind", "registered"),
-    [(checks_package, Check, checks()), (doubts_package, Reason, reasons())],
-    ids=["checks", "doubts"],
+    [
+        (checks_package, Check, checks()),
+        (doubts_package, Reason, reasons()),
+        (rewrites_package, Rewrite, rewrites()),
+        (beginnings_package, Beginning, beginnings()),
+        (scans_package, Scan, scans()),
+    ],
+    ids=["checks", "doubts", "rewrites", "beginnings", "scans"],
 )
 def test_every_file_is_registered_and_holds_one(package: object, kind: type, registered: dict[str, object]) -> None:
     folder = Path(str(package.__file__)).parent  # type: ignore[attr-defined]
     files = {path.stem for path in folder.glob("*.py")} - {"__init__", "catalogue"}
     assert set(registered) == files
     assert all(isinstance(one, kind) for one in registered.values())
-    names = [
-        one.name if isinstance(one, Check) else one.what
-        for one in registered.values()
-        if isinstance(one, Check | Reason)
-    ]
+    names = [getattr(one, "name", None) or getattr(one, "what", name) for name, one in registered.items()]
     assert len(set(names)) == len(files)
+
+
+def test_scans_are_of_effects() -> None:
+    assert set(scans()) <= set(catalogue())
+
+
+def test_every_turn_has_a_way_to_rewrite_a_set() -> None:
+    assert {turn for way in rewrites().values() for turn in way.turns} == set(Turn)
 
 
 def test_every_check_of_every_fit_is_told_by_its_name() -> None:

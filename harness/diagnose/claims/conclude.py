@@ -23,8 +23,8 @@ from harness.diagnose.criticism.unparted import special_case, unparted
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.deadline import Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.exchange import specialized
 from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, trained, training_gain
+from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.starts import FOLLOWS
 from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
 

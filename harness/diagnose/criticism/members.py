@@ -6,7 +6,7 @@ from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.investigation import Outcome
-from harness.diagnose.selection.score_tests import scanned
+from harness.diagnose.selection.scans.catalogue import scanned
 from harness.effects.effect import Effect, Family
 
 

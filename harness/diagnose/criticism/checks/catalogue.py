@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from importlib import import_module
-from types import MappingProxyType
 
 from harness.diagnose.criticism.check import Check
+from harness.diagnose.registry import registered
 
 NAMES = (
     "smooth_force",
@@ -32,4 +31,4 @@ NAMES = (
 @cache
 def checks() -> Mapping[str, Check]:
     """Every residual check by its file's name."""
-    return MappingProxyType({name: import_module(f"harness.diagnose.criticism.checks.{name}").CHECK for name in NAMES})
+    return registered(__package__, NAMES, Check)

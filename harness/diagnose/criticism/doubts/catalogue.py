@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from importlib import import_module
-from types import MappingProxyType
 
 from harness.diagnose.criticism.reason import Reason
+from harness.diagnose.registry import registered
 
 NAMES = (
     "side_unknown",
@@ -24,4 +23,4 @@ NAMES = (
 @cache
 def reasons() -> Mapping[str, Reason]:
     """Every reason to doubt by its file's name."""
-    return MappingProxyType({name: import_module(f"harness.diagnose.criticism.doubts.{name}").REASON for name in NAMES})
+    return registered(__package__, NAMES, Reason)

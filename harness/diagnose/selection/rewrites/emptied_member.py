@@ -1,0 +1,39 @@
+"""Sets that would be better than the best one, were it not for a member that has come to nothing, without that one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
+from harness.diagnose.selection.study import Study
+
+NOTHING = 1e-3  # of an effect's typical size, below which it is absent
+
+
+def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
+    """Fits of sets that would be better than the best one, were it not for a member that has come to nothing, without that one.
+
+    What was found beside something that explained part of it by mistake may need nothing beside it.
+    """
+    own, found = study.criterion(best), []
+    for fitted in list(study.fits.values()):
+        for k, member in enumerate(fitted.hypothesis.members):
+            price = study.price(member, len(fitted.hypothesis.members) - 1)
+            if study.criterion(fitted) - price < own and _came_to_nothing(study, fitted, k):
+                found.append(study.reduce(fitted, k))
+                break
+    return found
+
+
+def _came_to_nothing(study: Study, fitted: Fit, k: int) -> bool:
+    """Whether member ``k`` of a fit is absent to within a small part of its typical size."""
+    member = fitted.hypothesis.members[k]
+    if not member.effect.parameters:
+        return False
+    size = member.effect.parameters[0]
+    value = study.predictor.effect_values(fitted.hypothesis, k, fitted.x)[0]
+    return bool(np.isfinite(size.neutral) and abs(value - size.neutral) < NOTHING * size.scale(member.references))
+
+
+REWRITE = Rewrite("a set without what has come to nothing", _fits, (Turn.POLISHING, Turn.FEWER))
