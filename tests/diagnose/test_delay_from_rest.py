@@ -14,8 +14,8 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.exchange import relatives
 from harness.diagnose.selection.investigation import crude_colours
+from harness.diagnose.selection.rewrites.relatives import relatives
 from harness.diagnose.selection.study import Study
 
 DELAY, NOISE, RATE = 0.04, 1e-3, 250.0

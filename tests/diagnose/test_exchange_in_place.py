@@ -14,8 +14,10 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
 from harness.diagnose.selection.beam_search import Effort, grow
-from harness.diagnose.selection.exchange import reduced, relatives
 from harness.diagnose.selection.investigation import crude_colours
+from harness.diagnose.selection.rewrite import Room
+from harness.diagnose.selection.rewrites import shared_members
+from harness.diagnose.selection.rewrites.relatives import relatives
 from harness.diagnose.selection.study import Study
 
 NOISE, RATE, EXTRA = 2e-3, 200.0, 1.4
@@ -76,7 +78,7 @@ def test_what_stands_in_a_members_place_is_tried_without_the_others() -> None:
     best = min(bench.fits.values(), key=bench.criterion)
     (other,) = {dry.key, loaded.key} - best.hypothesis.identity
     swap = bench.fits[frozenset({viscous.key, other})]
-    found = {f.hypothesis.identity: f for f in reduced(bench, best)}
+    found = {f.hypothesis.identity: f for f in shared_members.REWRITE.fits(bench, best, Room())}
     assert bench.criterion(found[frozenset({other})]) < bench.criterion(swap)
 
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from simulated_recordings import Rig, nominal, recording
 
 from harness import diagnose
-from harness.diagnose.criticism.relaxation import RELAXES, _forces
+from harness.diagnose.criticism.checks.relaxing_force import RELAXES, _forces
 from harness.recording import Recording
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.diagnose.criticism.remainder import _best_subset
+from harness.diagnose.criticism.checks.force_of_few_terms import _best_subset
 from harness.diagnose.selection.score_tests import Projected
 
 

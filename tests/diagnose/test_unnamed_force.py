@@ -7,7 +7,7 @@ import pytest
 from simulated_recordings import COM, GRAVITY, INERTIA, MASS, Rig, nominal, releases
 
 import harness
-from harness.diagnose.criticism.probe import Test as Question
+from harness.diagnose.criticism.check import Test as Question
 
 SWING = float(np.sqrt(MASS * GRAVITY * COM / (INERTIA + MASS * COM**2)))  # rad/s
 FED = 3e-4 * (INERTIA + MASS * COM**2) * SWING

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from simulated_recordings import COM, MASS, Rig, nominal, recording
 
 from harness import diagnose
-from harness.diagnose.criticism.vertical_shaking import UP_AND_DOWN, _gravity
+from harness.diagnose.criticism.shaken_support import UP_AND_DOWN, _gravity
 from harness.recording import Recording
 
 RIG = Rig()

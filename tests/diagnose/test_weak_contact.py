@@ -15,7 +15,7 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.exchange import generalized
+from harness.diagnose.selection.rewrites.general_law import generalized
 from harness.diagnose.selection.study import Study
 
 NOISE, TIME = 1e-4, np.arange(0.0, 10.0, 0.01)

@@ -11,7 +11,7 @@ from harness.denoc.beam.integrals import beam_data
 from harness.denoc.lanes.exponential import linearization
 from harness.denoc.lanes.model import LaneModel
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.starts import foretold as foretold_start
+from harness.diagnose.selection.beginnings.foretold import foretold as foretold_start
 from harness.effects.bending import add_mode, mounted_frequency, next_mode
 from harness.effects.scale import references
 from harness.system import Attachment, Beam, Joint, JointType, Link, System

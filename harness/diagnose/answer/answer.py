@@ -24,9 +24,8 @@ from harness.diagnose.claims.held_out_only import held_names
 from harness.diagnose.claims.model_comparison import why_lost
 from harness.diagnose.claims.rivals import ranking as likeliest
 from harness.diagnose.claims.rivals import with_the_same
-from harness.diagnose.criticism.crosstalk import LEAKS
 from harness.diagnose.criticism.locate import Mismatch, locate, rmse
-from harness.diagnose.criticism.remainder import JUMP, WANDERS, Remains
+from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.estimation.intervals import Estimate, across, estimates, no_more_exact_than_the_law
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.experiment.design import propose
@@ -135,7 +134,7 @@ def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
         return claim.candidate.effect.side, claim.candidate.site
     if conclusion.remains.significant:
         left = plainest(conclusion)
-        if left.name in (JUMP, WANDERS, LEAKS):
+        if left.exact:
             return "sensor", left.where[0]
     ranked = outcome.study.ranked(outcome.empty)
     if ranked:

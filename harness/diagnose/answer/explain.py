@@ -9,9 +9,8 @@ from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED, UNSEARCHED
-from harness.diagnose.criticism.creep import WHERE_HELD
-from harness.diagnose.criticism.doubt import AT_FLOOR, LEVEL
-from harness.diagnose.criticism.probe import Test
+from harness.diagnose.criticism.check import LEVEL, Test
+from harness.diagnose.criticism.remainder import AT_FLOOR
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.problem.deadline import NotTried
 from harness.recording.units import written
@@ -170,5 +169,5 @@ def plainest(conclusion: Conclusion) -> Test:
         # What happens once in every recording is weighed with all its times, as it is where it stands against a finding.
         samples = sum(len(r) for r in conclusion.best.linear.residuals)
         found = max((t for t in tests if t.places >= 0), key=lambda t: t.worth(samples))
-    # Other tests see a creep too, but that one says where it comes from.
-    return next((t for t in tests if t.name == WHERE_HELD and t.gain > TELLING * found.gain), found)
+    # Others see a creep too, but its own test says where it comes from.
+    return next((t for t in tests if t.cause and t.gain > TELLING * found.gain), found)

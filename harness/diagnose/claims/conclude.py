@@ -7,35 +7,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
+from scipy.stats import chi2
 
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
 from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
-from harness.diagnose.criticism.creep import motion_where_held
-from harness.diagnose.criticism.doubt import (
-    AT_FLOOR,
-    CARRIES,
-    LEVEL,
-    a_force_as_well,
-    beside_force,
-    carries,
-    doubtful,
-    examined,
-    firm,
-    imitated_together,
-    special_case,
-    unparted,
-)
-from harness.diagnose.criticism.probe import Test
-from harness.diagnose.criticism.remainder import Remains
+from harness.diagnose.criticism.check import LEVEL, Asked, left_by
+from harness.diagnose.criticism.checks.held_out_misfit import WORSE
+from harness.diagnose.criticism.doubt import doubtful, doubtful_together
+from harness.diagnose.criticism.held_out import CARRIES, a_force_as_well, carries, firm
+from harness.diagnose.criticism.members import beside_force
+from harness.diagnose.criticism.remainder import AT_FLOOR, Remains, answers, asked_of, examine
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
-from harness.diagnose.criticism.vertical_shaking import shaken_up_and_down
+from harness.diagnose.criticism.unparted import special_case, unparted
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.deadline import Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.exchange import specialized
 from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, trained, training_gain
+from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.starts import FOLLOWS
 from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
 
@@ -56,7 +45,6 @@ MANY = 3  # members from which on a set may piece together what nobody has named
 CROWDED = 3.0  # so that each must gain so many times its price
 RUNG = 0.9  # share of what a wave explains, from which on something that rings may be it
 UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
-WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,48 +197,10 @@ def _probabilities(outcome: Outcome) -> dict[str, float]:
     return out
 
 
-def _stretched(outcome: Outcome, best: Fit) -> Test | None:
-    """A test that counts if the nominal quantities had to leave their stated tolerance to fit, which is a remainder too."""
-    z = best.x[: len(outcome.predictor.nominal)]
-    if not outcome.study.stretched(best):
-        return None
-    chance = float(chi2.sf(best.prior, max(len(z), 1)))
-    worst = int(np.argmax(np.abs(z)))
-    quantity = outcome.predictor.nominal[worst]
-    where = f"{quantity.kind} of {quantity.name} by {z[worst]:+.1f} of its σ"
-    return Test("nominal quantities outside their tolerance", best.prior, len(z), chance, where=(where,), places=-1)
-
-
 def _pays(study: Study, best: Fit, k: int) -> bool:
     """Whether member ``k`` gains more than its price beside the others."""
     member = best.hypothesis.members[k]
     return study.below(best, k).score - best.score > study.price(member, len(best.hypothesis.members) - 1)
-
-
-def _does_not_carry_over(outcome: Outcome, best: Fit) -> Test | None:
-    """A test that counts if no one set of parameters fits the training data and those held out as well as each would allow.
-
-    Under the right model the cost that the data held out add is chi-squared with as many degrees of freedom as they have samples
-    (Chow, Econometrica 28 (1960) 591), however loosely the training data alone pin the parameters.
-    """
-    likelihood = outcome.study.likelihood
-    judged = likelihood.samples(outcome.held_windows)
-    own = trained(outcome, best)
-    fitted = likelihood.samples(own.windows)
-    if min(fitted, judged) < 2.0:
-        return None
-    level = max(own.linear.cost / fitted, likelihood.rounded)
-    added = best.score - own.score
-    rise = float(np.log(max(added, 1e-300) / judged / level))
-    z = rise / float(np.sqrt(2.0 / fitted + 2.0 / judged))
-    if z < WORSE:
-        return None
-    # Noise may be louder there, and is no misfit as long as its samples do not follow one another.
-    chance = max(float(norm.sf(z)), follows_itself(by_channel(best, outcome.held_windows)))
-    if chance >= LEVEL:
-        return None
-    where = f"mean square {np.exp(rise):.2f} times that of the training data"
-    return Test("a worse fit of the data held out", added - judged * level, 1, chance, (where,), -1)
 
 
 def conclude(outcome: Outcome) -> Conclusion:
@@ -319,7 +269,7 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     study = outcome.study
     remains, incomplete = _remains(outcome, best)
     shaky = [key for k, key in enumerate(best.hypothesis.keys) if doubtful(outcome, best, k, remains)]
-    together = imitated_together(outcome, best, remains)
+    together = doubtful_together(outcome, best, remains)
     while True:
         if shaky or together:
             best, fresh = _without_doubtful(outcome, best, shaky, together)
@@ -395,20 +345,14 @@ def _without_doubtful(outcome: Outcome, best: Fit, shaky: list[str], together: l
 def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     """What a set of effects leaves, and whether that is more than noise anywhere."""
     held = judge(outcome, best)
-    remains = examined(outcome, best)
-    bent = _stretched(outcome, best)
-    if bent is not None:
-        # What bends the model so far could as well make what is weaker than that.
-        remains = replace(remains, excess=max(remains.excess, bent.gain))
-    for test in (bent, _does_not_carry_over(outcome, best)):
-        if test is not None:
-            remains = replace(remains, significant=True, tests=(*remains.tests, test))
+    left = left_by(outcome.study, best, outcome)
+    remains = examine(left, Asked.OF_EVERY_FIT, Asked.OF_WHAT_IS_TOLD)
     if outcome.force is not None:
         # All of what is left is the model's own error, and any part of it may have been explained by a law that is not there.
         remains = replace(remains, significant=True, excess=max(remains.excess, best.linear.cost))
     if remains.significant:
-        further = (motion_where_held(outcome, best), shaken_up_and_down(outcome.study, best))
-        remains = replace(remains, tests=(*remains.tests, *(test for test in further if test is not None)))
+        further = [test for _, test in answers(left, asked_of(Asked.BESIDE_A_REMAINDER))]
+        remains = replace(remains, tests=(*remains.tests, *further))
     # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
     floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)
     above = _level(outcome, held) > floor and follows_itself(by_channel(held, held.windows)) < LEVEL

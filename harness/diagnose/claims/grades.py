@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
-from harness.diagnose.criticism.doubt import FAKED, placed, plain
+from harness.diagnose.criticism.held_out import FAKED
+from harness.diagnose.criticism.members import placed, plain
 from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
 from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled

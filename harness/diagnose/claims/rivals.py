@@ -19,25 +19,16 @@ from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, compatible, contains, dear
 from harness.diagnose.selection.beam_search import NEAR, exhausted, finished
 from harness.diagnose.selection.cogging_periods import replaced
-from harness.diagnose.selection.exchange import (
-    Swap,
-    emptied,
-    exchanged,
-    generalized,
-    known_in_place_of,
-    pruned,
-    reduced,
-    related,
-    relatives,
-    swaps,
-)
+from harness.diagnose.selection.exchange import Swap, exchanged, known_in_place_of, related, swaps
 from harness.diagnose.selection.investigation import Outcome
 from harness.diagnose.selection.profile_likelihood import VALLEYS
+from harness.diagnose.selection.pruning import pruned
+from harness.diagnose.selection.rewrite import Room, Turn
+from harness.diagnose.selection.rewrites.catalogue import rewritten
+from harness.diagnose.selection.rewrites.general_law import generalized
 from harness.diagnose.selection.search_bounds import beyond_the_ends
 from harness.diagnose.selection.starts import like
-from harness.diagnose.selection.stribeck_instead import fit_falling
 from harness.diagnose.selection.study import FAR, Study
-from harness.diagnose.selection.substitutes import standing_in
 
 MOST = 9  # rivals fitted for each member
 ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
@@ -72,7 +63,7 @@ def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
     own = without.score - best.score
-    found = relatives(study, best, k, ENOUGH_FITS) + standing_in(study, best, k, ENOUGH_FITS)
+    found = [f for _, own in rewritten(study, best, Turn.IN_PLACE, Room(ENOUGH_FITS, member=k)) for f in own]
     for scored in study.ranked(without):
         if len(study.fits) >= ENOUGH_FITS or len(found) >= MOST or scored.gain < WORTH_FITTING * own:
             break
@@ -252,11 +243,12 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED]]
         others += [beyond_the_ends(study, f) for f in close]
         others += _crossed(outcome, best)
-        better = min([*others, *reduced(study, best), *emptied(study, best)], key=study.criterion, default=best)
+        others += [f for _, own in rewritten(study, best, Turn.FEWER, Room(ENOUGH_FITS)) for f in own]
+        better = min(others, key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break
         best = better
-    fit_falling(study, best)
+    list(rewritten(study, best, Turn.LAST, Room(ENOUGH_FITS)))
     return as_stated(study, best)
 
 

@@ -1,4 +1,4 @@
-"""Questions put to what a fit leaves, and the response of its channels to small forces, which most of them are about."""
+"""The response of a fit's channels to small forces, which most residual checks are about."""
 
 from __future__ import annotations
 
@@ -18,38 +18,6 @@ from harness.diagnose.problem.windows import Window
 Array = NDArray[np.float64]
 
 PUSH = 1e-4  # size of the probing forces, in units of the gravity torque: small enough to stay linear
-
-
-@dataclass(frozen=True, eq=False)
-class Test:
-    """One question put to the residual: gain in cost by ``size`` shapes, and its chance under noise alone.
-
-    places: parameters beside amplitudes (the moment of a jump); −1 for tests that name no force. together: gain and number of
-    such events if every recording may have its own. choices: among how many forces of this kind it was chosen. exact: whether
-    the channels are linear in it, so that it brings what it promises.
-    """
-
-    name: str
-    gain: float
-    size: int
-    chance: float
-    where: tuple[str, ...] = ()
-    places: int = 0
-    together: tuple[float, int] = (0.0, 0)
-    choices: float = 1.0
-    exact: bool = False
-
-    def price(self, samples: float) -> float:
-        """What the force that a test names costs in the Bayesian criterion."""
-        return (self.size + self.places) * float(np.log(samples)) + 2.0 * float(np.log(self.choices))
-
-    def price_together(self, samples: float) -> float:
-        """The same for such an event of its own in every recording."""
-        return self.together[1] * (1 + self.places) * float(np.log(samples))
-
-    def worth(self, samples: float) -> float:
-        """What the force gains beyond its price, acting alike in all recordings or in each by itself."""
-        return max(self.gain - self.price(samples), self.together[0] - self.price_together(samples))
 
 
 @dataclass(frozen=True, eq=False)

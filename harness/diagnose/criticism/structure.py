@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from harness.diagnose.criticism.doubt import LEVEL
-from harness.diagnose.criticism.remainder import examine
-from harness.diagnose.criticism.vertical_shaking import shaken_up_and_down
+from harness.diagnose.criticism.check import Asked, left_by
+from harness.diagnose.criticism.remainder import answers, asked_of
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.estimation.linear_response import responsive
 from harness.diagnose.selection.study import Study
-from harness.effects.scale import references
 
 
 def worth_of_structure(study: Study, fitted: Fit) -> float:
@@ -16,11 +13,8 @@ def worth_of_structure(study: Study, fitted: Fit) -> float:
 
     A linear gain cannot take away more than what is above the noise.
     """
-    system = study.problem.system
-    torques = [references(system, joint).torque for joint in system.joint_names]
-    tests = examine(study.predictor, study.likelihood, fitted, system.joint_names, torques, study.swing, LEVEL).tests
-    # A support that moves up and down has a frequency to be looked for, and channels that answer linearly.
-    tests = (*tests, *([shaken_up_and_down(study, fitted)] if responsive(study.predictor) else []))
+    quick = [check for check in asked_of(Asked.BESIDE_A_REMAINDER) if check.quick(study)]
+    tests = [test for _, test in answers(left_by(study, fitted), [*asked_of(Asked.OF_EVERY_FIT), *quick])]
     there = max(fitted.score - study.samples, 0.0)
     worths = [min(t.gain, there) - t.price(study.samples) for t in tests if t.places >= 0]
     worths += [min(t.together[0], there) - t.price_together(study.samples) for t in tests if t.places >= 0]

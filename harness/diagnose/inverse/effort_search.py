@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.claims.rivals import APART
-from harness.diagnose.criticism.remainder import heldout_gain
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
+from harness.diagnose.inverse.heldout_gain import heldout_gain
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
 from harness.diagnose.selection.study import log_choose
 

@@ -16,7 +16,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.rivals import ranking
-from harness.diagnose.criticism.doubt import LEVEL
+from harness.diagnose.criticism.check import LEVEL
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.levels.levels import LevelFit, fit_levels, free_run_error, labels
 from harness.diagnose.levels.unequal_friction import Unequal, rubbing, unequal_friction

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.diagnose.criticism.doubt import LEVEL
+from harness.diagnose.criticism.check import LEVEL
 from harness.diagnose.criticism.structure import worth_of_structure
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.levels.differing_levels import comparable

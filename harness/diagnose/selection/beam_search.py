@@ -17,20 +17,12 @@ import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Hypothesis, compatible, dear
-from harness.diagnose.selection.exchange import (
-    FLOOR,
-    alternatives,
-    emptied,
-    generalized,
-    pruned,
-    reduced,
-    relatives,
-    second,
-    together,
-)
+from harness.diagnose.selection.exchange import FLOOR
+from harness.diagnose.selection.pruning import pruned
+from harness.diagnose.selection.rewrite import Room, Turn
+from harness.diagnose.selection.rewrites.catalogue import rewritten
 from harness.diagnose.selection.score_tests import Score
 from harness.diagnose.selection.study import FAR, HOPELESS, UNDER_WAY, Study
-from harness.diagnose.selection.tolerance_aliases import straightened
 
 Progress = Callable[[str], None]
 NEAR = 60.0  # in the criterion
@@ -241,13 +233,14 @@ class Growth:
         if (single or (enough and len(members) > 1)) and best.hypothesis.identity not in self.swapped:
             # Nothing more is needed, or nothing is built on it yet: before more is added, the members' relatives get their turn.
             self.swapped.add(best.hypothesis.identity)
-            for k in range(len(members)):
-                for other in relatives(study, best, k, self.effort.most_fits, quick=single):
+            for _, found in rewritten(study, best, Turn.KIN, Room(self.effort.most_fits, quick=single)):
+                for other in found:
                     self.note(other)
             best = self._plainest()
         if not study.only_noise(best):
-            for wider in generalized(study, best):
-                self.note(wider, aloud=True)
+            for _, found in rewritten(study, best, Turn.WIDER, Room(self.effort.most_fits)):
+                for wider in found:
+                    self.note(wider, aloud=True)
 
     def _without_needless(self) -> Fit:
         """The plainest set, with nothing in it that the recordings do not ask for: what is not needed needs no relative either."""
@@ -293,8 +286,9 @@ class Growth:
             if identity in self.straightened or full or not self.study.stretched(base):
                 continue
             self.straightened.add(identity)
-            for found in straightened(self.study, base, STRAIGHTENERS):
-                self.note(found, aloud=True)
+            for _, found in rewritten(self.study, base, Turn.STRAIGHTER, Room(count=STRAIGHTENERS)):
+                for straight in found:
+                    self.note(straight, aloud=True)
 
 
 def tell(study: Study, what: str, progress: Progress) -> None:
@@ -363,7 +357,7 @@ def finished(study: Study, ordered: Sequence[Fit]) -> list[Fit]:
 
 
 def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress) -> list[Fit]:
-    """Swap members of the best set for alternatives until nothing improves; all fits known then, best first."""
+    """Rewrite the best set in every way until nothing improves; all fits known then, best first."""
     # Above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
     complete = ordered[0].score < HOPELESS * study.samples and not study.left_out
     for _ in range(3 if complete else 1):
@@ -374,13 +368,8 @@ def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress)
         best = pruned(study, ordered[0])
         if len(study.fits) >= effort.most_fits:
             break
-        for k in range(len(best.hypothesis.members)):
-            alternatives(study, best, k, effort.swaps, 2 * effort.most_fits)
-            tell(study, "alternatives to " + best.hypothesis.keys[k], progress)
-        together(study, best, 2 * effort.most_fits)
-        second(study, best, 2 * effort.most_fits)
-        reduced(study, best)
-        emptied(study, best)
+        for way, _ in rewritten(study, best, Turn.POLISHING, Room(2 * effort.most_fits, effort.swaps)):
+            tell(study, way.what, progress)
         ordered = sorted(study.fits.values(), key=study.criterion)
         if study.criterion(ordered[0]) > before - 1e-6:
             break

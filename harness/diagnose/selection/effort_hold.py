@@ -16,7 +16,7 @@ from dataclasses import replace
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.problem import Problem
-from harness.diagnose.selection.exchange import pruned
+from harness.diagnose.selection.pruning import pruned
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
 from harness.effects.catalogue import catalogue
 from harness.recording.recording import QualityNote, Recording

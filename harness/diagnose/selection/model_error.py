@@ -30,7 +30,7 @@ from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere
-from harness.diagnose.selection.exchange import specialized
+from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.study import HOPELESS, Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull

@@ -30,6 +30,8 @@ from harness.diagnose.prediction.predictor import Predictor, Request
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.scan import Course, Scan
+from harness.diagnose.selection.scans.catalogue import scanned, scans
 from harness.diagnose.selection.starts import MOST_PERIODS, Ray, of_a_contact, rays
 from harness.parallel import meanwhile
 
@@ -330,11 +332,6 @@ def _stretches(requests: Sequence[Request]) -> Iterator[tuple[int, int]]:
         yield first, len(requests)
 
 
-def scanned(candidate: Candidate) -> bool:
-    """Whether the candidate is a force over angle or time that is to be tried at many places, by the linear response alone."""
-    return candidate.effect.name in ("cogging_torque", "base_excitation", "end_stop")
-
-
 def scan(
     fitted: Fit,
     predictor: Predictor,
@@ -344,39 +341,27 @@ def scan(
     motions: dict[Window, Response],
 ) -> list[Array]:
     """The same as ``change`` for scanned forces, to first order; ``motions`` keeps the linear responses."""
-    parameters = np.array(points)
+    parameters, how = np.array(points), scans()[candidate.effect.name]
     names = predictor.mechanism(fitted.hypothesis).names
     out = []
     for window in fitted.windows:
         if window not in motions:
             motions[window] = respond(predictor, fitted, window, candidate.references.torque)
         found = motions[window]
-        if candidate.effect.name == "base_excitation":
-            time = found.time + predictor.runs[window.run].date(window.first)
-            propagated, histories = found.by_shaking, partial(_wave, parameters, 2.0 * np.pi * time)
+        time = found.time + predictor.runs[window.run].date(window.first)
+        if how.shakes:
+            propagated, course = found.by_shaking, Course(time, np.empty(0), np.empty(0))
         else:
             joint = names.index(candidate.site)
-            q, qd = found.q[:, joint], found.qd[:, joint]
-            stop = candidate.effect.name == "end_stop"
-            propagated = partial(found.by_force, joint)
-            histories = partial(_stop, parameters, q, qd) if stop else partial(_wave, parameters, q)
+            propagated, course = partial(found.by_force, joint), Course(time, found.q[:, joint], found.qd[:, joint])
+        histories = partial(_along, how, parameters, course)
         out.append(channels_moved(predictor, likelihood, fitted, found, propagated, len(parameters), histories))
     return out
 
 
-def _wave(parameters: Array, place: Array, own: slice) -> Array:
-    """Sines over an angle or over time as one (K, G), those of a stretch: amplitude, periods in a turn, phase."""
-    amplitude, periods, phase = parameters[own].T[..., None]
-    return np.asarray(amplitude * np.sin(periods * place + phase))
-
-
-def _stop(parameters: Array, q: Array, qd: Array, own: slice) -> Array:
-    """Forces (K, G) of stops, which push and never pull, those of a stretch: angle, stiffness, damping."""
-    angle, stiffness, damping = parameters[own].T[..., None]
-    side = np.sign(angle)
-    depth = side * q - np.abs(angle)
-    push = stiffness * depth + damping * side * qd
-    return np.asarray(-side * np.where(depth > 0.0, np.maximum(push, 0.0), 0.0))
+def _along(how: Scan, parameters: Array, course: Course, own: slice) -> Array:
+    """Forces of a stretch of the parameters along a course (K, G)."""
+    return how.forces(parameters[own], course)
 
 
 def carry_state(predictor: Predictor, before: Hypothesis, after: Hypothesis, state: Array) -> Array:
@@ -461,8 +446,7 @@ def near_changes(
     near: dict[int, list[Array]] = {}
     for k, (candidate, own) in enumerate(zip(candidates, points, strict=True)):
         if scanned(candidate) and responsive(predictor):
-            # A wave is linear in its amplitude; a stop in its stiffness, as long as that is small.
-            factor = 1.0 if "phase" in candidate.effect.parameter_names else LEAST
+            factor = 1.0 if scans()[candidate.effect.name].linear else LEAST
             places = [brought_near(candidate, p, factor) for p in own]
             changes = scan(fitted, predictor, likelihood, candidate, places, motions)
             found[k] = places, changes, [factor] * len(own)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -11,7 +13,6 @@ from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.problem.problem import Problem
 from harness.effects.effect import Parameter
 from harness.effects.scale import swings
-from harness.system import System
 
 Array = NDArray[np.float64]
 
@@ -41,53 +42,86 @@ GONE = 1e-3  # of the first size of a law
 CUT = (0.8, 0.95, 0.999)  # shares of a channel's extent at which it may saturate
 
 
+@dataclass(frozen=True, eq=False)
+class Number:
+    """One number of a candidate that starting values are asked of: the ``place`` it has among them."""
+
+    candidate: Candidate
+    problem: Problem
+    place: int
+
+    @property
+    def parameter(self) -> Parameter:
+        return self.candidate.effect.parameters[self.place]
+
+    @property
+    def usual(self) -> tuple[float, ...]:
+        """Its effect's own starting values."""
+        return self.parameter.start_values(self.candidate.references)
+
+    @property
+    def of_a_wave(self) -> bool:
+        """Whether there is a phase, so that two a quarter wave apart are combined."""
+        return "phase" in self.candidate.effect.parameter_names
+
+    def scanned(self, name: str) -> bool:
+        """Whether it is the number of that name, to be looked for over the range of the recordings."""
+        return self.parameter.name == name and self.parameter.search == "range"
+
+
+VALUES: tuple[tuple[Callable[[Number], bool], Callable[[Number], tuple[float, ...]]], ...] = (
+    (lambda n: n.parameter.name == "phase", lambda n: (0.0,)),
+    (
+        lambda n: n.parameter.name == "periods",
+        lambda n: tuple(np.arange(max(n.parameter.lower, 1.0), MOST_PERIODS + 1.0)),
+    ),
+    (lambda n: n.parameter.name == "frequency" and n.of_a_wave, lambda n: tuple(_frequencies(n.problem))),
+    (lambda n: n.scanned("angle"), lambda n: _stops(n.candidate, n.problem)),
+    (lambda n: n.scanned("limit"), lambda n: _limits(n.candidate, n.problem)),
+    (lambda n: n.place > 0 and n.of_a_wave, lambda n: n.usual[:1]),
+    # How strongly it acts is read off the linear view; only the proportion of these is to be tried.
+    (
+        lambda n: n.place > 0 and n.candidate.effect.parameters[0].search == "range",
+        lambda n: n.usual[-1:] if n.place == 1 else n.usual[-2:],
+    ),
+    (lambda n: True, lambda n: n.usual),
+)
+"""Which values of a number are tried, by what kind of number it is; the first that holds."""
+
+PAIRS: dict[tuple[str, ...], Callable[[Candidate, Array], Ray]] = {
+    # Linear in the stiffness and in the torque at zero.
+    ("stiffness", "rest_angle"): lambda c, p: (
+        np.array([p[0], 0.0]),
+        np.array([p[0], c.effect.parameters[1].scale(c.references)]),
+    ),
+    ("quadratic", "cubic"): lambda c, p: (np.array([c.scales[0], 0.0]), np.array([0.0, c.scales[1]])),
+}
+"""Laws that are linear in two numbers, by these: the two points that are combined."""
+
+
 def rays(candidate: Candidate, problem: Problem) -> list[Ray]:
     """Starting points of a candidate, from the recordings where the effect says that only they can give them."""
-    parameters = candidate.effect.parameters
-    names = [p.name for p in parameters]
-    choices: list[tuple[float, ...]] = []
-    quarter = names.index("phase") if "phase" in names else None
-    for k, parameter in enumerate(parameters):
-        values = parameter.start_values(candidate.references)
-        if parameter.name == "phase":
-            values = (0.0,)
-        elif parameter.name == "periods":
-            values = tuple(np.arange(max(parameter.lower, 1.0), MOST_PERIODS + 1.0))
-        elif parameter.name == "frequency" and quarter is not None:
-            values = tuple(_frequencies(problem))
-        elif parameter.name == "angle" and parameter.search == "range":
-            values = _stops(candidate, problem)
-        elif parameter.name == "limit" and parameter.search == "range":
-            values = _limits(candidate, problem)
-        elif k > 0 and quarter is not None:
-            values = values[:1]
-        elif k > 0 and parameters[0].search == "range":
-            # How strongly it acts is read off the linear view; only the proportion of these is to be tried.
-            values = values[-1:] if k == 1 else values[-2:]
-        choices.append(values)
-    points = [np.array(point) for point in product(*choices)]
-    if "torque" in names and "stiffness" in names:
-        # A contact that gives less than any sensor resolves is one that does not give, and costs stiff equations to say so.
-        torque, stiffness = names.index("torque"), names.index("stiffness")
-        extent = _extent(candidate, problem, "position") or (-1.0, 1.0)
-        least = UNSEEN * (extent[1] - extent[0])
-        points = [p for p in points if p[torque] >= least * p[stiffness]] or points[:1]
-    if names == ["stiffness", "rest_angle"]:
-        # Linear in the stiffness and in the torque at zero.
-        return [
-            (np.array([p[0], 0.0]), np.array([p[0], parameters[1].scale(candidate.references)])) for p in points[:1]
-        ]
-    if names == ["quadratic", "cubic"]:
-        sizes = [p.scale(candidate.references) for p in parameters]
-        return [(np.array([sizes[0], 0.0]), np.array([0.0, sizes[1]]))]
-    if quarter is None:
+    names = candidate.effect.parameter_names
+    numbers = [Number(candidate, problem, place) for place in range(len(names))]
+    choices = [next(values(n) for holds, values in VALUES if holds(n)) for n in numbers]
+    points = _that_give(candidate, problem, [np.array(point) for point in product(*choices)])
+    if tuple(names) in PAIRS:
+        return [PAIRS[tuple(names)](candidate, point) for point in points[:1]]
+    if "phase" not in names:
         return [(point,) for point in points]
-    pairs: list[Ray] = []
-    for point in points:
-        other = point.copy()
-        other[quarter] = 0.5 * np.pi
-        pairs.append((point, other))
-    return pairs
+    quarter = np.array([0.5 * np.pi if name == "phase" else 0.0 for name in names])
+    return [(point, point + quarter) for point in points]
+
+
+def _that_give(candidate: Candidate, problem: Problem, points: list[Array]) -> list[Array]:
+    """Points without contacts that give less than any sensor resolves: they do not give, and cost stiff equations to say so."""
+    names = list(candidate.effect.parameter_names)
+    if "torque" not in names or "stiffness" not in names:
+        return points
+    torque, stiffness = names.index("torque"), names.index("stiffness")
+    extent = _extent(candidate, problem, "position") or (-1.0, 1.0)
+    least = UNSEEN * (extent[1] - extent[0])
+    return [p for p in points if p[torque] >= least * p[stiffness]] or points[:1]
 
 
 def _frequencies(problem: Problem) -> Array:
@@ -121,41 +155,6 @@ def _limits(candidate: Candidate, problem: Problem) -> tuple[float, ...]:
     if extent is None:
         return candidate.effect.parameters[0].start_values(candidate.references)
     return tuple(share * max(abs(extent[0]), abs(extent[1])) for share in CUT)
-
-
-def calmed(candidate: Candidate, start: Array) -> Array | None:
-    """Starting values whose own vibration dies out quickly; none where there is no such vibration.
-
-    One that goes on has a valley at every phase. What gives without ringing has one, and leads to where the ringing is found.
-    """
-    if not candidate.effect.adds_coordinates:
-        return None
-    out = start.copy()
-    for k, parameter in enumerate(candidate.effect.parameters):
-        if parameter.name in ("damping", "damping_ratio"):
-            out[k] = max(out[k], *parameter.start_values(candidate.references))
-    return None if np.array_equal(out, start) else out
-
-
-def foretold(candidate: Candidate, system: System, start: Array) -> Array | None:
-    """Starting values with what theory foretells of them in their place; none where it does not."""
-    reshape = candidate.effect.reshape
-    if reshape is None or reshape.expected is None:
-        return None
-    values = candidate.effect.named(start) | dict(reshape.expected(system, candidate.site))
-    return np.array([values[name] for name in candidate.effect.parameter_names])
-
-
-def alongside(candidate: Candidate, modified: Candidate, values: Array) -> list[tuple[Array, Array]]:
-    """Starting values of an effect and of what it modifies, with which both together act about as that does at ``values``."""
-    together = candidate.effect.alongside
-    if together is None:
-        return []
-    found = []
-    for point in product(*(p.start_values(candidate.references) for p in candidate.effect.parameters)):
-        other = together(candidate.effect.named(point), modified.effect.named(values), candidate.references)
-        found.append((np.array(point), np.array([other[name] for name in modified.effect.parameter_names])))
-    return found
 
 
 def of_a_contact(first: Parameter, parameter: Parameter) -> bool:

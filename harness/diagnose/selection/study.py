@@ -22,14 +22,15 @@ from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import sharply
 from harness.diagnose.estimation.objective import Objective
 from harness.diagnose.estimation.window_states import SHORTLY, measured_state
-from harness.diagnose.prediction.coordinates import is_logarithmic, to_internal
+from harness.diagnose.prediction.coordinates import is_logarithmic
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible, dear, whole_numbers
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.beginning import Addition
+from harness.diagnose.selection.beginnings.catalogue import beginnings
 from harness.diagnose.selection.multi_start import bent_back, brought_back, in_shape, made_to_ring
 from harness.diagnose.selection.score_tests import Score, carry_state, nuisance, score
-from harness.diagnose.selection.starts import alongside, calmed, foretold
 from harness.diagnose.selection.wald_test import rise_without
 
 Array = NDArray[np.float64]
@@ -413,16 +414,9 @@ class Study:
             if pair in self.extended or (self.before is not None and pair in self.before.extended) or not astray:
                 return known
         self.extended.add(pair)
-        own = to_internal(found.candidate, found.start)
-        starts = [np.concatenate([base.x, own])]
-        calm = calmed(found.candidate, found.start)
-        if calm is not None:
-            starts.append(np.concatenate([base.x, to_internal(found.candidate, calm)]))
-        likely = foretold(found.candidate, self.problem.system, found.start)
-        if likely is not None:
-            own = to_internal(found.candidate, likely)
-            starts.append(np.concatenate([base.x, own]))
-        starts += self._alongside(base, found.candidate)
+        addition = Addition(self, base, found.candidate, found.start)
+        begun = [(way, start) for way in beginnings().values() for start in way.starts(addition)]
+        starts = [start for _, start in begun]
         nearer = brought_back(self, base, hypothesis, starts[0])
         if nearer is not None:
             reached = self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
@@ -432,18 +426,8 @@ class Study:
         settled = fitted.score < HOPELESS * self.samples and not self.stretched(fitted)
         if settled or not self.stretched(base):
             return fitted
-        return bent_back(self, base, np.concatenate([base.x, own]), hypothesis, most_steps, target)
-
-    def _alongside(self, base: Fit, candidate: Candidate) -> list[Array]:
-        """Where an effect may begin beside what it modifies."""
-        starts = []
-        for k, member in enumerate(base.hypothesis.members):
-            if member.site == candidate.site and member.effect.name in candidate.effect.modifies:
-                values = self.predictor.effect_values(base.hypothesis, k, base.x)
-                for own, other in alongside(candidate, member, values):
-                    x = self.predictor.with_values(base.hypothesis, k, base.x, other)
-                    starts.append(np.concatenate([x, to_internal(candidate, own)]))
-        return starts
+        likeliest = [start for way, start in begun if way.likeliest][-1]
+        return bent_back(self, base, likeliest, hypothesis, most_steps, target)
 
     def below(self, base: Fit, k: int) -> Fit:
         """The best fit known without member ``k`` and without anything that ``base`` does not have.

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.criticism.members import shakes
+from harness.diagnose.criticism.reason import Reason, Suspect
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linear_response import Response, begun, motions
 from harness.diagnose.estimation.linearisation import linearise
@@ -46,12 +48,16 @@ class Cut:
         return float(np.sum((self.vector + self.matrix @ by) ** 2)) - self.kept
 
 
-def event_as_well(outcome: Outcome, best: Fit, smaller: Fit) -> bool:
-    """Whether ``smaller``, each recording cut at one moment, explains the rest of it no worse than ``best`` explains the same.
+def _event_as_well(suspect: Suspect) -> bool:
+    """Whether what shakes stands in for one event in every recording.
 
-    The numbers that the cuts add are not counted: blows are common, and what could be one is no wave. A wave that is there goes on
-    before the cut and after it.
+    So it does if the set without it, each recording cut at one moment, explains the rest no worse than the set with it explains
+    the same. The numbers that the cuts add are not counted: blows are common, and what could be one is no wave. A wave that is
+    there goes on before the cut and after it.
     """
+    outcome, best, smaller = suspect.outcome, suspect.best, suspect.smaller
+    if not shakes(best.hypothesis.members[suspect.places[0]]):
+        return False
     along = motions(outcome.predictor, best, best.windows)
     objective = outcome.study.objective(smaller.hypothesis)
     x, lag = smaller.x, np.inf
@@ -151,3 +157,6 @@ def _halves(outcome: Outcome, window: Window) -> list[tuple[Window, Window]]:
         for a, b in zip(ends, begins, strict=True)
         if a > window.first and b < window.last
     ]
+
+
+REASON = Reason("one event in every recording does as well", _event_as_well)

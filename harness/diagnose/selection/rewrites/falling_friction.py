@@ -15,7 +15,8 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linear_response import motions
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
-from harness.diagnose.selection.beam_search import NEAR
+from harness.diagnose.selection.exchange import NEAR
+from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.study import NOTICEABLE, Study
 
 Array = NDArray[np.float64]
@@ -25,7 +26,7 @@ FRICTIONS = ("coulomb_friction", "load_dependent_friction", "dahl_friction")
 SHAPES = ((0.7, 1.0), (1.4, 1.6))
 
 
-def fit_falling(study: Study, best: Fit) -> list[Fit]:
+def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
     """Fits with Stribeck friction in the place of a joint's friction and of damping that takes back what the model states."""
     found = []
     for base, hypothesis, starts in _ways(study, best):
@@ -67,3 +68,6 @@ def _ways(study: Study, best: Fit) -> Iterator[tuple[Fit, Hypothesis, list[Array
 
 def _at(study: Study, name: str, site: str) -> Candidate | None:
     return next((c for c in study.candidates if c.effect.name == name and c.site == site), None)
+
+
+REWRITE = Rewrite("friction that falls with speed for friction and less damping", _fits, (Turn.LAST,))

@@ -9,6 +9,7 @@ Source: Wiechert's model, N. W. Tschoegl, The Phenomenological Theory of Linear 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -17,8 +18,10 @@ from scipy.optimize import nnls
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
-from harness.diagnose.criticism.probe import Probe, Test
-from harness.diagnose.selection.score_tests import Nuisance, Projected
+from harness.diagnose.criticism.check import Check, Remainder, Test, is_no_motion
+from harness.diagnose.criticism.members import tuned_to_relax
+from harness.diagnose.selection.score_tests import Projected
+from harness.effects.effect import Effect
 
 Array = NDArray[np.float64]
 
@@ -27,26 +30,28 @@ SHORTEST, LONGEST, TIMES = 0.03, 100.0, 16  # relaxation times, over the swing's
 DEPENDENT = 1e-10  # of the largest eigenvalue of the columns' correlations, below which the rest is rounding
 
 
-def relaxing(own: Probe, space: Nuisance, joint: str, period: float, noise: float) -> Test:
+def _asked(left: Remainder) -> Iterator[Test]:
     """Gain by elements that relax, as many as it takes, each with a stiffness and a time of its own.
 
-    All are taken to have relaxed before a window begins. period: of the slowest swing [s]; noise: variance of what is left.
+    All are taken to have relaxed before a window begins.
     """
-    times = period / (2.0 * np.pi) * np.geomspace(SHORTEST, LONGEST, TIMES)
-    seen = space.measure(own.in_time(joint, partial(_forces, times=times)))
+    joint = left.at.joint
+    times = left.period / (2.0 * np.pi) * np.geomspace(SHORTEST, LONGEST, TIMES)
+    seen = left.space.measure(left.at.probe.in_time(joint, partial(_forces, times=times)))
     gain, stiffness = _spectrum(seen)
     acting = np.flatnonzero(stiffness > 0.0)
     # Neighbours are one element whose time lies between them.
     elements = int(np.count_nonzero(np.diff(acting, prepend=-2) > 1))
     if elements == 0:
-        return Test(f"{RELAXES} at {joint}", 0.0, 0, 1.0, (joint,))
-    chance = min(1.0, TIMES**elements * float(chi2.sf(gain / noise, 2 * elements)))
+        yield Test(f"{RELAXES} at {joint}", 0.0, 0, 1.0, (joint,))
+        return
+    chance = min(1.0, TIMES**elements * float(chi2.sf(gain / left.noise, 2 * elements)))
     groups = np.split(acting, np.flatnonzero(np.diff(acting) > 1) + 1)
     means = [float(np.exp(np.average(np.log(times[g]), weights=stiffness[g]))) for g in groups]
     # At either end of the times that are tried an element is a damper or a spring.
     told = [f"{mean:.2g} s" for mean, g in zip(means, groups, strict=True) if 0 not in g and TIMES - 1 not in g]
     where = "within " + ", ".join(told) if told else "like a damper" if 0 in acting else "like a spring"
-    return Test(f"{RELAXES} at {joint}", gain, elements, chance, (joint, where), elements)
+    yield Test(f"{RELAXES} at {joint}", gain, elements, chance, (joint, where), elements)
 
 
 def _forces(time: Array, q: Array, v: Array, times: Array) -> Array:
@@ -75,3 +80,14 @@ def _spectrum(seen: Projected) -> tuple[float, Array]:
     found, left = nnls(matrix, right)
     stiffness[visible] = found / size
     return float(right @ right - left**2), stiffness
+
+
+def _some_tuned(effects: Sequence[Effect]) -> bool:
+    return any(map(tuned_to_relax, effects))
+
+
+def _may_hide(effect: Effect) -> bool:
+    return is_no_motion(effect) or tuned_to_relax(effect)
+
+
+CHECK = Check(RELAXES, _asked, every_joint=True, may_stand_for=_some_tuned, on_both_sides=_may_hide)

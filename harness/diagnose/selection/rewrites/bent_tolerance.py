@@ -16,6 +16,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, compatible, dear
 from harness.diagnose.selection.multi_start import bent_back
+from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.score_tests import GREATEST, brought_near, may_reverse, near_changes, nuisance
 from harness.diagnose.selection.starts import rays
 from harness.diagnose.selection.study import Study
@@ -35,10 +36,10 @@ class Straight:
     start: Array
 
 
-def straightened(study: Study, fitted: Fit, count: int) -> list[Fit]:
-    """Fits with one more effect each, that may have bent the nominal quantities of a set; the ``count`` most promising ones."""
+def _fits(study: Study, fitted: Fit, room: Room) -> list[Fit]:
+    """Fits with one more effect each, that may have bent the nominal quantities of a set; the most promising ones."""
     found = []
-    for straight in bending(study, fitted)[:count]:
+    for straight in bending(study, fitted)[: room.count]:
         hypothesis = fitted.hypothesis.with_(straight.candidate)
         found.append(bent_back(study, fitted, straight.start, hypothesis, most_steps=STEPS))
     return found
@@ -88,3 +89,6 @@ def _stands_for(
 def _without(states: Sequence[Array], columns: Sequence[Array]) -> Array:
     """Columns (M, K) of every window without what its initial state, an orthonormal basis (M, S), can do; all windows stacked."""
     return np.vstack([own - q @ (q.T @ own) for q, own in zip(states, columns, strict=True)])
+
+
+REWRITE = Rewrite("what may have bent the nominal quantities", _fits, (Turn.STRAIGHTER,))

@@ -7,6 +7,7 @@ import numpy as np
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import compatible, dear
+from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.score_tests import Score, nuisance, score
 from harness.diagnose.selection.study import HOPELESS, NOTICEABLE, Study
 
@@ -14,13 +15,14 @@ MOST = 6  # fitted in the place of one member
 DOES_ITS_WORK = 0.3  # share of what the set without the member leaves that another candidate must promise to explain
 
 
-def standing_in(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
-    """Fits with member ``k`` replaced by candidates that do its work where all others, the nominal quantities among them, stand.
+def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
+    """Fits with the member replaced by candidates that do its work where all others, the nominal quantities among them, stand.
 
     The set fitted without the member has bent what it could to do without, so that another effect seen from there seems to explain
     little, and a fit begun there ends in a valley of its own. Only what is not dear to fit is tried, and nothing where the set
     without the member is neither bent nor far off: there its own score tests say as much.
     """
+    k = room.member
     rest, without = best.hypothesis.without(k), study.reduce(best, k)
     if (not study.stretched(without) and without.score < HOPELESS * study.samples) or any(map(dear, rest.members)):
         return []
@@ -28,7 +30,7 @@ def standing_in(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
     left, tests = _tested(study, best, k)
     found: list[Fit] = []
     for scored in tests:
-        if scored.gain < DOES_ITS_WORK * left or len(found) >= MOST or len(study.fits) >= most_fits:
+        if scored.gain < DOES_ITS_WORK * left or len(found) >= MOST or len(study.fits) >= room.most_fits:
             break
         hypothesis = rest.with_(scored.candidate)
         known = study.known(hypothesis)
@@ -51,3 +53,6 @@ def _tested(study: Study, best: Fit, k: int) -> tuple[float, list[Score]]:
         found = score(here, study.predictor, study.likelihood, open_ones, study.problem, [space])
         study.substitutes[key] = float(space.residual @ space.residual) - best.score, found
     return study.substitutes[key]
+
+
+REWRITE = Rewrite("what does a member's work where all others stand", _fits, (Turn.IN_PLACE,), every_member=True)

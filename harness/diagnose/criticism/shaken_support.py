@@ -1,4 +1,4 @@
-"""A support that moves up and down, put to what a fit leaves: gravity that comes and goes with time at one frequency.
+"""A support that moves up and down or sideways, put to what a fit leaves: the first is gravity that comes and goes with time.
 
 It pumps a swing or brakes it (Mathieu's equation), and in a few swings looks much like a base that shakes sideways, at the sum or
 the difference of its frequency and the swing's; the catalogue's shakes sideways only.
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.denoc.model import Denoc
-from harness.diagnose.criticism.probe import Probe, Test, probe
+from harness.diagnose.criticism.check import Test
+from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linear_response import responsive, to_channels
 from harness.diagnose.problem.windows import Window

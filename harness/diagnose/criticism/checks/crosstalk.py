@@ -5,50 +5,48 @@ Source: IEEE Std 528, Inertial Sensor Terminology (cross-axis sensitivity).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.criticism.probe import Test
-from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.estimation.likelihood import Likelihood
-from harness.diagnose.prediction.predictor import Predictor
-from harness.diagnose.selection.score_tests import Nuisance
-
-Array = NDArray[np.float64]
+from harness.diagnose.criticism.check import Check, Remainder, Test
 
 LEAKS = "a reading that another channel leaks into"
 
 
-def leaking(predictor: Predictor, likelihood: Likelihood, fitted: Fit, space: Nuisance, noise: float) -> list[Test]:
+def _asked(left: Remainder) -> Iterator[Test]:
     """Largest gain by a part of one channel in the reading of another one of the same kind, all pairs counted in its chance.
 
-    space: what the fit may adjust. noise: variance of what is left, in units of the noise's. None where there are no such pairs.
+    None where there are no such pairs.
     """
-    channels = predictor.problem.channels
+    fitted = left.fitted
+    channels = left.predictor.problem.channels
     pairs = [
         (into, of)
         for into, of in permutations(range(len(channels)), 2)
         if (channels[into].quantity, channels[into].unit) == (channels[of].quantity, channels[of].unit)
     ]
     if not pairs:
-        return []
+        return
     lanes = [(0, window, fitted.states[window]) for window in fitted.windows]
-    predictions = predictor.predict(fitted.hypothesis, fitted.x[None], lanes)
+    predictions = left.predictor.predict(fitted.hypothesis, fitted.x[None], lanes)
     columns = []
     for window, predicted in zip(fitted.windows, predictions, strict=True):
         signal = np.zeros((len(pairs), *predicted.shape))
         for k, (into, of) in enumerate(pairs):
             signal[k, into] = predicted[of]
-        columns.append(np.nan_to_num(likelihood.whiten_signal(window, signal)))
-    seen = space.measure(columns)
+        columns.append(np.nan_to_num(left.likelihood.whiten_signal(window, signal)))
+    seen = left.space.measure(columns)
     gains = seen.gains()
     best = int(np.argmax(gains))
     into, of = pairs[best]
     share = -float(gains[best] / seen.along[best]) if gains[best] > 0.0 else 0.0
-    chance = min(1.0, len(pairs) * float(chi2.sf(gains[best] / noise, 1)))
+    chance = min(1.0, len(pairs) * float(chi2.sf(gains[best] / left.noise, 1)))
     where = (channels[into].name, f"{share:.2g} times {channels[of].name}")
     # Which of the others it is costs as much as another number.
-    return [Test(LEAKS, float(gains[best]), 1, chance, where, 1, choices=len(pairs), exact=True)]
+    yield Test(LEAKS, float(gains[best]), 1, chance, where, 1, choices=len(pairs), exact=True)
+
+
+CHECK = Check(LEAKS, _asked, exact=True)

@@ -1,0 +1,17 @@
+"""All ways to begin a fit with one more effect, in the order in which they are tried; one file of this package each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+
+from harness.diagnose.registry import registered
+from harness.diagnose.selection.beginning import Beginning
+
+NAMES = ("promised", "calmed", "foretold", "alongside")
+
+
+@cache
+def beginnings() -> Mapping[str, Beginning]:
+    """Every way to begin by its file's name."""
+    return registered(__package__, NAMES, Beginning)
