@@ -209,6 +209,18 @@ def test_tables_are_made_in_one_place():
     assert made == [ROOT / "harness" / "report" / "columns.py"]
 
 
+@pytest.mark.parametrize("width", WIDTHS)
+def test_an_estimate_stays_on_its_line_in_whatever_column(width):
+    words = "the inertia that the acceleration of the first mode of bending meets"
+    rows = [(f"rod.mode{k}", words, f"1.0{k} ± 0.0019", f"{12495 + k}") for k in range(3)]
+    text = printed(
+        lambda screen: print_table(screen, ["of", "what is asked", "factor", "log Bayes factor"], rows), width
+    )
+    for row in rows:
+        assert any(row[2] in line for line in text.splitlines()), text
+    assert_whole(text, *(cell for row in rows for cell in row))
+
+
 WORDS = st.text("abc.µ漢-1234567890", min_size=1, max_size=12)
 CELLS = st.lists(WORDS, max_size=12).map(" ".join)
 
