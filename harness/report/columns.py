@@ -5,6 +5,7 @@ Side by side where there is room; where there is not, the last column beneath it
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,6 +20,8 @@ GAP = 2
 # Sentences squeezed narrower than this are a tower of words, which nobody reads; names of a few words may be.
 READABLE, SENTENCE = 20, 48
 INDENT = 4
+_NUMBER = r"[-+−]?\d[\d.,]*(e[-+]?\d+)?"
+_FIGURE = re.compile(rf"{_NUMBER}( (±|…|→) {_NUMBER})?( ?%)?")
 
 
 @dataclass(frozen=True)
@@ -47,11 +50,15 @@ def print_table(
 ) -> None:
     """Print a table as wide as the console allows; where its figures do not fit beside one another, row under row.
 
-    columns: a plain string is a column of words. rows: as many cells as columns each. A column without content is left out.
+    columns: a plain string is a column of words, or of figures if nothing else is in it. rows: as many cells as columns each. A
+    column without content is left out.
     """
-    heads = [Column(column) if isinstance(column, str) else column for column in columns]
     body = [row if isinstance(row, Heading) else [_text(cell) for cell in row] for row in rows]
     cells = [row for row in body if not isinstance(row, Heading)]
+    heads = [
+        Column(column, _counts([row[k].plain for row in cells])) if isinstance(column, str) else column
+        for k, column in enumerate(columns)
+    ]
     kept = [k for k in range(len(heads)) if any(row[k].plain.strip() for row in cells)]
     if not kept:
         return
@@ -70,6 +77,12 @@ def print_table(
         _side_by_side(console, short, body, widths, heads[-1].head)
     else:
         _stacked(console, heads, body)
+
+
+def _counts(cells: Sequence[str]) -> bool:
+    """Whether a column is numbers with their uncertainties, none of them as long as a sentence."""
+    filled = [cell for cell in cells if cell.strip() not in ("", "–")]
+    return bool(filled) and all(len(cell) <= READABLE and _FIGURE.fullmatch(cell.strip()) for cell in filled)
 
 
 def _text(cell: Cell) -> Text:

@@ -162,6 +162,14 @@ def test_tables_of_the_other_verbs_are_whole(width, capfd, monkeypatch, tmp_path
     assert_whole(text, "0.6 → 0.06", "0.002 → 0.001", "8000", "37.23", "40000 kg/m³")
     text = said("validate", "--list")
     assert_whole(text, "rigid_pendulum_damped", "chain_1000", "rotating_cantilever")
+    # What these say is sentences, and paths that may be wider than a screen.
+    monkeypatch.chdir(tmp_path)
+    pendulum = str(ROOT / "models" / "urdf" / "rigid_pendulum.urdf")
+    moved = ("--position", "pivot=1.2345", "--duration", "1", "--rate", "100", "--out", "r.csv")
+    assert_whole(said("simulate", pendulum, *moved), "1.2345;", "r.csv")
+    assert_whole(said("view", pendulum, "r.csv", "--out", "v.html"), "v.html")
+    Path("found.json").write_text(Results(ROWS).to_text(), encoding="utf-8")
+    assert_whole(said("report", "found.json", "--rows"), "3.5e-10", "1.0e-08", "2.1e-03", NOTE)
     if width == 60:
         text = said("doctor")
         for engine in examine():
@@ -199,6 +207,18 @@ def test_tables_are_made_in_one_place():
     """What cuts nothing is ``report/columns.py``; a table made beside it breaks figures where there is little room."""
     made = [path for path in (ROOT / "harness").rglob("*.py") if "rich.table" in path.read_text(encoding="utf-8")]
     assert made == [ROOT / "harness" / "report" / "columns.py"]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_an_estimate_stays_on_its_line_in_whatever_column(width):
+    words = "the inertia that the acceleration of the first mode of bending meets"
+    rows = [(f"rod.mode{k}", words, f"1.0{k} ± 0.0019", f"{12495 + k}") for k in range(3)]
+    text = printed(
+        lambda screen: print_table(screen, ["of", "what is asked", "factor", "log Bayes factor"], rows), width
+    )
+    for row in rows:
+        assert any(row[2] in line for line in text.splitlines()), text
+    assert_whole(text, *(cell for row in rows for cell in row))
 
 
 WORDS = st.text("abc.µ漢-1234567890", min_size=1, max_size=12)
