@@ -42,7 +42,7 @@ def scored(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -> di
     told = [f"{f['effect']}@{f['site']}" for f in claims]
     row: dict[str, Any] = {
         "case": name, "rig": answer["rig"], "what": answer["what"], "kind": answer["kind"],
-        "expected": {"effect": answer["effect"], "site": answer["site"], "parameters": answer["parameters"], "like": answer["like"]},
+        "expected": {key: answer[key] for key in ("effect", "site", "parameters", "like")},
         "verdict": found["verdict"], "told": told, "summary": found["summary"], "seconds": found.get("seconds"),
     }  # fmt: skip
     by = itself or (alike[0] if alike else None)
