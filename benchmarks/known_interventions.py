@@ -35,6 +35,7 @@ from harness.report.files import staged
 from harness.system import Attachment, System
 from harness.system.write import write
 
+from known_interventions_plain import plain  # isort: skip
 from known_interventions_score import scored, shares  # isort: skip
 from real_recordings import folder_of_recordings  # isort: skip
 
@@ -155,7 +156,12 @@ def score(plan: Path, work: Path, target: Path) -> None:
         answer = unseal(line["case"], work / "sealed", line["answer_sha256"])
         told = work / "found" / line["case"] / "diagnosis.json"
         if told.exists():
-            rows.append(scored(line["case"], answer, json.loads(told.read_text(encoding="utf-8"))))
+            row = scored(line["case"], answer, json.loads(told.read_text(encoding="utf-8")))
+            if answer["kind"] == "free":
+                row["plain_fit"] = plain(
+                    work / "cases" / line["case"], answer["effect"], answer["site"], list(answer["parameters"])
+                )
+            rows.append(row)
         else:
             missing.append(line["case"])
     document = {

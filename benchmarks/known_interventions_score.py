@@ -30,8 +30,18 @@ def _held(interval: Sequence[float | None] | None, value: float | None) -> bool 
     """Whether an interval holds a value; None where there is none, or nothing to hold."""
     if interval is None or value is None or None in interval:
         return None
-    low, high = interval
-    return bool(low <= value <= high)  # type: ignore[operator]
+    low, high = (float(x) for x in interval if x is not None)
+    return low <= value <= high
+
+
+def _size(answer: Mapping[str, Any], found: Mapping[str, Any], parameter: str) -> dict[str, Any]:
+    """What was found of one parameter, beside what is true."""
+    true, like, estimate = answer["parameters"][parameter], answer["like"].get(parameter), found[parameter]
+    interval = estimate.get("ci95")
+    return {
+        "parameter": parameter, "unit": estimate["unit"], "true": true, "like": like, "value": estimate["value"],
+        "ci95": interval, "holds": bool(_held(interval, true)), "holds_like": _held(interval, like),
+    }  # fmt: skip
 
 
 def scored(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -> dict[str, Any]:
@@ -49,14 +59,7 @@ def scored(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -> di
     row["named"] = EXACTLY if itself else IN_CLASS if by else FALSE if claims else SILENT
     row["by"] = None if by is None else f"{by['effect']}@{by['site']}"
     row["beside"] = [t for t in told if t != row["by"]]
-    row["sizes"] = []
-    for parameter, true in answer["parameters"].items() if itself else ():
-        estimate = itself["parameters"][parameter]
-        interval, like = estimate.get("ci95"), answer["like"].get(parameter)
-        row["sizes"].append({
-            "parameter": parameter, "unit": estimate["unit"], "true": true, "like": like, "value": estimate["value"],
-            "ci95": interval, "holds": bool(_held(interval, true)), "holds_like": _held(interval, like),
-        })  # fmt: skip
+    row["sizes"] = [] if itself is None else [_size(answer, itself["parameters"], p) for p in answer["parameters"]]
     return row
 
 

@@ -34,20 +34,21 @@ def size(found: Mapping[str, Any]) -> str:
 def table(rows: Sequence[Mapping[str, Any]]) -> str:
     """All cases, as Markdown."""
     lines = [
-        "| case | what was changed | named | size: true / found (95 %) | holds | claimed | verdict | s |",
+        "| case | what was changed | named | size: true / found (95 %) | holds | claimed | verdict | plain fit, told what |",
         "| -- | -- | -- | -- | -- | -- | -- | -- |",
     ]
     for row in rows:
         sizes = "; ".join(map(size, row["sizes"])) or "–"
         holds = ", ".join("yes" if s["holds"] else "no" for s in row["sizes"]) or "–"
         told = ", ".join(f"`{t}`" for t in row["told"]) or "–"
-        seconds = "–" if row["seconds"] is None else f"{row['seconds']:.0f}"
+        (true,) = row["expected"]["parameters"].values()
+        fits = " or ".join(f"{x:.3g}" for x in row.get("plain_fit", ())) or "no size"
         verdict = row["verdict"].replace("_", " ")
         named = {"false": "no: something else", "silent": "no: nothing is claimed"}.get(row["named"], row["named"])
         if row["named"] == "in class":
             named += f", by `{row['by']}`"
         lines.append(
-            f"| {row['case']} | {row['what']} | {named} | {sizes} | {holds} | {told} | {verdict} | {seconds} |"
+            f"| {row['case']} | {row['what']} | {named} | {sizes} | {holds} | {told} | {verdict} | {fits} (true {true:.3g}) |"
         )
     return "\n".join(lines)
 
