@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 
@@ -143,8 +142,9 @@ def _name(peer: str, shapes: str, modes: int) -> str:
 
 
 def _peer(peer: str, system: System, elements: int, bricks: int) -> EngineModel:
-    engine = Ancf(elements=elements) if peer == ANCF else Ffrf(elements=bricks, modes=VIBRATIONS)
-    return cast(EngineModel, engine.build(system))
+    if peer == ANCF:
+        return Ancf(elements=elements).build(system)
+    return Ffrf(elements=bricks, modes=VIBRATIONS).build(system)
 
 
 @dataclass(frozen=True)
@@ -159,19 +159,18 @@ class Turned:
 def configurations(kinds: str, angles: Sequence[float], elements: int, bricks: int) -> list[Turned]:
     """Natural frequencies by the angle of the second joint, native with five modes on each strip, and finite elements."""
     ours = arm(kinds, modes=5, gravity=0.0)
-    models: dict[str, EngineModel] = {NATIVE: cast(EngineModel, registry.engine(NATIVE).build(ours))}
+    models = {NATIVE: (ours, registry.engine(NATIVE).build(ours))}
     try:
-        models[ANCF] = cast(EngineModel, Ancf(elements=elements).build(ours))
-        models[FFRF] = cast(
-            EngineModel, Ffrf(elements=bricks).build(arm(kinds, modes=5, gravity=0.0, stiffening=False))
-        )
+        for peer in PEERS:
+            system = arm(kinds, gravity=0.0, stiffening=peer == ANCF)
+            models[peer] = system, _peer(peer, system, elements, bricks)
     except EngineUnavailableError:
         pass
     found = []
     for angle in angles:
         all_of = {}
-        for name, model in models.items():
-            q, _ = initial_state(ours if name == NATIVE else model.system, {"joint2": angle}, {})
+        for name, (system, model) in models.items():
+            q, _ = initial_state(system, {"joint2": angle}, {})
             all_of[name] = np.array([f for f in model.frequencies(q) if f > 0.1])
         own = all_of.pop(NATIVE)[:3]
         matched = {}
@@ -236,10 +235,10 @@ def _told(
             pairs = (", ".join(f"{errors[_name(peer, shapes, m)]:.2g}" for peer in PEERS) for m in modes)
             rows.append((motion.kinds, motion.what, shapes, *pairs))
             for peer in PEERS:
-                found = tuple(errors[_name(peer, shapes, m)] for m in modes)
+                of_modes = tuple(errors[_name(peer, shapes, m)] for m in modes)
                 numbers |= {
                     f"{motion.kinds}_{motion.what}_{shapes}_{peer}_{m}": error
-                    for m, error in zip(modes, found, strict=True)
+                    for m, error in zip(modes, of_modes, strict=True)
                 }
                 series.append(
                     Series(
@@ -247,7 +246,7 @@ def _told(
                         f"tip error against modes {motion.what} {peer}",
                         f"{motion.kinds}, {shapes}",
                         tuple(float(m) for m in modes),
-                        found,
+                        of_modes,
                         "modes on each strip",
                         "RMS of tip deflection over its peak",
                         style="dashed" if shapes == "clamped_free" else "line",
