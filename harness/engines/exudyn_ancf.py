@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from harness.engines.checked import held_forces, installed_version, positive_step, sample_times, vectors
-from harness.engines.exudyn_joint import Side, add_joint_element
+from harness.engines.exudyn_joint import PlanarBodySide, Side, SlopeSide, add_joint_element, held_torques
 from harness.engines.exudyn_run import exudyn_package, grid, item, quiet, settings, solve_dynamic, solve_static, stored
 from harness.engines.planar import PlanarChain, PlanarLink, planar_chain, poses_and_rates, why_not_planar
 from harness.engines.protocol import Array, EngineError
@@ -97,7 +97,7 @@ class AncfModel:
         since = time - time[0]
         steps, every = grid(time, positive_step(step) or DEFAULT_STEP)
         with quiet(exudyn):
-            built = self._build(exudyn, q0, qd0, _torques(self.chain, since, forces))
+            built = self._build(exudyn, q0, qd0, held_torques(self.chain, since, forces))
             relative, absolute = self._tolerances()
             made = settings(exudyn, float(since[-1]), steps, every, relative=relative, absolute=absolute)
             solve_dynamic(exudyn, built.mbs, made)
@@ -311,8 +311,9 @@ class AncfModel:
             return
 
         def side(index: int, place: int) -> Side:
-            slope = None if self.chain.links[index].data is None else built.reference[index][place, 2:]
-            return Side(built.nodes[index][place], slope)
+            node = built.nodes[index][place]
+            rigid = self.chain.links[index].data is None
+            return PlanarBodySide(node) if rigid else SlopeSide(node, built.reference[index][place, 2:])
 
         parent = side(link.parent, -1) if inner else None
         add_joint_element(items, mbs, parent, side(k, 0), inertia=inertia, damping=damping, torque=torque)
@@ -353,24 +354,6 @@ class AncfModel:
             if link.coordinate >= 0:
                 channels[f"{link.joint.name}.position"] = position[:, link.coordinate]
         return Trajectory(time=time, names=self.names, position=position, velocity=velocity, channels=channels)
-
-
-def _torques(chain: PlanarChain, since: Array, forces: Array | None) -> dict[int, Callable[[float], float]]:
-    """Torque about z over time on each link's joint that has one, by the link's index."""
-    found: dict[int, Callable[[float], float]] = {}
-    if forces is None:
-        return found
-    for k, link in enumerate(chain.links):
-        if link.coordinate < 0 or not np.any(forces[:, link.coordinate]):
-            continue
-        held = link.sign * forces[:, link.coordinate]
-
-        def torque(t: float, held: Array = held) -> float:
-            # An end of a step that rounds below a sample's time belongs to the interval that begins there.
-            return float(held[max(0, int(np.searchsorted(since, t + 1e-9 * since[-1], side="right")) - 1)])
-
-        found[k] = torque
-    return found
 
 
 def _angle(x: Any, y: Any) -> Any:

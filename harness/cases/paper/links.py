@@ -1,46 +1,62 @@
-"""Arms of two and three links, rigid and flexible, falling and driven: native modes against finite elements."""
+"""Arms of two and three links, rigid and flexible, falling and driven: native modes against finite elements.
+
+ANCF elements stiffen by rotation, a floating frame does not: each is held against the native model that does as it does.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 
 from harness.cases.beams import LENGTH, STEEL, THICKNESS, WIDTH, strip
 from harness.cases.case import NATIVE, Array, Series
-from harness.cases.checks.deflection import tip_difference, with_modes
+from harness.cases.checks.deflection import tip_difference
 from harness.cases.checks.trajectory import initial_state
 from harness.cases.paper.study import Progress, Study, silent
-from harness.cases.pendulums import GRAVITY, bar, hinge
+from harness.cases.pendulums import GRAVITY, HUB, bar, hinge
 from harness.compare.spectrum import match_modes
 from harness.engines import registry
 from harness.engines.exudyn_ancf import Ancf
+from harness.engines.exudyn_ffrf import Ffrf
 from harness.engines.protocol import EngineModel
 from harness.errors import EngineUnavailableError, UnsupportedError
 from harness.journal import Journal
 from harness.parallel import parallel_map
-from harness.system import Link, System
+from harness.system import Link, System, Trajectory
 from harness.system.description import constant
 
 # R is a rigid bar, F a strip of the same steel; the first stands at the base.
 ARMS = ("F", "RF", "FR", "FF", "RFR", "FRF")
 MODES = (1, 2, 3, 4, 5)
+ANCF, FFRF = "exudyn_ancf", "exudyn_ffrf"
+PEERS = (ANCF, FFRF)
+SHAPES = ("auto", "clamped_free")
+# Step of the native engine, with which five modes' vibrations are followed [s].
+OWN_STEP = 1e-4
+# Vibrations that the floating frame keeps of each bar.
+VIBRATIONS = 8
 
 
 def arm(
     kinds: str, *, modes: int = 3, gravity: float = GRAVITY, stiffening: bool = True, shapes: str = "auto"
 ) -> System:
-    """An arm of links by letter, each 0.30 m of 25 × 1 mm steel, hinged end to end, hanging at zero; shapes: of modes."""
+    """An arm of links by letter, each 0.30 m of 25 × 1 mm steel, hinged end to end on the paper's hub, hanging at zero.
+
+    shapes: of the modes.
+    """
     mass = STEEL * LENGTH * WIDTH * THICKNESS
     links, joints = [], []
     for k, kind in enumerate(kinds):
         name = f"link{k + 1}"
         links.append(bar(name, LENGTH, mass) if kind == "R" else _strip(name, modes, stiffening, shapes))
         parent = "base" if k == 0 else f"link{k}"
-        joints.append(hinge(f"joint{k + 1}", parent, name, drop=0.0 if k == 0 else LENGTH))
+        # A torque on the massless end of a beam turns it at once, and what is seen from there is then of no frequency; the
+        # paper's joint has a hub.
+        drop, hub = (0.0, HUB) if k == 0 else (LENGTH, 0.0)
+        joints.append(hinge(f"joint{k + 1}", parent, name, drop=drop, armature=hub))
     return System(f"arm {kinds}", tuple(joints), tuple(links), gravity=constant([0.0, 0.0, -gravity]))
 
 
@@ -52,23 +68,33 @@ def _strip(name: str, modes: int, stiffening: bool, shapes: str) -> Link:
 
 @dataclass(frozen=True)
 class Motion:
-    """One run of one arm: falling from a bent pose, or driven at its first joint while it hangs; peer of finite elements.
+    """One run of one arm: falling from a bent pose, or driven at its first joint while it hangs.
 
-    shapes: of the native modes.
+    modes: numbers of native modes on each strip; elements: of ANCF on each strip; bricks: of the floating frame's mesh;
+    step: of both [s].
     """
 
     kinds: str
     driven: bool
-    peer: str
-    shapes: str
     modes: tuple[int, ...]
     duration: float
     elements: int
+    bricks: int
+    step: float
+
+    @property
+    def what(self) -> str:
+        return "driven" if self.driven else "falling"
 
     @property
     def key(self) -> str:
         """Name of the motion in a study."""
-        return f"{self.kinds} {'driven' if self.driven else 'falling'} {self.shapes} {self.peer}"
+        return f"{self.kinds} {self.what}"
+
+    @property
+    def start(self) -> dict[str, float]:
+        """Joint positions at the start by name [rad]; zero where not named."""
+        return {} if self.driven else {"joint1": -1.0} | ({"joint2": -0.5} if len(self.kinds) > 1 else {})
 
     def torque(self, time: Array, n: int) -> Array | None:
         """Two periods of a sine of 0.05 N·m at the first joint, (T, n), held from sample to sample."""
@@ -78,55 +104,80 @@ class Motion:
         tau[:, 0] = 0.05 * np.sin(2.0 * math.pi * 2.0 / self.duration * time)
         return tau
 
+    def run(self, model: EngineModel, system: System, step: float) -> Trajectory:
+        """The motion in one engine, at 2 kHz."""
+        time = np.linspace(0.0, self.duration, round(self.duration * 2000.0) + 1)
+        torque = self.torque(time, len(system.coordinate_names))
+        return model.simulate(*initial_state(system, self.start, {}), time, tau=torque, step=step)
 
-def compared(motion: Motion) -> tuple[Motion, dict[int, float] | str]:
-    """RMS error of the tip deflections over their peak by number of modes, or why there is none."""
-    stiffening = motion.peer == "exudyn_ancf"
-    time = np.linspace(0.0, motion.duration, round(motion.duration * 2000.0) + 1)
-    system = arm(motion.kinds, stiffening=stiffening, shapes=motion.shapes)
-    start = {} if motion.driven else {"joint1": -1.0} | ({"joint2": -0.5} if len(motion.kinds) > 1 else {})
+
+def compared(motion: Motion) -> tuple[Motion, dict[str, float] | str]:
+    """RMS errors of the tip deflections over their peak, by ``_name``, or why there are none.
+
+    ``apart``: how far the floating frame is from ANCF, which stiffen by rotation. ``exudyn_…``: what twice the step changes
+    of that peer, whose own error is a third of it.
+    """
+    errors: dict[str, float] = {}
+    truths: list[Trajectory] = []
     try:
-        peer = _ancf(system, motion.elements) if stiffening else registry.engine(motion.peer).build(system)
-        truth = peer.simulate(
-            *initial_state(system, start, {}),
-            time,
-            tau=motion.torque(time, len(system.coordinate_names)),
-            step=5e-5,
-        )
+        for peer in PEERS:
+            system = arm(motion.kinds, stiffening=peer == ANCF)
+            model = _peer(peer, system, motion.elements, motion.bricks)
+            truths.append(motion.run(model, system, motion.step))
+            errors[peer] = tip_difference(motion.run(model, system, 2.0 * motion.step), truths[-1])[0]
     except (UnsupportedError, EngineUnavailableError) as reason:
         return motion, str(reason)
-    errors = {}
-    for modes in motion.modes:
-        own = with_modes(system, modes)
-        model = registry.engine(NATIVE).build(own)
-        run = model.simulate(*initial_state(own, start, {}), time, tau=motion.torque(time, len(own.coordinate_names)))
-        errors[modes] = tip_difference(run, truth)[0]
+    errors["apart"] = tip_difference(truths[1], truths[0])[0]
+    for peer, truth in zip(PEERS, truths, strict=True):
+        for shapes in SHAPES:
+            for modes in motion.modes:
+                own = arm(motion.kinds, modes=modes, stiffening=peer == ANCF, shapes=shapes)
+                run = motion.run(registry.engine(NATIVE).build(own), own, OWN_STEP)
+                errors[_name(peer, shapes, modes)] = tip_difference(run, truth)[0]
     return motion, errors
 
 
-def _ancf(system: System, elements: int) -> EngineModel:
-    return cast(EngineModel, Ancf(elements=elements).build(system))
+def _name(peer: str, shapes: str, modes: int) -> str:
+    return f"{peer} {shapes} {modes}"
 
 
-def configurations(kinds: str, angles: Sequence[float], elements: int) -> list[tuple[float, list[float], list[float]]]:
-    """First natural frequencies [Hz] of a weightless arm by the angle of its second joint [rad]: native, and ANCF's matched."""
-    system = arm(kinds, modes=5, gravity=0.0)
-    ours = registry.engine(NATIVE).build(system)
+def _peer(peer: str, system: System, elements: int, bricks: int) -> EngineModel:
+    if peer == ANCF:
+        return Ancf(elements=elements).build(system)
+    return Ffrf(elements=bricks, modes=VIBRATIONS).build(system)
+
+
+@dataclass(frozen=True)
+class Turned:
+    """First natural frequencies [Hz] of a weightless arm with its second joint at ``angle`` [rad]; peers' matched to ours."""
+
+    angle: float
+    own: list[float]
+    peers: dict[str, list[float]]
+
+
+def configurations(kinds: str, angles: Sequence[float], elements: int, bricks: int) -> list[Turned]:
+    """Natural frequencies by the angle of the second joint, native with five modes on each strip, and finite elements."""
+    ours = arm(kinds, modes=5, gravity=0.0)
+    models = {NATIVE: (ours, registry.engine(NATIVE).build(ours))}
     try:
-        Ancf().version()
-        theirs: EngineModel | None = _ancf(system, elements)
+        for peer in PEERS:
+            system = arm(kinds, gravity=0.0, stiffening=peer == ANCF)
+            models[peer] = system, _peer(peer, system, elements, bricks)
     except EngineUnavailableError:
-        theirs = None
+        pass
     found = []
     for angle in angles:
-        q, _ = initial_state(system, {"joint2": angle}, {})
-        own = np.array([f for f in ours.frequencies(q) if f > 0.1])[:3]
-        matched: list[float] = []
-        if theirs is not None:
-            other = np.array([f for f in theirs.frequencies(q) if f > 0.1])
+        all_of = {}
+        for name, (system, model) in models.items():
+            q, _ = initial_state(system, {"joint2": angle}, {})
+            all_of[name] = np.array([f for f in model.frequencies(q) if f > 0.1])
+        own = all_of.pop(NATIVE)[:3]
+        matched = {}
+        for peer, other in all_of.items():
             pairs = dict(match_modes(own, other))
-            matched = [float(other[pairs[k]]) if k in pairs else math.nan for k in range(len(own))]
-        found.append((angle, own.tolist(), matched))
+            matched[peer] = [float(other[pairs[k]]) if k in pairs else math.nan for k in range(len(own))]
+        found.append(Turned(angle, own.tolist(), matched))
     return found
 
 
@@ -144,90 +195,114 @@ def links(
     journal: keeps each motion's errors as they come; what it has is not run again.
     """
     modes = MODES[:3] if quick else MODES
-    duration, elements = (0.15, 8) if quick else (0.5, 16)
+    duration, elements, bricks, step = (0.15, 8, 96, 5e-5) if quick else (0.25, 16, 192, 2.5e-5)
     motions = [
-        Motion(kinds, driven, peer, shapes, modes, duration, elements)
-        for kinds in ARMS
-        for driven, shapes in ((False, "auto"), (True, "auto"), (True, "clamped_free"))
-        # The floating frame is set up for one beam on the base, and does not stiffen.
-        for peer in (("exudyn_ancf", "exudyn_ffrf") if kinds == "F" else ("exudyn_ancf",))
+        Motion(kinds, driven, modes, duration, elements, bricks, step) for kinds in ARMS for driven in (False, True)
     ]
     kept = {} if journal is None else dict(journal.found)
     left = [motion for motion in motions if motion.key not in kept]
 
-    def done(index: int, outcome: tuple[Motion, dict[int, float] | str]) -> None:
+    def done(index: int, outcome: tuple[Motion, dict[str, float] | str]) -> None:
         motion, errors = outcome
-        kept[motion.key] = errors if isinstance(errors, str) else {str(m): error for m, error in errors.items()}
+        kept[motion.key] = errors
         if journal is not None:
-            journal.add(motion.key, kept[motion.key])
+            journal.add(motion.key, errors)
         progress(len(kept), len(motions) + 1, left[index].key)
 
     parallel_map(compared, left, workers=workers, done=done)
-    ran = [
-        (m, kept[m.key] if isinstance(kept[m.key], str) else {int(k): float(e) for k, e in kept[m.key].items()})
-        for m in motions
-    ]
     angles = np.radians(np.linspace(0.0, 150.0, 4 if quick else 11))
-    turned = {kinds: configurations(kinds, angles.tolist(), elements) for kinds in ("FF", "RF")}
+    turned = {kinds: configurations(kinds, angles.tolist(), elements, bricks) for kinds in ("FF", "RF")}
     progress(len(motions) + 1, len(motions) + 1, "frequencies")
-    return _told(ran, turned, modes)
+    return _told([(motion, kept[motion.key]) for motion in motions], turned, modes)
 
 
 def _told(
-    ran: Sequence[tuple[Motion, dict[int, float] | str]],
-    turned: dict[str, list[tuple[float, list[float], list[float]]]],
-    modes: Sequence[int],
+    ran: Sequence[tuple[Motion, dict[str, float] | str]], turned: dict[str, list[Turned]], modes: Sequence[int]
 ) -> Study:
-    heads = ("arm", "motion", "shapes", "against", *(f"{m} mode{'s' if m > 1 else ''}" for m in modes))
+    plural = [f"{m} mode{'s' if m > 1 else ''}" for m in modes]
+    heads = ("arm", "motion", "shapes", *(f"{count}: ANCF, FFRF" for count in plural))
     rows: list[tuple[str, ...]] = []
+    apart: list[tuple[str, ...]] = []
     series: list[Series] = []
     numbers: dict[str, float] = {}
     for motion, errors in ran:
-        what = "driven" if motion.driven else "falling"
         if isinstance(errors, str):
-            rows.append((motion.kinds, what, motion.shapes, motion.peer, errors, *[""] * (len(modes) - 1)))
+            rows.append((motion.kinds, motion.what, errors, *[""] * len(modes)))
             continue
-        rows.append((motion.kinds, what, motion.shapes, motion.peer, *(f"{errors[m]:.2g}" for m in modes)))
-        numbers |= {f"{motion.kinds}_{what}_{motion.shapes}_{motion.peer}_{m}": errors[m] for m in modes}
-        series.append(
-            Series(
-                "paper",
-                f"tip error against modes {what}",
-                f"{motion.kinds}, {motion.shapes}, {motion.peer}",
-                tuple(float(m) for m in modes),
-                tuple(errors[m] for m in modes),
-                "modes on each strip",
-                "RMS of tip deflection over its peak",
-                style="dashed" if motion.shapes == "clamped_free" else "line",
-                log="y",
-            )
-        )
-    frequency_heads = ("arm", "second joint [°]", "native [Hz]", "ANCF [Hz]")
-    frequency_rows = []
-    for kinds, found in turned.items():
-        for angle, own, other in found:
-            frequency_rows.append((kinds, f"{math.degrees(angle):.0f}", _hertz(own), _hertz(other)))
-        for k in range(min(len(own) for _, own, _ in found)):
-            for label, pick, dashed in ((NATIVE, 1, False), ("exudyn_ancf", 2, True)):
-                values = [row[pick][k] if k < len(row[pick]) else math.nan for row in found]  # type: ignore[index,arg-type]
+        apart.append((motion.kinds, motion.what, *(f"{errors[name]:.2g}" for name in ("apart", *PEERS))))
+        numbers[f"{motion.kinds}_{motion.what}_apart"] = errors["apart"]
+        for shapes in SHAPES:
+            pairs = (", ".join(f"{errors[_name(peer, shapes, m)]:.2g}" for peer in PEERS) for m in modes)
+            rows.append((motion.kinds, motion.what, shapes, *pairs))
+            for peer in PEERS:
+                of_modes = tuple(errors[_name(peer, shapes, m)] for m in modes)
+                numbers |= {
+                    f"{motion.kinds}_{motion.what}_{shapes}_{peer}_{m}": error
+                    for m, error in zip(modes, of_modes, strict=True)
+                }
                 series.append(
                     Series(
                         "paper",
-                        f"frequency against configuration {kinds}",
-                        f"{label}, {k + 1}",
-                        tuple(math.degrees(row[0]) for row in found),
-                        tuple(values),
-                        "angle of the second joint [°]",
-                        "frequency [Hz]",
-                        style="dashed" if dashed else "line",
+                        f"tip error against modes {motion.what} {peer}",
+                        f"{motion.kinds}, {shapes}",
+                        tuple(float(m) for m in modes),
+                        of_modes,
+                        "modes on each strip",
+                        "RMS of tip deflection over its peak",
+                        style="dashed" if shapes == "clamped_free" else "line",
+                        log="y",
                     )
                 )
+    tables = {
+        "tip_error": (heads, rows),
+        "stiffening": (("arm", "motion", "FFRF against ANCF", "ANCF, twice the step", "FFRF, twice the step"), apart),
+        "frequencies": _frequency_table(turned),
+    }
+    for kinds, found in turned.items():
+        series += _frequency_series(kinds, found)
         numbers |= {
-            f"{kinds}_frequency_{k + 1}_{round(math.degrees(row[0]))}": row[1][k]
+            f"{kinds}_frequency_{k + 1}_{round(math.degrees(row.angle))}": value
             for row in found
-            for k in range(len(row[1]))
+            for k, value in enumerate(row.own)
         }
-    return Study({"tip_error": (heads, rows), "frequencies": (frequency_heads, frequency_rows)}, tuple(series), numbers)
+    return Study(tables, tuple(series), numbers)
+
+
+def _frequency_table(turned: dict[str, list[Turned]]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    rows = [
+        (
+            kinds,
+            f"{math.degrees(row.angle):.0f}",
+            _hertz(row.own),
+            *(_hertz(row.peers[peer]) if peer in row.peers else "" for peer in PEERS),
+        )
+        for kinds, found in turned.items()
+        for row in found
+    ]
+    return ("arm", "second joint [°]", "native [Hz]", "ANCF [Hz]", "FFRF [Hz]"), rows
+
+
+def _frequency_series(kinds: str, found: Sequence[Turned]) -> list[Series]:
+    angles = tuple(math.degrees(row.angle) for row in found)
+    series = []
+    for k in range(min(len(row.own) for row in found)):
+        lines = {NATIVE: [row.own[k] for row in found]} | {
+            peer: [row.peers[peer][k] for row in found] for peer in found[0].peers
+        }
+        for label, values in lines.items():
+            series.append(
+                Series(
+                    "paper",
+                    f"frequency against configuration {kinds}",
+                    f"{label}, {k + 1}",
+                    angles,
+                    tuple(values),
+                    "angle of the second joint [°]",
+                    "frequency [Hz]",
+                    style="line" if label == NATIVE else "dashed",
+                )
+            )
+    return series
 
 
 def _hertz(values: Sequence[float]) -> str:
