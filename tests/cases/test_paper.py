@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from harness.cases.beams import closed_form, strip
 from harness.cases.paper import readings
-from harness.cases.paper.links import arm
+from harness.cases.paper.links import Motion, arm, compared, configurations
 from harness.cases.paper.rig import release_rigid, rigid
 from harness.cases.pendulums import GRAVITY, LENGTH, paper_inertia, paper_restoring
 from harness.compare.decay.estimate import departure
@@ -104,3 +105,31 @@ def test_every_reading_errs_as_the_page_says():
         assert max(off) < 4.0
         assert found.decrement > 1.2 * trial.coefficients[0] + 5e-4
         assert found.printed > 20.0 * found.decrement
+
+
+def test_an_arm_is_held_against_both_kinds_of_finite_elements():
+    """By every kind and number of modes; and what a motion's finite elements are certain to is far below what one mode leaves."""
+    pytest.importorskip("exudyn")
+    _, errors = compared(Motion("FR", True, (1, 3), duration=0.05, elements=8, bricks=48, step=1e-4))
+    assert not isinstance(errors, str)
+    assert set(errors) == {"apart", "exudyn_ancf", "exudyn_ffrf"} | {
+        f"{peer} {shapes} {modes}"
+        for peer in ("exudyn_ancf", "exudyn_ffrf")
+        for shapes in ("auto", "clamped_free")
+        for modes in (1, 3)
+    }
+    for peer in ("exudyn_ancf", "exudyn_ffrf"):
+        for shapes in ("auto", "clamped_free"):
+            assert errors[f"{peer} {shapes} 3"] < 0.02 < errors[f"{peer} {shapes} 1"]
+        assert errors[peer] < 0.005
+
+
+def test_frequencies_of_a_strip_on_a_bar_at_a_right_angle_are_those_of_one_pinned():
+    """The bar cannot move the strip's root across it: β l = 3.926602, 7.068583, 10.210176 of a beam pinned and free."""
+    pytest.importorskip("exudyn")
+    (found,) = configurations("RF", [math.pi / 2.0], elements=8, bricks=192)
+    for k, beta in enumerate((3.926602, 7.068583, 10.210176)):
+        exact = closed_form(beta, strip())
+        assert found.own[k] == pytest.approx(exact, rel=1e-4)
+        for peer in ("exudyn_ancf", "exudyn_ffrf"):
+            assert found.peers[peer][k] == pytest.approx(exact, rel=2.5e-3)

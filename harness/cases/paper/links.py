@@ -253,6 +253,8 @@ def _told(
                         log="y",
                     )
                 )
+    # An arm has one colour with either kind of modes where those of one kind come first.
+    series.sort(key=lambda line: line.style == "dashed")
     tables = {
         "tip_error": (heads, rows),
         "stiffening": (("arm", "motion", "FFRF against ANCF", "ANCF, twice the step", "FFRF, twice the step"), apart),
