@@ -73,5 +73,5 @@ def installed_version(distribution: str, package: str) -> str:
     try:
         return metadata.version(distribution)
     except metadata.PackageNotFoundError:
-        how = "pip install mujoco" if distribution == "mujoco" else install("engines")
+        how = "pip install mujoco" if distribution == "mujoco-core" else install("engines")
         raise EngineUnavailableError(f"{package} is not installed: {how}") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from importlib import metadata
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from harness.engines.loops import closing, refuses_loops
 from harness.engines.mujoco_constraints import bound as bound_both
 from harness.engines.mujoco_constraints import limit, soften
 from harness.engines.mujoco_model import MujocoModel, _mujoco, mujoco_model
-from harness.errors import UnsupportedError
+from harness.errors import EngineUnavailableError, UnsupportedError
 from harness.system import JointType, System
 from harness.system.lowering import chained, position_of_rate
 from harness.system.soft_constraints import soft_friction, soft_stops
@@ -28,7 +29,17 @@ class Mujoco:
     name: str = "mujoco"
 
     def version(self) -> str:
-        return installed_version("mujoco", "MuJoCo")
+        found = installed_version("mujoco-core", "MuJoCo")
+        # Both distributions write into one package: an older whole one beside the core is neither.
+        try:
+            whole = metadata.version("mujoco")
+        except metadata.PackageNotFoundError:
+            return found
+        if whole != found:
+            raise EngineUnavailableError(
+                f"mujoco {whole} and mujoco-core {found} are installed one over the other: pip install --upgrade mujoco"
+            )
+        return found
 
     def refuses(self, system: System) -> str | None:
         if bends(system):

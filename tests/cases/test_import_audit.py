@@ -116,6 +116,19 @@ def test_what_only_mujoco_does_with_an_mjcf(tmp_path: Path) -> None:
     assert abs(pulled[0]) == pytest.approx(MASS * GRAVITY * ARM * np.sin(0.5), rel=1e-9)
 
 
+def test_a_joint_that_is_a_polynomial_of_another_acts_here_and_not_in_pinocchio(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(
+        """<mujoco><compiler angle="radian"/><worldbody><body name="a"><joint name="h" axis="0 1 0"/>
+        <inertial pos="0 0 -.1" mass="1" diaginertia=".01 .01 .001"/><body name="b" pos="0 0 -.2"><joint name="i" axis="0 1 0"/>
+        <inertial pos="0 .01 -.1" mass=".5" diaginertia=".004 .004 .0005"/></body></body></worldbody>
+        <equality><joint joint1="i" joint2="h" polycoef=".1 -.5 .4"/></equality></mujoco>"""
+    )
+    row = found(path)["equality"]
+    assert row.readers["denoc"] == "acts, joints follow" and row.readers["pinocchio"] == "ignored"
+    assert row.motion > 0.1
+
+
 def test_a_file_that_all_read_alike_has_no_rows(tmp_path: Path) -> None:
     assert audit_import(file(tmp_path, URDF.format(dynamics="", rest=""), "x.urdf")) == ()
 

@@ -173,6 +173,21 @@ def test_missing_engine_is_a_line_not_a_crash(monkeypatch: pytest.MonkeyPatch) -
     assert "pinocchio" not in [engine.name for engine in registry.available()]
 
 
+def test_an_older_mujoco_beside_the_core_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The core is one of two distributions that write into one package."""
+    from importlib import metadata
+
+    def installed(name: str) -> str:
+        known = {"mujoco": "3.3.2", "mujoco-core": "4.0.0"}
+        if name not in known:
+            raise metadata.PackageNotFoundError(name)
+        return known[name]
+
+    monkeypatch.setattr(metadata, "version", installed)
+    with pytest.raises(EngineUnavailableError, match=r"3\.3\.2 and mujoco-core 4\.0\.0 .*--upgrade mujoco"):
+        registry.engine("mujoco").version()
+
+
 def test_registry_lists_the_native_engine_first_and_knows_its_names() -> None:
     assert registry.names()[0] == "denoc"
     assert set(ALL) <= set(registry.names())

@@ -12,6 +12,7 @@ from harness.cases.import_audit.urdf import urdf_fields
 from harness.engines.readers.register import root_of
 from harness.errors import InputError
 from harness.system import load
+from harness.system.loop import explicit
 from harness.system.lowering import freed, one_degree
 
 SCHEMA = "denoc.import/1"
@@ -25,14 +26,15 @@ def audit_import(path: str | Path, *, physical: bool = True, allow: Sequence[str
     Raises InputError for a file that cannot be read, and for TOML, which no engine reads.
     """
     source = Path(path)
-    # Runs with a field and without are those of independent joints; what mimics costs is how far they depart.
+    # Runs with a field and without are those of independent joints; what mimics and polynomials cost is how far they depart.
     read = load(source, physical=physical, allow=allow)
-    system = one_degree(freed(read), "an audit of readers")
+    curved = explicit(read.loops)
+    system = one_degree(freed(replace(read, loops=() if curved else read.loops)), "an audit of readers")
     kind = root_of(source)
     if not kind:
         raise InputError("is no URDF or MJCF, and no other engine reads it", mend="give a .urdf or .xml", source=source)
     folders = [Path(folder) for folder in allow]
-    following = sum(joint.mimic is not None for joint in read.joints)
+    following = sum(joint.mimic is not None for joint in read.joints) + len(curved)
     found = urdf_fields(source, system, folders) if kind == "robot" else mjcf_fields(source, system, folders, following)
     units = units_of(system)
     ordered = sorted(found, key=lambda row: -max(row.force or 0.0, row.motion or 0.0))
