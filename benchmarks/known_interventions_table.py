@@ -48,8 +48,9 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
         named = {"false": "no: something else", "silent": "no: nothing is claimed"}.get(row["named"], row["named"])
         if row["named"] == "in class":
             named += f", by `{row['by']}`"
+        truth = f"true {true:.3g}{point}"
         lines.append(
-            f"| {row['case']} | {row['what']} | {named} | {sizes} | {holds} | {told} | {verdict} | {fits} (true {true:.3g}{point}) |"
+            f"| {row['case']} | {row['what']} | {named} | {sizes} | {holds} | {told} | {verdict} | {fits} ({truth}) |"
         )
     return "\n".join(lines)
 
@@ -78,10 +79,11 @@ def sentence(document: Mapping[str, Any]) -> str:
     named, low, high = told["named"], *(100.0 * x for x in told["named"]["wilson95"])
     return (
         f"On **real hardware with a known change** (a weight added or moved, a rod exchanged; {len(told['rigs'])} rigs, "
-        f"answers sealed first, {document['time_limit_s']:.0f} s a case) the tool, given the model of the other state, names the change "
-        f"in {named['hits']} of {named['of']} cases ({low:.0f}–{high:.0f} %), {told['named_exactly']['hits']} of them exactly; "
-        f"{holds['hits']} of {holds['of']} intervals of 95 % hold its size; in {told['false_headline']['hits']} something else is "
-        f"claimed, in {told['cannot_tell']['hits']} nothing. A plain fit that is told which number changed finds it "
+        f"answers sealed first, {document['time_limit_s']:.0f} s a case) the tool, given the model of the other state, "
+        f"names the change in {named['hits']} of {named['of']} cases ({low:.0f}–{high:.0f} %), "
+        f"{told['named_exactly']['hits']} of them exactly; {holds['hits']} of {holds['of']} intervals of 95 % hold its "
+        f"size; in {told['false_headline']['hits']} something else is claimed, in {told['cannot_tell']['hits']} nothing. "
+        "A plain fit that is told which number changed finds it "
         "([docs/known_interventions.md](docs/known_interventions.md))."
     )
 
