@@ -149,6 +149,17 @@ def run(names: Sequence[str], work: Path, limit: float) -> None:
         print(f"{name:20s} {time.perf_counter() - began:6.0f} s  {found.to_json()['verdict']}", flush=True)
 
 
+def plain_once(work: Path, case: str, answer: Mapping[str, Any]) -> list[float]:
+    """What a plain fit gives for a case, kept in the work folder."""
+    kept = work / "plain" / f"{case}.json"
+    if not kept.exists():
+        found = plain(work / "cases" / case, answer["effect"], answer["site"], list(answer["parameters"]))
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.write_text(json.dumps(found), encoding="utf-8")
+    sizes: list[float] = json.loads(kept.read_text(encoding="utf-8"))
+    return sizes
+
+
 def score(plan: Path, work: Path, target: Path) -> None:
     """Open what was sealed, hold the answers against it, and write the table."""
     rows, missing = [], []
@@ -158,9 +169,7 @@ def score(plan: Path, work: Path, target: Path) -> None:
         if told.exists():
             row = scored(line["case"], answer, json.loads(told.read_text(encoding="utf-8")))
             if answer["kind"] == "free":
-                row["plain_fit"] = plain(
-                    work / "cases" / line["case"], answer["effect"], answer["site"], list(answer["parameters"])
-                )
+                row["plain_fit"] = plain_once(work, line["case"], answer)
             rows.append(row)
         else:
             missing.append(line["case"])

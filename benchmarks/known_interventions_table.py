@@ -42,13 +42,15 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
         holds = ", ".join("yes" if s["holds"] else "no" for s in row["sizes"]) or "–"
         told = ", ".join(f"`{t}`" for t in row["told"]) or "–"
         (true,) = row["expected"]["parameters"].values()
+        point = "".join(f", as a point {x:.3g}" for x in row["expected"]["like"].values())
         fits = " or ".join(f"{x:.3g}" for x in row.get("plain_fit", ())) or "no size"
         verdict = row["verdict"].replace("_", " ")
         named = {"false": "no: something else", "silent": "no: nothing is claimed"}.get(row["named"], row["named"])
         if row["named"] == "in class":
             named += f", by `{row['by']}`"
+        truth = f"true {true:.3g}{point}"
         lines.append(
-            f"| {row['case']} | {row['what']} | {named} | {sizes} | {holds} | {told} | {verdict} | {fits} (true {true:.3g}) |"
+            f"| {row['case']} | {row['what']} | {named} | {sizes} | {holds} | {told} | {verdict} | {fits} ({truth}) |"
         )
     return "\n".join(lines)
 
@@ -74,12 +76,15 @@ def sentence(document: Mapping[str, Any]) -> str:
     """What the README says."""
     told = document["shares"]
     holds = told["interval_holds"]
+    named, low, high = told["named"], *(100.0 * x for x in told["named"]["wilson95"])
     return (
         f"On **real hardware with a known change** (a weight added or moved, a rod exchanged; {len(told['rigs'])} rigs, "
-        "answers sealed first) the tool, given the model of the other state, names the change in "
-        f"{share(told['named'])} cases, {told['named_exactly']['hits']} of them exactly; {holds['hits']} of "
-        f"{holds['of']} intervals of 95 % hold its size; in {told['false_headline']['hits']} something else is claimed, "
-        f"in {told['cannot_tell']['hits']} nothing ([docs/known_interventions.md](docs/known_interventions.md))."
+        f"answers sealed first, {document['time_limit_s']:.0f} s a case) the tool, given the model of the other state, "
+        f"names the change in {named['hits']} of {named['of']} cases ({low:.0f}–{high:.0f} %), "
+        f"{told['named_exactly']['hits']} of them exactly; {holds['hits']} of {holds['of']} intervals of 95 % hold its "
+        f"size; in {told['false_headline']['hits']} something else is claimed, in {told['cannot_tell']['hits']} nothing. "
+        "A plain fit that is told which number changed finds it "
+        "([docs/known_interventions.md](docs/known_interventions.md))."
     )
 
 

@@ -125,6 +125,7 @@ def test_a_weight_that_was_added_is_named_with_its_size(
         assert size["holds"] == (size["ci95"][0] <= ADDED <= size["ci95"][1])
         assert size["value"] == pytest.approx(ADDED, abs=0.02)
         assert size["holds_like"] is False  # 0.5 kg is no size of it
+    assert row["plain_fit"] == [pytest.approx(ADDED, rel=0.05)]
 
     sealed = work / "sealed" / f"{line['case']}.json"
     sealed.write_text(sealed.read_text(encoding="utf-8").replace("0.15", "0.16"), encoding="utf-8")
