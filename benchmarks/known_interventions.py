@@ -104,7 +104,7 @@ def calibrated(system: System, recordings: Sequence[Path]) -> System:
 
 
 def prepare(cases: Sequence[Case], work: Path, plan: Path) -> None:
-    """Model and recordings of every case, sealed answers, and their digests into the plan; nothing that is there is done anew."""
+    """Model and recordings of every case, sealed answers, and their digests into the plan, which must not be there yet."""
     if plan.exists():
         raise InputError("there is a plan already: its answers are sealed", source=plan, mend="give another --plan")
     lines = []
@@ -144,9 +144,15 @@ def run(names: Sequence[str], work: Path, limit: float) -> None:
             continue
         began = time.perf_counter()
         files = sorted(folder.glob("run*.csv*"))
-        found = harness.diagnose([str(f) for f in files], str(folder / "model.toml"), time_limit=limit)
-        write_diagnosis(found, out)
-        print(f"{name:20s} {time.perf_counter() - began:6.0f} s  {found.to_json()['verdict']}", flush=True)
+        try:
+            found = harness.diagnose([str(f) for f in files], str(folder / "model.toml"), time_limit=limit)
+            write_diagnosis(found, out)
+            verdict = found.to_json()["verdict"]
+        except Exception as error:  # a diagnosis may fail in any way; the table says so
+            verdict = f"{type(error).__name__}: {error}"
+            out.mkdir(parents=True, exist_ok=True)
+            (out / "diagnosis.json").write_text(json.dumps({"error": verdict}), encoding="utf-8")
+        print(f"{name:20s} {time.perf_counter() - began:6.0f} s  {verdict}", flush=True)
 
 
 def plain_once(work: Path, case: str, answer: Mapping[str, Any]) -> list[float]:
@@ -160,8 +166,8 @@ def plain_once(work: Path, case: str, answer: Mapping[str, Any]) -> list[float]:
     return sizes
 
 
-def score(plan: Path, work: Path, target: Path) -> None:
-    """Open what was sealed, hold the answers against it, and write the table."""
+def score(plan: Path, work: Path, target: Path, limit: float = LIMIT) -> None:
+    """Open what was sealed, hold the answers against it, and write the table; limit: what they were run with [s]."""
     rows, missing = [], []
     for line in planned(plan):
         answer = unseal(line["case"], work / "sealed", line["answer_sha256"])
@@ -174,7 +180,7 @@ def score(plan: Path, work: Path, target: Path) -> None:
         else:
             missing.append(line["case"])
     document = {
-        "schema": "denoc.known_interventions/1", "version": harness.__version__, "time_limit_s": LIMIT, "shares": shares(rows),
+        "schema": "denoc.known_interventions/1", "version": harness.__version__, "time_limit_s": limit, "shares": shares(rows),
         "not_run": missing, "rows": rows,
     }  # fmt: skip
     target.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
@@ -204,7 +210,7 @@ def main() -> None:
         elif given.run:
             run(given.cases or [line["case"] for line in planned(given.plan)], given.work, given.time_limit)
         else:
-            score(given.plan, given.work, given.json)
+            score(given.plan, given.work, given.json, given.time_limit)
     except InputError as error:
         parser.error(str(error))
 

@@ -8,6 +8,7 @@
   the same swing is another one); whether the interval holds that is told beside and not counted.
 - *false headline*: something is claimed, and none of it is the change.
 - *cannot tell*: nothing is claimed.
+- *failed*: the diagnosis ended with an error. (Added when the last case did; it belongs to all that is counted.)
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 from harness.diagnose.answer.diagnosis import one_by_one
 from harness.proof.score import Share
 
-EXACTLY, IN_CLASS, FALSE, SILENT = "exactly", "in class", "false", "silent"
+EXACTLY, IN_CLASS, FALSE, SILENT, FAILED = "exactly", "in class", "false", "silent", "failed"
 
 
 def _name(text: str) -> str:
@@ -46,6 +47,9 @@ def _size(answer: Mapping[str, Any], found: Mapping[str, Any], parameter: str) -
 
 def scored(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -> dict[str, Any]:
     """One row: a sealed answer against a diagnosis (``denoc.diagnosis/1`` as data)."""
+    error = found.get("error")
+    if error is not None:
+        found = {"findings": [], "verdict": "error", "summary": error}
     claims = [f for f in one_by_one(found["findings"]) if f.get("grade") != "possible"]
     itself = next((f for f in claims if (f["effect"], f["site"]) == (answer["effect"], answer["site"])), None)
     alike = [f for f in claims if answer["effect"] in map(_name, f.get("indistinguishable_from", ()))]
@@ -56,7 +60,7 @@ def scored(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -> di
         "verdict": found["verdict"], "told": told, "summary": found["summary"], "seconds": found.get("seconds"),
     }  # fmt: skip
     by = itself or (alike[0] if alike else None)
-    row["named"] = EXACTLY if itself else IN_CLASS if by else FALSE if claims else SILENT
+    row["named"] = EXACTLY if itself else IN_CLASS if by else FALSE if claims else FAILED if error else SILENT
     row["by"] = None if by is None else f"{by['effect']}@{by['site']}"
     row["beside"] = [t for t in told if t != row["by"]]
     row["sizes"] = [] if itself is None else [_size(answer, itself["parameters"], p) for p in answer["parameters"]]
@@ -70,7 +74,7 @@ def _share(hits: int, of: int) -> dict[str, Any]:
 
 def shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Counts over all cases, with Wilson 95 % intervals."""
-    count = {kind: sum(row["named"] == kind for row in rows) for kind in (EXACTLY, IN_CLASS, FALSE, SILENT)}
+    count = {kind: sum(row["named"] == kind for row in rows) for kind in (EXACTLY, IN_CLASS, FALSE, SILENT, FAILED)}
     sizes = [size for row in rows for size in row["sizes"]]
     likes = [size["holds_like"] for size in sizes if size["holds_like"] is not None]
     return {
@@ -78,6 +82,7 @@ def shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "named_exactly": _share(count[EXACTLY], len(rows)),
         "false_headline": _share(count[FALSE], len(rows)),
         "cannot_tell": _share(count[SILENT], len(rows)),
+        "failed": _share(count[FAILED], len(rows)),
         "interval_holds": _share(sum(size["holds"] for size in sizes), len(sizes)),
         "interval_holds_like": _share(sum(likes), len(likes)),
         "rigs": sorted({row["rig"] for row in rows}),

@@ -45,7 +45,9 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
         point = "".join(f", as a point {x:.3g}" for x in row["expected"]["like"].values())
         fits = " or ".join(f"{x:.3g}" for x in row.get("plain_fit", ())) or "no size"
         verdict = row["verdict"].replace("_", " ")
-        named = {"false": "no: something else", "silent": "no: nothing is claimed"}.get(row["named"], row["named"])
+        named = {"false": "no: something else", "silent": "no: nothing is claimed", "failed": "no: an error"}.get(
+            row["named"], row["named"]
+        )
         if row["named"] == "in class":
             named += f", by `{row['by']}`"
         truth = f"true {true:.3g}{point}"
@@ -65,6 +67,7 @@ def summary(document: Mapping[str, Any]) -> str:
         ("the same, the point mass that makes the same swing in place of the discs", "interval_holds_like"),
         ("false headline: something else is claimed", "false_headline"),
         ("cannot tell: nothing is claimed", "cannot_tell"),
+        ("failed: the diagnosis ended with an error", "failed"),
     )
     lines = ["| counted | of the cases |", "| -- | -- |", *(f"| {what} | {share(told[key])} |" for what, key in asked)]
     if document["not_run"]:
@@ -82,7 +85,8 @@ def sentence(document: Mapping[str, Any]) -> str:
         f"answers sealed first, {document['time_limit_s']:.0f} s a case) the tool, given the model of the other state, "
         f"names the change in {named['hits']} of {named['of']} cases ({low:.0f}–{high:.0f} %), "
         f"{told['named_exactly']['hits']} of them exactly; {holds['hits']} of {holds['of']} intervals of 95 % hold its "
-        f"size; in {told['false_headline']['hits']} something else is claimed, in {told['cannot_tell']['hits']} nothing. "
+        f"size; in {told['false_headline']['hits']} something else is claimed, in {told['cannot_tell']['hits']} nothing, "
+        f"and {told['failed']['hits']} ended with an error. "
         "A plain fit that is told which number changed finds it "
         "([docs/known_interventions.md](docs/known_interventions.md))."
     )

@@ -168,7 +168,15 @@ def test_what_counts_as_named(scripts, findings: list, named: str, holds: list[b
     assert row["named"] == named
     assert [size["holds"] for size in row["sizes"]] == holds
     told = judge.shares([row])
-    assert sum(told[key]["hits"] for key in ("named", "false_headline", "cannot_tell")) == 1
+    assert sum(told[key]["hits"] for key in ("named", "false_headline", "cannot_tell", "failed")) == 1
+
+
+def test_a_diagnosis_that_fails_is_counted(scripts) -> None:
+    _, judge, _ = scripts
+    row = judge.scored("rig-1", ANSWER, {"error": "ValueError: of any kind"})
+    assert (row["named"], row["summary"]) == ("failed", "ValueError: of any kind")
+    told = judge.shares([row])
+    assert (told["failed"]["hits"], told["named"]["hits"], told["named"]["of"]) == (1, 0, 1)
 
 
 def test_page_and_readme_say_what_was_counted(scripts, tmp_path: Path) -> None:
