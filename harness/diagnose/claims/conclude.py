@@ -187,6 +187,8 @@ def settle(outcome: Outcome, best: Fit) -> Fit:
 def _probabilities(outcome: Outcome) -> dict[str, float]:
     """Posterior probability of every effect, summed over the sets fitted."""
     fits = list(outcome.study.fits.values())
+    if not fits:
+        return {}  # the time was up before any set was weighed under the last likelihood
     values = np.array([outcome.study.criterion(f) for f in fits])
     weights = np.exp(-0.5 * (values - values.min()))
     weights /= weights.sum()
