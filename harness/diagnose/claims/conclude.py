@@ -257,7 +257,9 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     study, deadline = outcome.study, outcome.predictor.deadline
     deadline.begin(Stage.RIVALS)
     wanted = deadline.attempt(
-        *LEFT["rivals"], lambda: preferred(outcome, outcome.best), lambda: min(study.fits.values(), key=study.criterion)
+        *LEFT["rivals"],
+        lambda: preferred(outcome, outcome.best),
+        lambda: min(study.fits.values(), key=study.criterion, default=outcome.best),
     )
     deadline.begin(Stage.CRITICISM)
     reached.wanted = wanted
