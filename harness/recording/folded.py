@@ -34,6 +34,7 @@ REPEATED = 3  # jumps that make a rule where readings go beyond the modulus
 MANY = 4  # jumps that no counter makes
 GAP = 3.0  # times the usual interval from which a jump is one over a gap
 SWINGS = 3.0  # moduli that a motion to and fro spans at most
+FEWEST_FOR_SPLINE = 40  # samples: fewer say no more than their jumps do
 KNOTS = 8  # samples from knot to knot of a spline that no motion worth recording goes faster than
 SURE, APART = 4.0, 20.0  # standard deviations within which a modulus is a part of a turn, and that these then lie apart
 STEPS = 8.0  # quantisation steps that a modulus has at least
@@ -201,6 +202,8 @@ def _told_by_all(
     Jump by jump noise enters each size twice and more, and every further round adds the error once more. As it was, within
     ``error``, where that gives something else: a jump may have been missed.
     """
+    if len(reading) < FEWEST_FOR_SPLINE:
+        return modulus, error
     rounds = np.concatenate([[0.0], np.cumsum(np.bincount(jumps, turns, minlength=len(reading) - 1))])
     knots = time[KNOTS:-KNOTS:KNOTS]
     knots = np.concatenate([[time[0]] * 4, knots, [time[-1]] * 4])
@@ -263,7 +266,7 @@ def round_modulus(fold: Fold, step: float, factor: float, unit: str) -> float:
             return near * base
     if unit == "rad":
         # A turn of a sensor behind a gear of whole numbers, or half of one.
-        parts = round(TURN / fold.modulus)
+        parts = max(round(TURN / fold.modulus), 1)
         part, next_ = TURN / parts, TURN / (parts + 1)
         if abs(part - fold.modulus) <= SURE * fold.std + 1e-9 and part - next_ > APART * fold.std:
             return part

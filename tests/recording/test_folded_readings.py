@@ -5,6 +5,7 @@ import pytest
 
 from harness.errors import InputError
 from harness.recording import read_recording
+from harness.recording.folded import Fold, round_modulus
 
 RATE = 200.0
 TIME = np.arange(0.0, 12.0, 1.0 / RATE)
@@ -208,3 +209,10 @@ def test_the_time_is_told_by_its_own_name(tmp_path):
     file.write_text("stamp,theta\n" + "".join(f"1.0,{x:.6g}\n" for x in swing()[:100]))
     with pytest.raises(InputError, match="column stamp: time does not pass"):
         read_recording(file, mapping=("stamp=time", "theta=pivot.position"))
+
+
+@pytest.mark.parametrize("turns", [5.0, 3.3])
+def test_a_step_of_more_than_a_turn_is_no_part_of_one(turns):
+    none = np.zeros(0, dtype=np.intp)
+    modulus = turns * 2.0 * np.pi
+    assert round_modulus(Fold(modulus, 1e-3, 1e-4, none, none, False), 0.0, 1.0, "rad") == modulus
