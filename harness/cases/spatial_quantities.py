@@ -44,8 +44,8 @@ def coriolis(bench: Bench) -> Iterable[Row | Series]:
     for q, qd in zip(states.q, states.qd, strict=True):
         c = native.coriolis_matrix(q, qd)
         d = np.empty_like(c)
-        found = pin.computeCoriolisMatrix(peer.model, peer.data, q[peer.order], qd[peer.order])
-        d[np.ix_(peer.order, peer.order)] = found
+        found = pin.computeCoriolisMatrix(peer.model, peer.data, q[peer.axes.order], qd[peer.axes.order])
+        d[np.ix_(peer.axes.order, peer.axes.order)] = found
         ours.append(c + c.T)
         theirs.append(d + d.T)
         forces.append(c @ qd)
@@ -65,8 +65,8 @@ def momentum(bench: Bench) -> Iterable[Row | Series]:
     ours, theirs = [], []
     for q, qd in zip(states.q, states.qd, strict=True):
         # Without armature, which is no body's inertia: Pinocchio leaves it out of momentum too.
-        h = pin.computeCentroidalMomentum(peer.bare, peer.data, q[peer.order], qd[peer.order])
-        centre = pin.centerOfMass(peer.bare, peer.data, q[peer.order])
+        h = pin.computeCentroidalMomentum(peer.bare, peer.data, q[peer.axes.order], qd[peer.axes.order])
+        centre = pin.centerOfMass(peer.bare, peer.data, q[peer.axes.order])
         theirs.append(np.concatenate([h.angular + np.cross(centre, h.linear), h.linear]))
         ours.append(native.momentum(q, qd))
     yield _row(bench, "momentum", np.array(ours), np.array(theirs))
@@ -82,7 +82,7 @@ def poses(bench: Bench) -> Iterable[Row | Series]:
     native, states = Denoc(bench.system), random_states(bench, STATES, 1.0, 1.0, 0.0)
     ours, theirs = [], []
     for q in states.q:
-        pin.forwardKinematics(peer.model, peer.data, q[peer.order])
+        pin.forwardKinematics(peer.model, peer.data, q[peer.axes.order])
         for joint in bench.system.joints:
             turn, place = native.link_pose(q, joint.child)
             pose = peer.data.oMi[peer.model.getJointId(joint.name)]
@@ -106,12 +106,12 @@ def wrenches(bench: Bench) -> Iterable[Row | Series]:
     mass = []
     for q, qd, qdd, tau in zip(states.q, states.qd, states.qdd, states.tau, strict=True):
         w = 5.0 * rng.standard_normal((len(links), 6))
-        pin.computeJointJacobians(peer.model, peer.data, q[peer.order])
+        pin.computeJointJacobians(peer.model, peer.data, q[peer.axes.order])
         moved = np.zeros(len(q))
         for joint, wrench in zip(bench.system.joints, w, strict=True):
             which = peer.model.getJointId(joint.name)
             jacobian = pin.getJointJacobian(peer.model, peer.data, which, pin.LOCAL_WORLD_ALIGNED)
-            moved[peer.order] += jacobian.T @ np.concatenate([wrench[3:], wrench[:3]])
+            moved[peer.axes.order] += jacobian.T @ np.concatenate([wrench[3:], wrench[:3]])
         forward[0].append(native.forward_dynamics(q, qd, tau, wrenches=w))
         forward[1].append(peer.forward_dynamics(q, qd, tau + moved))
         inverse[0].append(native.inverse_dynamics(q, qd, qdd, wrenches=w))

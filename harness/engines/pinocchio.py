@@ -12,6 +12,7 @@ from harness.engines.checked import installed_version
 from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.expressed import bends, express, refusal
 from harness.engines.loops import closing, refuses_loops
+from harness.engines.pinocchio_axes import axes_of
 from harness.engines.pinocchio_model import LARGEST, PinocchioModel, _by_velocity, _pinocchio, pinocchio_model
 from harness.errors import UnsupportedError
 from harness.system import JointType, System
@@ -60,35 +61,17 @@ class Pinocchio:
             model = pinocchio_model(system)
         except (RuntimeError, ValueError) as error:  # inertia that no body can have, which it checks here and there
             raise UnsupportedError(f"Pinocchio refuses it: {error}", source=system.source) from error
-        names, positions = system.coordinate_names, system.position_names
-        order = np.empty(model.nv, dtype=np.intp)
-        places = np.empty(model.nq, dtype=np.intp)
-        joints = {joint.name: joint for joint in system.movable_joints}
-        free = []
-        for k in range(1, model.njoints):
-            joint, theirs = joints[model.names[k]], model.joints[k]
-            first = names.index(joint.velocity_names[0])
-            order[theirs.idx_v : theirs.idx_v + theirs.nv] = np.arange(first, first + theirs.nv)
-            at = positions.index(joint.position_names[0])
-            where = np.arange(at, at + theirs.nq)
-            # w first to w last.
-            places[theirs.idx_q : theirs.idx_q + theirs.nq] = np.roll(where, -1) if theirs.nq == 4 else where
-            if joint.type is JointType.FREE:
-                places[theirs.idx_q + 3 : theirs.idx_q + 7] = np.roll(where[3:], -1)
-                free.append((first, at + 3))
         bare = pin.Model(model)
         bare.armature = np.zeros(model.nv)
         made = PinocchioModel(
-            names=names,
-            position_names=positions,
-            places=places,
-            free=tuple(free),
+            names=system.coordinate_names,
+            position_names=system.position_names,
+            axes=axes_of(model, system),
             local=position_of_rate(system),
             system=system,
             model=model,
             bare=bare,
             data=pin.Data(model),
-            order=order,
             armature=_by_velocity(system, "armature"),
             damping=_by_velocity(system, "damping"),
             stiffness=_by_velocity(system, "stiffness"),

@@ -30,18 +30,18 @@ class ClosedPinocchioModel(PinocchioModel):
     def _acceleration(self, q: Array, qd: Array, tau: Array) -> Array:
         pin = _pinocchio()
         total = tau + self._passive(q, qd)
-        applied = (self._turned(q, total) - self.armature * self._turning(q, qd))[self.order]
+        applied = (self.axes.turned(q, total) - self.armature * self.axes.turning(q, qd))[self.axes.order]
         found = pin.constraintDynamics(
             self.model,
             self.data,
             self._q(q),
-            self._in(q, qd),
+            self.axes.into(q, qd),
             applied,
             self.constraints,
             self.states,
             pin.ProximalSettings(*_PROXIMAL),
         )
-        return self._acceleration_out(q, qd, np.array(found))
+        return self.axes.acceleration_out(q, qd, np.array(found))
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
         needed = super().inverse_dynamics(q, qd, qdd)
@@ -50,7 +50,7 @@ class ClosedPinocchioModel(PinocchioModel):
         self._acceleration(q, qd, np.zeros_like(qd))
         pin.computeJointJacobians(self.model, self.data, self._q(q))
         theirs = np.array(pin.getConstraintsJacobian(self.model, self.data, self.constraints, self.states))
-        jacobian = np.array([self._out(q, row) for row in theirs])
+        jacobian = np.array([self.axes.out(q, row) for row in theirs])
         return least(needed, jacobian)
 
 

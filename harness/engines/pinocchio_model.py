@@ -23,11 +23,11 @@ from harness.engines.checked import (
 )
 from harness.engines.expressed import JointForces
 from harness.engines.march import march
+from harness.engines.pinocchio_axes import Axes
 from harness.engines.protocol import Array
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import UnsupportedError, cannot_be_loaded, install
 from harness.system import Joint, JointType, Link, System, Trajectory
-from harness.system.rotation import from_quaternion
 
 # pinocchio.Data holds four tensors of n³ doubles: 0.26 GB at n = 200, 3.9 GB at n = 500.
 LARGEST = 200
@@ -48,9 +48,9 @@ def pinocchio_model(system: System) -> Any:
     nearest movable joint above it; inertias are given about the centre of mass in link axes, as Pinocchio's are;
     continuous joints get one coordinate, an angle, like revolute ones (not Pinocchio's cosine and sine);
     gravity is the acceleration of free fall in both. A free joint is Pinocchio's free flyer, whose quaternion has w last and whose
-    linear velocity is in the child's axes, where ours is in the joint frame's (``_turned``); a ball is its spherical joint, whose
+    linear velocity is in the child's axes, where ours is in the joint frame's (``Axes``); a ball is its spherical joint, whose
     quaternion has w last and whose velocity is ours. Joints are added depth first, because ``crba`` takes a subtree's
-    velocities to be contiguous and is silently wrong otherwise; ``PinocchioModel.order`` maps by name.
+    velocities to be contiguous and is silently wrong otherwise; ``Axes.order`` maps by name.
     """
     pin = _pinocchio()
     model = pin.Model()
@@ -96,22 +96,18 @@ def depth_first(system: System) -> Iterator[tuple[Joint, Link]]:
 class PinocchioModel:
     """A system in Pinocchio; see ``EngineModel``.
 
-    order: [k] is our index of Pinocchio's velocity k, places: of its position k. free: where a free joint's velocities begin among
-    ours, and its quaternion among our positions. local: where our positions stand that joint laws see, -1 for none.
-    bare: the model without armature. lifts: signs and models of what is carried of
-    the links' weight: Pinocchio sums no negative masses.
+    axes: of its coordinates. local: where our positions stand that joint laws see, -1 for none. bare: the model without armature.
+    lifts: signs and models of what is carried of the links' weight: Pinocchio sums no negative masses.
     """
 
     names: tuple[str, ...]
     position_names: tuple[str, ...]
-    places: NDArray[np.intp]
-    free: tuple[tuple[int, int], ...]
+    axes: Axes
     local: NDArray[np.int64]
     system: System
     model: Any
     bare: Any
     data: Any
-    order: NDArray[np.intp]
     armature: Array = field(repr=False)
     damping: Array = field(repr=False)
     stiffness: Array = field(repr=False)
@@ -131,56 +127,20 @@ class PinocchioModel:
         x = self._angles(q)
         return -self.damping * qd - self.stiffness * (x - self.rest) + self.forces(x, qd)
 
-    def _turned(self, q: Array, value: Array, *, back: bool = False) -> Array:
-        """Velocities or forces in Pinocchio's axes from ours, or back: linear parts of free joints are turned to the child's."""
-        if not self.free:
-            return value
-        result = np.array(value)
-        for at, quaternion in self.free:
-            turn = from_quaternion(q[quaternion : quaternion + 4])
-            result[at : at + 3] = (turn if back else turn.T) @ result[at : at + 3]
-        return result
-
     def _q(self, q: Array) -> Array:
-        found = q[self.places]
+        found = self.axes.position(q)
         if len(q) != len(self.names):
             # Quaternions that are not unit mean nothing to Pinocchio.
             found = _pinocchio().normalize(self.model, found)
         return np.asarray(found)
 
-    def _in(self, q: Array, value: Array) -> Array:
-        return self._turned(q, value)[self.order]
-
-    def _turning(self, q: Array, qd: Array) -> Array:
-        """w × Rᵀ v of free joints, zero elsewhere: in axes that turn, d(Rᵀ v) = Rᵀ v̇ - w × Rᵀ v."""
-        result = np.zeros_like(qd)
-        turned = self._turned(q, qd) if self.free else qd
-        for at, _ in self.free:
-            result[at : at + 3] = np.cross(qd[at + 3 : at + 6], turned[at : at + 3])
-        return result
-
-    def _acceleration_in(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """Accelerations for Pinocchio."""
-        return np.asarray((self._turned(q, qdd) - self._turning(q, qd))[self.order])
-
-    def _acceleration_out(self, q: Array, qd: Array, value: Array) -> Array:
-        result = np.empty_like(value)
-        result[self.order] = value
-        return self._turned(q, result + self._turning(q, qd), back=True)
-
-    def _out(self, q: Array, value: Array) -> Array:
-        """Generalized forces from Pinocchio's."""
-        result = np.empty_like(value)
-        result[self.order] = value
-        return self._turned(q, result, back=True)
-
     def _acceleration(self, q: Array, qd: Array, tau: Array) -> Array:
         pin = _pinocchio()
         total = tau + self._passive(q, qd) + self._carried(q)
         # Armature resists v̇, not the rate of what turns.
-        applied = (self._turned(q, total) - self.armature * self._turning(q, qd))[self.order]
-        found = pin.aba(self.model, self.data, self._q(q), self._in(q, qd), applied)
-        return self._acceleration_out(q, qd, found)
+        applied = (self.axes.turned(q, total) - self.armature * self.axes.turning(q, qd))[self.axes.order]
+        found = pin.aba(self.model, self.data, self._q(q), self.axes.into(q, qd), applied)
+        return self.axes.acceleration_out(q, qd, found)
 
     def _state(self, q: Array, **others: Array) -> Iterator[Array]:
         """Positions, and what has the size of velocities, checked."""
@@ -194,35 +154,30 @@ class PinocchioModel:
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
         q, qd, qdd = self._state(q, qd=qd, qdd=qdd)
         pin = _pinocchio()
-        tau = pin.rnea(self.model, self.data, self._q(q), self._in(q, qd), self._acceleration_in(q, qd, qdd))
-        tau = tau + (self.armature * self._turning(q, qd))[self.order]
-        return self._out(q, tau) - self._passive(q, qd) - self._carried(q)
+        tau = pin.rnea(
+            self.model, self.data, self._q(q), self.axes.into(q, qd), self.axes.acceleration_into(q, qd, qdd)
+        )
+        tau = tau + (self.armature * self.axes.turning(q, qd))[self.axes.order]
+        return self.axes.out(q, tau) - self._passive(q, qd) - self._carried(q)
 
     def mass_matrix(self, q: Array) -> Array:
         q = vector("q", q, len(self.position_names))
-        # `crba` fills the upper triangle only in some releases.
-        upper = np.triu(_pinocchio().crba(self.model, self.data, self._q(q)))
-        result = np.empty_like(upper)
-        result[np.ix_(self.order, self.order)] = upper + np.triu(upper, 1).T
-        if self.free:
-            result = np.array([self._turned(q, row, back=True) for row in result])
-            result = np.array([self._turned(q, row, back=True) for row in result.T])
-        return result
+        return self.axes.mass_out(q, _pinocchio().crba(self.model, self.data, self._q(q)))
 
     def bias(self, q: Array, qd: Array) -> Array:
         q, qd = self._state(q, qd=qd)
-        idle = self._acceleration_in(q, qd, np.zeros_like(qd))
-        pin, at, rates = _pinocchio(), self._q(q), self._in(q, qd)
-        if not self.free:
+        idle = self.axes.acceleration_into(q, qd, np.zeros_like(qd))
+        pin, at, rates = _pinocchio(), self._q(q), self.axes.into(q, qd)
+        if not self.axes.free:
             found = pin.nonLinearEffects(self.model, self.data, at, rates)
         else:
             found = pin.rnea(self.bare, self.data, at, rates, idle)
-        return self._out(q, found.copy()) - self._carried(q)
+        return self.axes.out(q, found.copy()) - self._carried(q)
 
     def gravity(self, q: Array) -> Array:
         q = vector("q", q, len(self.position_names))
         found = _pinocchio().computeGeneralizedGravity(self.model, self.data, self._q(q)).copy()
-        return self._out(q, found) - self._carried(q)
+        return self.axes.out(q, found) - self._carried(q)
 
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
         q, qd = self._state(q, qd=qd)
@@ -232,7 +187,7 @@ class PinocchioModel:
         potential = float(pin.computePotentialEnergy(self.model, self.data, self._q(q)))
         potential -= sum(sign * lift.energy(q, np.zeros_like(qd))[1] for sign, lift in self.lifts)
         # Pinocchio 4.1 counts the armature of some kinds of joint and forgets it for revolute ones with a general axis.
-        kinetic = float(pin.computeKineticEnergy(self.bare, self.data, self._q(q), self._in(q, qd)))
+        kinetic = float(pin.computeKineticEnergy(self.bare, self.data, self._q(q), self.axes.into(q, qd)))
         kinetic += 0.5 * float(self.armature @ qd**2)
         return kinetic, potential + spring
 
@@ -262,9 +217,9 @@ class PinocchioModel:
         q = vector("q", q, len(self.position_names))
         if len(q) != len(self.names):
             raise UnsupportedError("frequencies beside joints that turn in space are not asked of Pinocchio")
-        slope = _pinocchio().computeGeneralizedGravityDerivatives(self.model, self.data, q[self.order])
+        slope = _pinocchio().computeGeneralizedGravityDerivatives(self.model, self.data, q[self.axes.order])
         stiffness = np.empty_like(slope)
-        stiffness[np.ix_(self.order, self.order)] = slope
+        stiffness[np.ix_(self.axes.order, self.axes.order)] = slope
         stiffness -= sum((sign * jacobian(lift.gravity, q) for sign, lift in self.lifts), 0.0)
         springs = np.diag(self.stiffness) - jacobian(lambda x: self.forces(x, np.zeros_like(x)), q)
         return frequencies(self.mass_matrix(q), stiffness + springs)

@@ -74,9 +74,9 @@ def pinocchio_batch(system: System, at: States) -> dict[str, Callable[[], object
     peer = peer_model("pinocchio", system)
     pool = pin.ModelPool(peer.model, 1)
     # Columns are states, and Fortran order makes each contiguous.
-    q, qd, tau = (np.asfortranarray(x[:, peer.order].T) for x in (at.q, at.qd, at.tau))
+    q, qd, tau = (np.asfortranarray(x[:, peer.axes.order].T) for x in (at.q, at.qd, at.tau))
     out = np.zeros_like(q, order="F")
-    rows = np.ascontiguousarray(at.q[:, peer.order])
+    rows = np.ascontiguousarray(at.q[:, peer.axes.order])
 
     def forward() -> Array:
         pin.abaInParallel(1, pool, q, qd, tau, out)

@@ -37,8 +37,8 @@ def _rows(case: str, name: str, options: Options) -> Iterable[Row]:
     qd, tau = rng.normal(size=(COUNT, model.n)), rng.normal(size=(COUNT, model.n))
     out = np.empty_like(qd)
     pool = pin.ModelPool(peer.model, 1)
-    positions = np.asfortranarray(q[:, peer.places].T)
-    speeds, forces = (np.asfortranarray(x[:, peer.order].T) for x in (qd, tau))
+    positions = np.asfortranarray(q[:, peer.axes.places].T)
+    speeds, forces = (np.asfortranarray(x[:, peer.axes.order].T) for x in (qd, tau))
     theirs = np.zeros_like(speeds, order="F")
     timings = side_by_side(
         {

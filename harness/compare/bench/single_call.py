@@ -24,7 +24,7 @@ def pinocchio_calls(system: System, at: States) -> dict[str, Callable[[], object
     import pinocchio as pin
 
     peer = peer_model("pinocchio", system)
-    model, data, order = peer.model, peer.data, peer.order
+    model, data, order = peer.model, peer.data, peer.axes.order
     q, qd, tau = at.q[0][order], at.qd[0][order], at.tau[0][order]
     return {
         "forward_dynamics": faster(

@@ -17,6 +17,7 @@ from harness.engines.readers.reading import Placed
 from harness.errors import InputError, UnsupportedError
 from harness.system import System
 from harness.system.inertia import combine
+from harness.system.lowering import neutral_position
 from harness.system.mjcf_left_out import disabled
 from harness.system.read_mjcf import compiled, names_of_joints
 
@@ -25,12 +26,16 @@ KINDS = ("free", "ball", "prismatic", "revolute")  # in the order of mjtJoint
 
 @dataclass(frozen=True, eq=False)
 class MujocoReading:
-    """See ``Reading``. joints: MuJoCo's index of each of ``names``. Its free and ball joints have our positions and velocities."""
+    """See ``Reading``. joints: MuJoCo's index of each of ``names``. Its free and ball joints have our positions and velocities.
+
+    zero: our positions where nothing is turned or shifted.
+    """
 
     names: tuple[str, ...]
     model: Any
     data: Any
     joints: tuple[int, ...]
+    zero: Array
 
     @cached_property
     def _dofs(self) -> NDArray[np.intp]:
@@ -72,17 +77,8 @@ class MujocoReading:
     def gravity(self, q: Array) -> Array:
         return self.bias(q, np.zeros(len(self._dofs)))
 
-    def _zero(self) -> Array:
-        """Positions with every coordinate zero and every rotation the identity."""
-        whole = np.zeros(self.model.nq)
-        for k in range(self.model.njnt):
-            several = {0: 3, 1: 0}.get(int(self.model.jnt_type[k]))
-            if several is not None:
-                whole[self.model.jnt_qposadr[k] + several] = 1.0
-        return np.asarray(whole[self._places])
-
     def placed(self) -> tuple[Placed, ...]:
-        self._set(self._zero())
+        self._set(self.zero)
         model, data = self.model, self.data
         # The last joint of the nearest body above that has one carries a body; -1: it does not move.
         carrier = [-1] * model.nbody
@@ -149,4 +145,4 @@ def read_by_mujoco(path: Path, system: System, *, allow: Sequence[Path] = ()) ->
         what = f"passes over joint {missing[0]!r}" if missing else f"has a joint {further[0]!r}"
         raise UnsupportedError(f"MuJoCo's reader {what}")
     joints = tuple(index[name] for name in system.joint_names)
-    return MujocoReading(system.joint_names, model, mujoco.MjData(model), joints)
+    return MujocoReading(system.joint_names, model, mujoco.MjData(model), joints, neutral_position(system))

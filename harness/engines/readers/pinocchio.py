@@ -13,15 +13,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.engines.pinocchio_axes import Axes, axes_of
 from harness.engines.pinocchio_model import _pinocchio
 from harness.engines.protocol import Array
 from harness.engines.readers.reading import Placed
 from harness.errors import UnsupportedError
 from harness.system import JointType, System
+from harness.system.lowering import neutral_position
 from harness.system.read_urdf import ROOT_JOINT
-from harness.system.rotation import from_quaternion
 
 _output = threading.Lock()
 
@@ -46,96 +46,38 @@ def _captured() -> Iterator[list[str]]:
 
 @dataclass(frozen=True, eq=False)
 class PinocchioReading:
-    """See ``Reading``. joints: Pinocchio's index of each of ``names``.
-
-    Its quaternions have w last, and the linear velocity of its free flyer is in the child's axes, ours in the parent's.
-    """
+    """See ``Reading``. joints: Pinocchio's index of each of ``names``. zero: our positions where nothing is turned or shifted."""
 
     names: tuple[str, ...]
     model: Any
     data: Any
     joints: tuple[int, ...]
+    axes: Axes
+    zero: Array
 
     @cached_property
-    def _sizes(self) -> tuple[tuple[int, int], ...]:
-        """Of every joint, how many positions and velocities are ours."""
-        made = [self.model.joints[k] for k in self.joints]
-        return tuple((own.nv + (own.nv in (3, 6)), own.nv) for own in made)
-
-    def _q(self, q: Array) -> Array:
-        full = np.array(_pinocchio().neutral(self.model))
-        first = 0
-        for (positions, _), k in zip(self._sizes, self.joints, strict=True):
-            own, at = q[first : first + positions], self.model.joints[k].idx_q
-            if positions > 1:
-                full[at : at + positions] = [*own[:-4], *own[-3:], own[-4]]
-            elif self.model.joints[k].nq == 2:  # a continuous joint: cosine and sine
-                full[at : at + 2] = np.cos(own[0]), np.sin(own[0])
-            else:
-                full[at] = own[0]
-            first += positions
-        return full
-
-    @cached_property
-    def _order(self) -> NDArray[np.intp]:
-        return np.concatenate(
-            [
-                self.model.joints[k].idx_v + np.arange(count)
-                for (_, count), k in zip(self._sizes, self.joints, strict=True)
-            ]
-        )
-
-    def _in(self, value: Array) -> Array:
-        full = np.zeros(self.model.nv)
-        full[self._order] = value
-        return full
-
-    def _turns(self, q: Array) -> Array:
-        """Velocities as Pinocchio has them of ours, shape (nv, nv): the linear part of a free joint in the child's axes."""
-        whole = np.eye(sum(count for _, count in self._sizes))
-        position = velocity = 0
-        for positions, count in self._sizes:
-            if count == 6:
-                turn = from_quaternion(q[position + 3 : position + 7])
-                whole[velocity : velocity + 3, velocity : velocity + 3] = turn.T
-            position, velocity = position + positions, velocity + count
-        return whole
-
-    def _mass(self, q: Array) -> Array:
-        upper = np.triu(_pinocchio().crba(self.model, self.data, self._q(q)))
-        whole = upper + np.triu(upper, 1).T
-        return np.asarray(whole[np.ix_(self._order, self._order)])
+    def _bare(self) -> Any:
+        """The model without armature, which resists no rate of what turns."""
+        bare = _pinocchio().Model(self.model)
+        bare.armature = np.zeros(self.model.nv)
+        return bare
 
     def mass_matrix(self, q: Array) -> Array:
-        turns = self._turns(q)
-        return np.asarray(turns.T @ self._mass(q) @ turns)
+        return self.axes.mass_out(q, _pinocchio().crba(self.model, self.data, self.axes.position(q)))
 
     def bias(self, q: Array, qd: Array) -> Array:
-        turns = self._turns(q)
-        own = turns @ qd
-        values = _pinocchio().nonLinearEffects(self.model, self.data, self._q(q), self._in(own))[self._order]
-        if any(count == 6 for _, count in self._sizes):
-            # In axes that turn, d(Rᵀ v) = Rᵀ v̇ - w × Rᵀ v: what is left of Pinocchio's accelerations where ours are zero.
-            left, velocity = np.zeros_like(own), 0
-            for _, count in self._sizes:
-                if count == 6:
-                    spin = qd[velocity + 3 : velocity + 6]
-                    left[velocity : velocity + 3] = -np.cross(spin, own[velocity : velocity + 3])
-                velocity += count
-            values = values + self._mass(q) @ left
-        return np.asarray(turns.T @ values)
+        idle = self.axes.acceleration_into(q, qd, np.zeros_like(qd))
+        rates = self.axes.into(q, qd)
+        values = _pinocchio().rnea(self._bare, self.data, self.axes.position(q), rates, idle)
+        return self.axes.out(q, values.copy())
 
     def gravity(self, q: Array) -> Array:
-        values = _pinocchio().computeGeneralizedGravity(self.model, self.data, self._q(q))
-        return np.asarray(self._turns(q).T @ values[self._order])
-
-    def _zero(self) -> Array:
-        """Our positions with every coordinate zero and every rotation the identity."""
-        return np.concatenate([[*[0.0] * (n - 4), 1.0, 0.0, 0.0, 0.0] if n > 1 else [0.0] for n, _ in self._sizes])
+        values = _pinocchio().computeGeneralizedGravity(self.model, self.data, self.axes.position(q))
+        return self.axes.out(q, values.copy())
 
     def placed(self) -> tuple[Placed, ...]:
         pin = _pinocchio()
-        q = self._q(self._zero())
+        q = self.axes.position(self.zero)
         pin.forwardKinematics(self.model, self.data, q, np.zeros(self.model.nv))
         # One column comes as a vector.
         jacobian = np.reshape(pin.computeJointJacobians(self.model, self.data, q), (6, self.model.nv))
@@ -222,4 +164,5 @@ def read_by_pinocchio(path: Path, system: System, *, mjcf: bool) -> PinocchioRea
             f"Pinocchio's reader {' and '.join(filter(None, parts))}" + (f", and {more} more differ" if more else "")
         )
     joints = tuple(index[name] for name in system.joint_names)
-    return PinocchioReading(system.joint_names, model, pin.Data(model), joints)
+    axes, zero = axes_of(model, system), neutral_position(system)
+    return PinocchioReading(system.joint_names, model, pin.Data(model), joints, axes, zero)
