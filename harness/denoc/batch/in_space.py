@@ -78,21 +78,20 @@ class SpaceBatch:
 
     def mass_matrix(self, Q: Array, out: Array, by_row: Callable[[Array, Array], object]) -> Array:
         """Generalized inertia matrices (B, n, n), written to ``out``."""
-        still = np.zeros((min(len(Q), ROWS), self.inner.n))
-        for rows, local, _, kept, near in self._stretches(Q, still):
+        for rows, local, _, kept, near in self._stretches(Q):
             self.inner.mass_matrix(local, out=out[rows])
             kernels.masses_from_turns(self._balls, kept, out[rows])
             self._left(near, out[rows], by_row, Q[rows])
         return out
 
-    def _stretches(self, Q: Array, Qd: Array) -> Iterator[tuple[slice, Array, Array, Array, Array]]:
+    def _stretches(self, Q: Array, Qd: Array | None = None) -> Iterator[tuple[slice, Array, Array, Array, Array]]:
         """Rows one stretch after another: lowered positions and rates, what is kept of balls, which rows are to be left out."""
         for first in range(0, len(Q), ROWS):
             rows = slice(first, min(first + ROWS, len(Q)))
             count = rows.stop - first
             local, rates = np.empty((count, self.inner.n)), np.empty((count, self.inner.n))
             kept, near = np.empty((count, kernels.TURN * len(self._balls))), np.empty(count)
-            moving = Qd[rows] if len(Qd) == len(Q) else Qd[:count]
+            moving = np.zeros_like(rates) if Qd is None else Qd[rows]
             kernels.to_turns(
                 self._balls, self._take, self._factor, self._shift, Q[rows], moving, local, rates, kept, near
             )

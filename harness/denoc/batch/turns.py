@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.denoc.compiling.compiled import compiled, inlined, internal
+from harness.denoc.chart.kernels import rotation
+from harness.denoc.compiling.compiled import compiled, inlined
 
 # cos b below which a row is left out: rounding grows as its inverse square, and of all rotations one in a hundred is there.
 NEAREST = 0.15
@@ -42,19 +43,17 @@ def to_turns(
             local[r, k] = factor[k] * q[r, take[k]] + shift[k] if take[k] >= 0 else 0.0
         for j in range(balls.shape[0]):
             i, k, t = balls[j, QUATERNION], balls[j, FIRST], TURN * j
-            w, x, y, z = q[r, i], q[r, i + 1], q[r, i + 2], q[r, i + 3]
-            s = 2.0 / (w * w + x * x + y * y + z * z)
-            r00, r01, r02 = 1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)
-            r12, r22 = s * (y * z - w * x), 1.0 - s * (x * x + y * y)
+            turn = rotation(q[r, i], q[r, i + 1], q[r, i + 2], q[r, i + 3])
             if balls[j, FLOATS] != 0:
-                kept[r, t], kept[r, t + 1], kept[r, t + 2], kept[r, t + 5], kept[r, t + 8] = r00, r01, r02, r12, r22
-                kept[r, t + 3], kept[r, t + 4] = s * (x * y + w * z), 1.0 - s * (x * x + z * z)
-                kept[r, t + 6], kept[r, t + 7] = s * (x * z - w * y), s * (y * z + w * x)
+                for c in range(TURN):
+                    kept[r, t + c] = turn[c]
                 for c in range(3):
                     local[r, k - 3 + c] = 0.0
-                    local[r, k + c] = 0.0
-                turned_back(kept, r, t, v, k - 3, rates)
+                rates[r, k - 3], rates[r, k - 2], rates[r, k - 1] = turned_back(
+                    kept, r, t, v[r, k - 3], v[r, k - 2], v[r, k - 1]
+                )
                 continue
+            r00, r01, r02, r12, r22 = turn[0], turn[1], turn[2], turn[5], turn[8]
             cb = np.sqrt(r00 * r00 + r01 * r01)
             if cb < NEAREST:
                 near[r] = 1
@@ -65,34 +64,28 @@ def to_turns(
             local[r, k + 1] = np.arctan2(r02, cb)
             local[r, k + 2] = np.arctan2(sc, cc)
             kept[r, t], kept[r, t + 1], kept[r, t + 2], kept[r, t + 3] = cb, r02, cc, sc
-            wx, wy, wz = v[r, k], v[r, k + 1], v[r, k + 2]
-            a = (cc * wx - sc * wy) / cb
-            rates[r, k], rates[r, k + 1], rates[r, k + 2] = a, sc * wx + cc * wy, wz - r02 * a
-
-
-@internal
-def turned_back(kept: Any, r: int, t: int, vectors: Any, k: int, out: Any) -> None:
-    """A vector in a floating body's axes, Rᵀ times columns k to k + 2 of a row."""
-    x, y, z = vectors[r, k], vectors[r, k + 1], vectors[r, k + 2]
-    for c in range(3):
-        out[r, k + c] = kept[r, t + c] * x + kept[r, t + 3 + c] * y + kept[r, t + 6 + c] * z
-
-
-@internal
-def turned(kept: Any, r: int, t: int, vectors: Any, k: int, out: Any) -> None:
-    """A vector out of a floating body's axes, R times columns k to k + 2 of a row."""
-    x, y, z = vectors[r, k], vectors[r, k + 1], vectors[r, k + 2]
-    for c in range(3):
-        out[r, k + c] = kept[r, t + 3 * c] * x + kept[r, t + 3 * c + 1] * y + kept[r, t + 3 * c + 2] * z
+            rates[r, k], rates[r, k + 1], rates[r, k + 2] = of_spin(
+                (cb, r02, cc, sc), v[r, k], v[r, k + 1], v[r, k + 2]
+            )
 
 
 @inlined
-def product(cb: Any, sb: Any, cc: Any, sc: Any, a: Any, b: Any, c: Any) -> Any:
-    """Ė (ȧ, ḃ, ċ)."""
+def turned_back(kept: Any, r: int, t: int, x: Any, y: Any, z: Any) -> Any:
+    """A vector in a floating body's axes, Rᵀ times it."""
     return (
-        -(sc * cb * c + cc * sb * b) * a + cc * c * b,
-        (sc * sb * b - cc * cb * c) * a - sc * c * b,
-        cb * b * a,
+        kept[r, t] * x + kept[r, t + 3] * y + kept[r, t + 6] * z,
+        kept[r, t + 1] * x + kept[r, t + 4] * y + kept[r, t + 7] * z,
+        kept[r, t + 2] * x + kept[r, t + 5] * y + kept[r, t + 8] * z,
+    )
+
+
+@inlined
+def turned(kept: Any, r: int, t: int, x: Any, y: Any, z: Any) -> Any:
+    """A vector out of a floating body's axes, R times it."""
+    return (
+        kept[r, t] * x + kept[r, t + 1] * y + kept[r, t + 2] * z,
+        kept[r, t + 3] * x + kept[r, t + 4] * y + kept[r, t + 5] * z,
+        kept[r, t + 6] * x + kept[r, t + 7] * y + kept[r, t + 8] * z,
     )
 
 
@@ -104,6 +97,47 @@ def of_ball(kept: Any, r: int, t: int, floats: int) -> Any:
     return kept[r, t], kept[r, t + 1], kept[r, t + 2], kept[r, t + 3]
 
 
+@inlined
+def to_spin(trig: Any, a: Any, b: Any, c: Any) -> Any:
+    """E times a vector of the turns."""
+    cb, sb, cc, sc = trig
+    return cc * cb * a + sc * b, -sc * cb * a + cc * b, sb * a + c
+
+
+@inlined
+def of_spin(trig: Any, x: Any, y: Any, z: Any) -> Any:
+    """E⁻¹ times a vector of the spin."""
+    cb, sb, cc, sc = trig
+    a = (cc * x - sc * y) / cb
+    return a, sc * x + cc * y, z - sb * a
+
+
+@inlined
+def moments_to_spin(trig: Any, a: Any, b: Any, c: Any) -> Any:
+    """E⁻ᵀ times moments on the turns."""
+    cb, sb, cc, sc = trig
+    u = (a - sb * c) / cb
+    return cc * u + sc * b, cc * b - sc * u, c
+
+
+@inlined
+def moments_of_spin(trig: Any, x: Any, y: Any, z: Any) -> Any:
+    """Eᵀ times moments on the spin."""
+    cb, sb, cc, sc = trig
+    return cb * (cc * x - sc * y) + sb * z, sc * x + cc * y, z
+
+
+@inlined
+def product(trig: Any, a: Any, b: Any, c: Any) -> Any:
+    """Ė times the rates of the turns."""
+    cb, sb, cc, sc = trig
+    return (
+        -(sc * cb * c + cc * sb * b) * a + cc * c * b,
+        (sc * sb * b - cc * cb * c) * a - sc * c * b,
+        cb * b * a,
+    )
+
+
 @compiled
 def forces_to_turns(balls: Any, damping: Any, v: Any, tau: Any, kept: Any, forces: Any) -> None:
     """Lowered forces from those on the velocities (B, n), the dampers of balls counted; damping: of each ball."""
@@ -112,15 +146,16 @@ def forces_to_turns(balls: Any, damping: Any, v: Any, tau: Any, kept: Any, force
             forces[r, k] = tau[r, k]
         for j in range(balls.shape[0]):
             k, t, floats = balls[j, FIRST], TURN * j, balls[j, FLOATS]
-            cb, sb, cc, sc = of_ball(kept, r, t, floats)
-            x = tau[r, k] - damping[j] * v[r, k]
-            y = tau[r, k + 1] - damping[j] * v[r, k + 1]
-            z = tau[r, k + 2] - damping[j] * v[r, k + 2]
-            forces[r, k] = cb * (cc * x - sc * y) + sb * z
-            forces[r, k + 1] = sc * x + cc * y
-            forces[r, k + 2] = z
+            forces[r, k], forces[r, k + 1], forces[r, k + 2] = moments_of_spin(
+                of_ball(kept, r, t, floats),
+                tau[r, k] - damping[j] * v[r, k],
+                tau[r, k + 1] - damping[j] * v[r, k + 1],
+                tau[r, k + 2] - damping[j] * v[r, k + 2],
+            )
             if floats != 0:
-                turned_back(kept, r, t, tau, k - 3, forces)
+                forces[r, k - 3], forces[r, k - 2], forces[r, k - 1] = turned_back(
+                    kept, r, t, tau[r, k - 3], tau[r, k - 2], tau[r, k - 1]
+                )
 
 
 @compiled
@@ -129,16 +164,13 @@ def accelerations_from_turns(balls: Any, gravity: Any, rates: Any, kept: Any, ou
     for r in range(out.shape[0]):
         for j in range(balls.shape[0]):
             k, t, floats = balls[j, FIRST], TURN * j, balls[j, FLOATS]
-            cb, sb, cc, sc = of_ball(kept, r, t, floats)
-            x, y, z = product(cb, sb, cc, sc, rates[r, k], rates[r, k + 1], rates[r, k + 2])
-            a, b, c = out[r, k], out[r, k + 1], out[r, k + 2]
-            out[r, k] = cc * cb * a + sc * b + x
-            out[r, k + 1] = -sc * cb * a + cc * b + y
-            out[r, k + 2] = sb * a + c + z
+            trig = of_ball(kept, r, t, floats)
+            x, y, z = product(trig, rates[r, k], rates[r, k + 1], rates[r, k + 2])
+            a, b, c = to_spin(trig, out[r, k], out[r, k + 1], out[r, k + 2])
+            out[r, k], out[r, k + 1], out[r, k + 2] = a + x, b + y, c + z
             if floats != 0:
-                turned(kept, r, t, out, k - 3, out)
-                for i in range(3):
-                    out[r, k - 3 + i] += gravity[i]
+                x, y, z = turned(kept, r, t, out[r, k - 3], out[r, k - 2], out[r, k - 1])
+                out[r, k - 3], out[r, k - 2], out[r, k - 1] = x + gravity[0], y + gravity[1], z + gravity[2]
 
 
 @compiled
@@ -149,15 +181,15 @@ def accelerations_to_turns(balls: Any, gravity: Any, qdd: Any, rates: Any, kept:
             asked[r, k] = qdd[r, k]
         for j in range(balls.shape[0]):
             k, t, floats = balls[j, FIRST], TURN * j, balls[j, FLOATS]
-            cb, sb, cc, sc = of_ball(kept, r, t, floats)
-            x, y, z = product(cb, sb, cc, sc, rates[r, k], rates[r, k + 1], rates[r, k + 2])
-            x, y, z = qdd[r, k] - x, qdd[r, k + 1] - y, qdd[r, k + 2] - z
-            a = (cc * x - sc * y) / cb
-            asked[r, k], asked[r, k + 1], asked[r, k + 2] = a, sc * x + cc * y, z - sb * a
+            trig = of_ball(kept, r, t, floats)
+            x, y, z = product(trig, rates[r, k], rates[r, k + 1], rates[r, k + 2])
+            asked[r, k], asked[r, k + 1], asked[r, k + 2] = of_spin(
+                trig, qdd[r, k] - x, qdd[r, k + 1] - y, qdd[r, k + 2] - z
+            )
             if floats != 0:
-                for i in range(3):
-                    asked[r, k - 3 + i] -= gravity[i]
-                turned_back(kept, r, t, asked, k - 3, asked)
+                asked[r, k - 3], asked[r, k - 2], asked[r, k - 1] = turned_back(
+                    kept, r, t, qdd[r, k - 3] - gravity[0], qdd[r, k - 2] - gravity[1], qdd[r, k - 1] - gravity[2]
+                )
 
 
 @compiled
@@ -166,13 +198,22 @@ def forces_from_turns(balls: Any, damping: Any, v: Any, kept: Any, out: Any) -> 
     for r in range(out.shape[0]):
         for j in range(balls.shape[0]):
             k, t, floats = balls[j, FIRST], TURN * j, balls[j, FLOATS]
-            cb, sb, cc, sc = of_ball(kept, r, t, floats)
-            u, b, c = (out[r, k] - sb * out[r, k + 2]) / cb, out[r, k + 1], out[r, k + 2]
-            out[r, k] = cc * u + sc * b + damping[j] * v[r, k]
-            out[r, k + 1] = -sc * u + cc * b + damping[j] * v[r, k + 1]
-            out[r, k + 2] = c + damping[j] * v[r, k + 2]
+            x, y, z = moments_to_spin(of_ball(kept, r, t, floats), out[r, k], out[r, k + 1], out[r, k + 2])
+            out[r, k] = x + damping[j] * v[r, k]
+            out[r, k + 1] = y + damping[j] * v[r, k + 1]
+            out[r, k + 2] = z + damping[j] * v[r, k + 2]
             if floats != 0:
-                turned(kept, r, t, out, k - 3, out)
+                out[r, k - 3], out[r, k - 2], out[r, k - 1] = turned(
+                    kept, r, t, out[r, k - 3], out[r, k - 2], out[r, k - 1]
+                )
+
+
+@inlined
+def out_of_lowered(kept: Any, r: int, t: int, floats: int, x: Any, y: Any, z: Any) -> Any:
+    """Three entries of a row of masses: of what floats those of its slides, of another ball those of its turns."""
+    if floats != 0:
+        return turned(kept, r, t, x, y, z)
+    return moments_to_spin(of_ball(kept, r, t, floats), x, y, z)
 
 
 @compiled
@@ -181,27 +222,13 @@ def masses_from_turns(balls: Any, kept: Any, out: Any) -> None:
     n = out.shape[1]
     for r in range(out.shape[0]):
         for j in range(balls.shape[0]):
-            k, t, floats = balls[j, FIRST], TURN * j, balls[j, FLOATS]
-            if floats != 0:
-                turned_masses(kept, r, t, k - 3, n, out)
-                continue
-            cb, sb, cc, sc = of_ball(kept, r, t, floats)
+            t, floats = TURN * j, balls[j, FLOATS]
+            k = balls[j, FIRST] - 3 if floats != 0 else balls[j, FIRST]
             for i in range(n):
-                u, b, c = (out[r, i, k] - sb * out[r, i, k + 2]) / cb, out[r, i, k + 1], out[r, i, k + 2]
-                out[r, i, k], out[r, i, k + 1], out[r, i, k + 2] = cc * u + sc * b, cc * b - sc * u, c
+                out[r, i, k], out[r, i, k + 1], out[r, i, k + 2] = out_of_lowered(
+                    kept, r, t, floats, out[r, i, k], out[r, i, k + 1], out[r, i, k + 2]
+                )
             for i in range(n):
-                u, b, c = (out[r, k, i] - sb * out[r, k + 2, i]) / cb, out[r, k + 1, i], out[r, k + 2, i]
-                out[r, k, i], out[r, k + 1, i], out[r, k + 2, i] = cc * u + sc * b, cc * b - sc * u, c
-
-
-@internal
-def turned_masses(kept: Any, r: int, t: int, k: int, n: int, out: Any) -> None:
-    """Columns and rows k to k + 2 of a matrix out of a floating body's axes."""
-    for i in range(n):
-        x, y, z = out[r, i, k], out[r, i, k + 1], out[r, i, k + 2]
-        for c in range(3):
-            out[r, i, k + c] = kept[r, t + 3 * c] * x + kept[r, t + 3 * c + 1] * y + kept[r, t + 3 * c + 2] * z
-    for i in range(n):
-        x, y, z = out[r, k, i], out[r, k + 1, i], out[r, k + 2, i]
-        for c in range(3):
-            out[r, k + c, i] = kept[r, t + 3 * c] * x + kept[r, t + 3 * c + 1] * y + kept[r, t + 3 * c + 2] * z
+                out[r, k, i], out[r, k + 1, i], out[r, k + 2, i] = out_of_lowered(
+                    kept, r, t, floats, out[r, k, i], out[r, k + 1, i], out[r, k + 2, i]
+                )

@@ -31,7 +31,7 @@ from harness.denoc.chart.tables import (
     VELOCITIES,
     VELOCITY,
 )
-from harness.denoc.compiling.compiled import allocating, compiled, internal
+from harness.denoc.compiling.compiled import allocating, compiled, inlined, internal
 from harness.denoc.recursion.binding import INNER, NUMBERS, PLACES, header_at, rows_of, vector_at, words_at
 from harness.denoc.recursion.rows import PLACE
 
@@ -73,6 +73,17 @@ def ball_at(places: Any, k: int) -> int:
     return HEAD + places[LOWERED] + places[POSITIONS] + BALL_PLACES * k
 
 
+@inlined
+def rotation(w: Any, x: Any, y: Any, z: Any) -> Any:
+    """Rotation matrix of a quaternion, row after row; one of any length but zero means the same rotation."""
+    s = 2.0 / (w * w + x * x + y * y + z * z)
+    return (
+        1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),
+        s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x),
+        s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y),
+    )  # fmt: skip
+
+
 @internal
 def recentre(rows: Rows, places: Any, numbers: Any, q: Vector, local: Vector) -> None:
     """Lowered positions of q to ``local``, and the rotations of balls to ``rows`` of the lowered tree."""
@@ -83,12 +94,7 @@ def recentre(rows: Rows, places: Any, numbers: Any, q: Vector, local: Vector) ->
     for k in range(places[BALLS]):
         at, own = ball_at(places, k), 2 * m + BALL_NUMBERS * k
         first = places[at + QUATERNION]
-        w, x, y, z = q[first], q[first + 1], q[first + 2], q[first + 3]
-        # Twice the inverse of the squared length: a quaternion of any length but zero means the same rotation.
-        s = 2.0 / (w * w + x * x + y * y + z * z)
-        r0, r1, r2 = 1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)
-        r3, r4, r5 = s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)
-        r6, r7, r8 = s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)
+        r0, r1, r2, r3, r4, r5, r6, r7, r8 = rotation(q[first], q[first + 1], q[first + 2], q[first + 3])
         f, a, place = own + FRAME, own + AXES, places[at + ROW]
         for i in range(3):
             f0, f1, f2 = numbers[f + 3 * i], numbers[f + 3 * i + 1], numbers[f + 3 * i + 2]
