@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pages import put  # isort: skip
+
 HERE = Path(__file__).resolve().parents[1]
 BEGIN, END = "<!-- known interventions -->", "<!-- end of known interventions -->"
 
@@ -92,15 +94,6 @@ def sentence(document: Mapping[str, Any]) -> str:
     )
 
 
-def put(page: Path, text: str) -> None:
-    """Replace what stands between the page's marks."""
-    old = page.read_text(encoding="utf-8")
-    if BEGIN not in old or END not in old:
-        raise SystemExit(f"{page}: no {BEGIN} … {END} to write between")
-    before, rest = old.split(BEGIN, 1)
-    page.write_text(f"{before}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}", encoding="utf-8")
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, default=HERE / "reference" / "known_interventions.json")
@@ -108,8 +101,8 @@ def main() -> None:
     parser.add_argument("--readme", type=Path, default=HERE / "README.md")
     given = parser.parse_args()
     document = json.loads(given.json.read_text(encoding="utf-8"))
-    put(given.page, f"{summary(document)}\n\n{table(document['rows'])}")
-    put(given.readme, sentence(document))
+    put(given.page, BEGIN, END, f"{summary(document)}\n\n{table(document['rows'])}")
+    put(given.readme, BEGIN, END, sentence(document))
 
 
 if __name__ == "__main__":

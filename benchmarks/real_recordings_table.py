@@ -13,15 +13,11 @@ from typing import Any
 from harness.diagnose.answer.explain import percent
 from harness.recording.units import written
 
+from pages import errors, put  # isort: skip
+
 HERE = Path(__file__).resolve().parents[1]
 AFTERNOON = HERE / "reference" / "afternoon.json"
 BEGIN, END = "<!-- table -->", "<!-- end of table -->"
-
-
-def pair(row: dict[str, Any], who: str) -> str:
-    """Held-out error from the first sample / with the initial state fitted [rad]."""
-    held = row.get(who, {}).get("heldout")
-    return f"{held['first_sample']:.3g} / {held['state_fitted']:.3g}" if held else "–"
 
 
 def numbers(finding: dict[str, Any]) -> str:
@@ -41,14 +37,14 @@ def table(rows: list[dict[str, Any]], plain: dict[str, dict[str, Any]]) -> str:
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for row in rows:
-        published = pair(row, "published")
+        published = errors(row.get("published"))
         if "authors_fit" in row:
-            published += f" (fitted by its authors {pair(row, 'authors_fit')})"
+            published += f" (fitted by its authors {errors(row.get('authors_fit'))})"
         share = percent(row["explained_share"]) if row.get("explained_share") is not None else "–"
-        afternoon = pair(plain.get(row["rig"], {}), row["rig"])
+        afternoon = errors(plain.get(row["rig"]))
         lines.append(
             f"| {row['rig']} | {'m' if row['rig'] == 'emps' else 'rad'} | {published} | {afternoon} "
-            f"| {pair(row, 'denoc')} | {pair(row, 'predictive')} | {share} | {row['diagnose_s']:.0f} |"
+            f"| {errors(row.get('denoc'))} | {errors(row.get('predictive'))} | {share} | {row['diagnose_s']:.0f} |"
         )
     return "\n".join(lines)
 
@@ -78,15 +74,9 @@ def main() -> None:
     arguments = parser.parse_args()
     rows = json.loads(Path(arguments.json).read_text(encoding="utf-8"))["rows"]
     afternoon = json.loads(AFTERNOON.read_text(encoding="utf-8"))["rows"]
-    plain = {row["rig"]: {row["rig"]: row.get("chosen_laws", row["every_law"])} for row in afternoon}
-    page = Path(arguments.page)
-    text = page.read_text(encoding="utf-8")
-    if BEGIN not in text or END not in text:
-        raise SystemExit(f"{page}: no {BEGIN} … {END} to write between")
-    before, rest = text.split(BEGIN, 1)
-    after = rest.split(END, 1)[1]
+    plain = {row["rig"]: row.get("chosen_laws", row["every_law"]) for row in afternoon}
     made = "\n\n".join([table(rows, plain), *map(section, rows)])
-    page.write_text(f"{before}{BEGIN}\n{made}\n{END}{after}", encoding="utf-8")
+    put(Path(arguments.page), BEGIN, END, made)
 
 
 if __name__ == "__main__":
