@@ -1,7 +1,6 @@
 """Many states at once, by each of the kernels that a mechanism can be given to, and short chains of hinges one by one."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 from harness.cases.beams import alternating_chain
@@ -10,7 +9,7 @@ from harness.cases.checks.batch import BATCHES, BatchAgreement
 from harness.cases.checks.batch_straight import BatchStraight
 from harness.cases.users import state_checks
 from harness.system import System, random_chain, random_tree
-from harness.system.random_joints import free_of_a_link, in_space
+from harness.system.random_joints import free_of_a_link, in_space, spinning_freely
 
 ENGINES = ("denoc", "pinocchio", "mujoco")
 
@@ -26,10 +25,8 @@ def hinges(n: int) -> System:
 
 
 def floating() -> System:
-    """A free body with joints of several degrees on it, and no armature that resists the spin of a ball."""
-    system = in_space()
-    joints = tuple(replace(joint, armature=0.0) if joint.turns_in_space else joint for joint in system.joints)
-    return replace(system, joints=joints)
+    """A free body with joints of several degrees on it, as batches take it."""
+    return spinning_freely(in_space())
 
 
 def _batch(name: str, title: str, build: Callable[[], System], allowed: float) -> Case:
@@ -59,7 +56,12 @@ CASES = (
         partial(random_tree, 14, seed=50, prismatic=0.3, fixed=0.2, armature=True, damping=True),
         1e-11,
     ),
-    _batch("in_space", "What floats, with a ball and other joints on it, many states at once", floating, 1e-11),
+    _batch(
+        "in_space",
+        "What floats, with a ball and other joints on it, many states at once",
+        lambda: spinning_freely(in_space()),
+        1e-11,
+    ),
     _batch("loose", "A free joint between two links that move, many states at once", free_of_a_link, 1e-11),
     _batch("long", "Seventy joints, many states at once", partial(random_chain, 70, seed=51, prismatic=0.1), 1e-9),
     Case(

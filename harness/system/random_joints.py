@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,12 @@ def free_of_a_link(seed: int = 12) -> System:
         joint("slide", JointType.PRISMATIC, "b", "c", rng),
     )
     return System("loose", joints, tuple(link(name, rng) for name in "abc"))
+
+
+def spinning_freely(system: System) -> System:
+    """The system without the armature that resists the spin of a joint that turns in space."""
+    joints = tuple(replace(one, armature=0.0) if one.turns_in_space else one for one in system.joints)
+    return replace(system, joints=joints)
 
 
 def random_position(system: System, rng: np.random.Generator) -> Array:

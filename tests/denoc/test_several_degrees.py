@@ -16,7 +16,15 @@ from harness.denoc.matrices import denoc_matrices
 from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, Mimic, System, load, write
 from harness.system.description import constant
-from harness.system.random_joints import following, free_of_a_link, in_space, joint, link, random_position
+from harness.system.random_joints import (
+    following,
+    free_of_a_link,
+    in_space,
+    joint,
+    link,
+    random_position,
+    spinning_freely,
+)
 from harness.system.rotation import from_quaternion
 
 Build = Callable[[], System]
@@ -45,9 +53,8 @@ def test_forward_undoes_inverse_dynamics(build: Build) -> None:
     np.testing.assert_allclose(many, np.tile(a, (9, 1)), atol=1e-12)
 
 
-def without_armature_of_balls() -> System:
-    system = in_space()
-    return replace(system, joints=tuple(replace(j, armature=0.0) if j.turns_in_space else j for j in system.joints))
+def spun_freely() -> System:
+    return spinning_freely(in_space())
 
 
 def hanging_ball() -> System:
@@ -60,7 +67,7 @@ def hanging_ball() -> System:
     return System("hanging", joints, (link("a", rng), link("b", rng)))
 
 
-@pytest.mark.parametrize("build", [in_space, without_armature_of_balls, free_of_a_link, hanging_ball, following])
+@pytest.mark.parametrize("build", [in_space, spun_freely, free_of_a_link, hanging_ball, following])
 def test_many_states_at_once_are_one_after_another(build: Build) -> None:
     system, rng = build(), np.random.default_rng(22)
     model = Denoc(system)

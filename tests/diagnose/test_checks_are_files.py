@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from simulated_recordings import Rig, double_pendulum, nominal, releases
@@ -37,8 +38,8 @@ from harness.effects.catalogue import catalogue
     ],
     ids=["checks", "doubts", "rewrites", "beginnings", "scans"],
 )
-def test_every_file_is_registered_and_holds_one(package: object, kind: type, registered: dict[str, object]) -> None:
-    folder = Path(str(package.__file__)).parent  # type: ignore[attr-defined]
+def test_every_file_is_registered_and_holds_one(package: ModuleType, kind: type, registered: dict[str, object]) -> None:
+    folder = Path(str(package.__file__)).parent
     files = {path.stem for path in folder.glob("*.py")} - {"__init__", "catalogue"}
     assert set(registered) == files
     assert all(isinstance(one, kind) for one in registered.values())
