@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cache
-from importlib import import_module
-from types import MappingProxyType
 
 from harness.effects.effect import Effect, SiteKind
 from harness.effects.lines import lines_of
 from harness.effects.measured import Measured
 from harness.errors import InputError
+from harness.registered import registered
 from harness.system import System
 from harness.system.suggest import did_you_mean
 
@@ -69,7 +68,7 @@ BENDING_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")
 @cache
 def catalogue() -> Mapping[str, Effect]:
     """Every effect by name, in the order of the documentation; one file of this package each."""
-    return MappingProxyType({name: import_module(f"harness.effects.{name}").EFFECT for name in NAMES})
+    return registered("harness.effects", NAMES, Effect)
 
 
 # Effects of the user's own that this process has been given: what a model file says of them is understood from then on.

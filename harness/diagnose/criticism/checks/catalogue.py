@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from harness.diagnose.criticism.check import Check
-from harness.diagnose.registry import registered
+from harness.registered import registered
 
 NAMES = (
     "smooth_force",

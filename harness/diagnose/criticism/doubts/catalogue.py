@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from harness.diagnose.criticism.reason import Reason
-from harness.diagnose.registry import registered
+from harness.registered import registered
 
 NAMES = (
     "side_unknown",

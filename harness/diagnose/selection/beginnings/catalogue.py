@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from harness.diagnose.registry import registered
 from harness.diagnose.selection.beginning import Beginning
+from harness.registered import registered
 
 NAMES = ("promised", "calmed", "foretold", "alongside")
 

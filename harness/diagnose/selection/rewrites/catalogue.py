@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import cache
 
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.registry import registered
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.study import Study
+from harness.registered import registered
 
 NAMES = (
     "relatives",

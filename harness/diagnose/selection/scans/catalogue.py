@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from functools import cache
 
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.registry import registered
 from harness.diagnose.selection.scan import Scan
+from harness.registered import registered
 
 NAMES = ("cogging_torque", "base_excitation", "end_stop")
 
