@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from harness.effects.directions import sideways
-from harness.effects.effect import Effect, Family, Parameter, Plausible, Reshape, SiteKind
-from harness.effects.scale import Scale
+from harness.effects.effect import Effect, Family, Parameter, PlausibleTogether, Reshape, SiteKind
+from harness.effects.scale import References, Scale
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
 
@@ -32,6 +32,12 @@ def _soften(system: System, site: str, parameters: Mapping[str, float]) -> Syste
     return replace(system, joints=(slide, *joints), links=(carriage, *system.links))
 
 
+def _slowness(parameters: Mapping[str, float], references: References) -> float:
+    """The square of the swing's frequency over that of the base with all it carries."""
+    moving = parameters["mass"] + references.mass
+    return references.frequency**2 * moving / parameters["stiffness"]
+
+
 EFFECT = Effect(
     name="base_compliance",
     title="compliant base",
@@ -46,11 +52,6 @@ EFFECT = Effect(
             neutral=np.inf,
             scale=Scale(300.0, mass=1, frequency=2),
             starts=(0.2, 1.0, 10.0),
-            plausible=Plausible(
-                Scale(0.04, frequency=-2, mass=-1),
-                "a stand alone vibrates several times as fast as what it carries swings",
-                inverse=True,
-            ),
         ),
         Parameter("mass", "kg", "that moves with the base", lower=1e-6, scale=Scale(2.0, mass=1), starts=(0.5, 2.0)),
         Parameter(
@@ -77,5 +78,11 @@ EFFECT = Effect(
     },
     needs=("motion",),
     confusable_with=("base_excitation", "viscous_damping", "joint_flexibility", "added_inertia"),
+    plausible=PlausibleTogether(
+        "the square of the swing's frequency over that of the base, which moves with what it carries",
+        _slowness,
+        0.04,
+        "a stand vibrates several times as fast as what it carries swings",
+    ),
     reshape=Reshape(_soften, topology=True),
 )

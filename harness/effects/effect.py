@@ -67,6 +67,23 @@ class Plausible:
 
 
 @dataclass(frozen=True)
+class PlausibleTogether:
+    """How large what several numbers of an effect make together usually is, and why: as ``Plausible``.
+
+    what: in words. of: the parameters by name and the natural sizes to that number [1], nothing of it being absence.
+    """
+
+    what: str
+    of: Callable[[Mapping[str, float], References], float]
+    size: float
+    source: str
+
+    def surprise(self, values: Mapping[str, float], references: References) -> float:
+        """−2 log of the prior's density, less its greatest value."""
+        return float(2.0 * np.log1p((self.of(values, references) / self.size) ** 2))
+
+
+@dataclass(frozen=True)
 class Parameter:
     """One number of an effect.
 
@@ -219,6 +236,7 @@ class Effect:
         ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other. alongside: (own parameters,
         those of what it modifies, natural sizes) -> the latter changed so that both together act about as that did alone.
     confusable_with: effects that some recordings cannot tell from it.
+    plausible: how large what its numbers make together usually is, where no number alone says it.
     rarity: logarithm of how much rarer it is met than the plain effects, all else being equal (prior odds).
     law, reshape, sensor, input, user: exactly one is given.
     """
@@ -238,6 +256,7 @@ class Effect:
     alongside: Alongside | None = None
     confusable_with: tuple[str, ...] = ()
     rarity: float = 0.0
+    plausible: PlausibleTogether | None = None
     law: JointLaw | None = None
     reshape: Reshape | None = None
     sensor: Sensor | None = None
@@ -265,6 +284,11 @@ class Effect:
     def switch(self) -> bool:
         """Whether the mechanism has it or not, without a size."""
         return self.reshape is not None and not self.parameters
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is a usual law of the motion with a single number, which little else can be bent to."""
+        return self.side == "dynamics" and len(self.parameters) == 1 and self.rarity <= 0.0
 
     @property
     def plainness(self) -> tuple[int, bool, float]:

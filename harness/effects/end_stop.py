@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.effects.effect import Effect, Family, JointLaw, Parameter, SiteKind
+from harness.effects.effect import Effect, Family, JointLaw, Parameter, Plausible, SiteKind
 from harness.effects.scale import Scale
 
 EFFECT = Effect(
@@ -31,6 +31,11 @@ EFFECT = Effect(
             scale=Scale(20.0, torque=1),
             starts=(0.00004, 0.5, 5.0, 100.0),
             linear_unit="N/m",
+            plausible=Plausible(
+                Scale(0.05, torque=-1),
+                "a stop gives some hundredths of a radian under the weight that leans on it",
+                inverse=True,
+            ),
         ),
         Parameter(
             "damping",

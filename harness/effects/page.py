@@ -54,6 +54,9 @@ def _section(effect: Effect) -> str:
         for parameter in effect.parameters
         if parameter.plausible is not None
     ]
+    if effect.plausible is not None:
+        own = effect.plausible
+        lines.append(f"- **Usually** {own.what} is within {own.size:g}: {own.source}.")
     if effect.modifies:
         lines.append(
             f"- **Modifies** {', '.join(f'`{name}`' for name in effect.modifies)}, or what the model states of it."

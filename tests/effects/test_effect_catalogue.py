@@ -117,7 +117,7 @@ def test_every_effect_is_stated_in_full():
 
 def test_every_effect_says_how_large_it_usually_is_unless_it_is_a_place_or_has_no_number(pendulum):
     sizes = effects.references(pendulum, "pivot")
-    places = {"end_stop", "sensor_saturation"}  # where something begins is not a size
+    places = {"sensor_saturation"}  # where something begins is not a size
     for name, effect in effects.catalogue().items():
         usual = [p for p in effect.parameters if p.plausible is not None]
         assert bool(usual) == (bool(effect.parameters) and name not in places), name

@@ -23,10 +23,11 @@ from harness.diagnose.arbitration.freed import NOTHING, Freed, FreedObjective, l
 from harness.diagnose.arbitration.numbers import Number
 from harness.diagnose.arbitration.runs import period, short_windows
 from harness.diagnose.estimation.dispersion import dispersion
+from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.horizon import Horizon
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
-from harness.diagnose.estimation.misfit import hanging_together, squares
+from harness.diagnose.estimation.misfit import squares
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.problem.windows import Window

@@ -105,7 +105,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         straightens = _straightens(outcome, smaller, fitted, member)
         # No law that is inexact bends a nominal quantity so far.
         inexact = 0.0 if straightens else (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2
-        enough = gain > max(price, inexact)
+        enough = gain > max(price, inexact) and _likelier(outcome, smaller, fitted)
         visible = gain > PRACTICAL**2 * study.samples
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
@@ -123,6 +123,12 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         if not repeated and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
+
+
+def _likelier(outcome: Outcome, smaller: Fit, larger: Fit) -> bool:
+    """Whether a set is likelier than a smaller one with a force over the state that could do the rest; where there is one."""
+    evidence, study = outcome.evidence, outcome.study
+    return evidence is None or evidence.criterion(study, larger) < evidence.criterion(study, smaller)
 
 
 def _price(study: Study, smaller: Fit, fitted: Fit, k: int) -> float:
@@ -185,11 +191,12 @@ def settle(outcome: Outcome, best: Fit) -> Fit:
 
 
 def _probabilities(outcome: Outcome) -> dict[str, float]:
-    """Posterior probability of every effect, summed over the sets fitted."""
-    fits = list(outcome.study.fits.values())
+    """Posterior probability of every effect, summed over the sets fitted; with a force over the state, where there is one."""
+    study, evidence = outcome.study, outcome.evidence
+    fits = list(study.fits.values())
     if not fits:
         return {}  # the time was up before any set was weighed under the last likelihood
-    values = np.array([outcome.study.criterion(f) for f in fits])
+    values = np.array([study.criterion(f) if evidence is None else evidence.criterion(study, f) for f in fits])
     weights = np.exp(-0.5 * (values - values.min()))
     weights /= weights.sum()
     out: dict[str, float] = {}
@@ -258,7 +265,8 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     deadline.begin(Stage.RIVALS)
     wanted = deadline.attempt(
         *LEFT["rivals"],
-        lambda: preferred(outcome, outcome.best),
+        # Beside a force over the state sets have been weighed with it; under noise alone the most bent one would do best.
+        lambda: preferred(outcome, outcome.best) if outcome.evidence is None else outcome.best,
         lambda: min(study.fits.values(), key=study.criterion, default=outcome.best),
     )
     deadline.begin(Stage.CRITICISM)

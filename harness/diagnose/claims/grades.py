@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.criticism.held_out import FAKED
-from harness.diagnose.criticism.members import placed, plain
+from harness.diagnose.criticism.members import placed
 from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
 from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled
@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
 BEYOND = 30.0  # times its usual size: of a centre of mass, three lengths of its link
+SURE = 0.95  # posterior probability of an effect over all sets, from which on it is more than possible
 VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
 
 
@@ -103,7 +104,8 @@ def grade(
 
     Where noise is all that is left: established; where an error of a known shape is left, likely, or possible if it is far larger
     than what it is named for ever is (a model that is far off bends whatever can be bent). Beside a force that is left out:
-    possible, if it was chosen among many places (one of them always fits some of what something else makes), if it may as well be
+    possible, if sets without it are not much less likely (averaged over all; Hoeting et al., Stat. Sci. 14 (1999) 382), if it was
+    chosen among many places (one of them always fits some of what something else makes), if it may as well be
     absent, or if it is no plain law of a single number and does not explain far more than what is left (it may be bent to what
     nobody has named); likely, if there are too few recordings to say whether it repeats, leaving one out takes it away, or its
     size is not known to a factor of ten; else established.
@@ -115,7 +117,9 @@ def grade(
             return ESTABLISHED
         return POSSIBLE if _beyond_belief(claim, values) else LIKELY
     effect = claim.candidate.effect
-    if not plain(effect) and claim.gain < FAKED * conclusion.remains.excess:
+    if outcome.evidence is not None and claim.probability < SURE:
+        return POSSIBLE
+    if not effect.plain and claim.gain < FAKED * conclusion.remains.excess:
         return POSSIBLE
     first = next(iter(effect.parameters), None)
     if placed(claim.candidate) or (

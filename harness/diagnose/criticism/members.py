@@ -15,12 +15,7 @@ def beside_force(outcome: Outcome, best: Fit, k: int) -> bool:
 
     That evidence has the force in it already, so that what every rig has need not explain many times as much as the force.
     """
-    return outcome.force is not None and plain(best.hypothesis.members[k].effect)
-
-
-def plain(effect: Effect) -> bool:
-    """Whether an effect is a usual law of the motion with a single number, which little else can be bent to."""
-    return effect.side == "dynamics" and len(effect.parameters) == 1 and effect.rarity <= 0.0
+    return outcome.force is not None and best.hypothesis.members[k].effect.plain
 
 
 def placed(member: Candidate) -> bool:

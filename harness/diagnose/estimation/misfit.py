@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.discrepancy import Discrepancy, Responses, covariance_at, orthonormal
+from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.least_squares import Fit, inverse
 from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.state_force import StateForce
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-REACH = 5.0  # times the sum so far, up to which lags are summed (Sokal, Monte Carlo methods (1997) 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +31,15 @@ class Misfit:
     """What a set of laws leaves, channel by channel.
 
     sensors: noise without it. louder: variance in units of the sensors'; together: samples that err together, (C,) each.
-    force: the force at the joints that would do it.
+    force: the force at the joints that would do it, as a process in time. state: the same as a function of the state, by which sets
+    are weighed; None where that is not known.
     """
 
     sensors: Likelihood
     louder: tuple[float, ...]
     together: tuple[float, ...]
     force: Discrepancy
+    state: StateForce | None = None
 
     def fainter(self, share: float) -> Misfit:
         """The same of a share of its size, no quieter than the sensors."""
@@ -66,32 +68,6 @@ def misfit(sensors: Likelihood, windows: Sequence[Window], residuals: Sequence[A
     # Readings that repeat each other count as one already.
     together = np.maximum(shares * sizes / np.maximum(samples, 1.0), 1.0)
     return Misfit(sensors, tuple(np.maximum(left / sizes, 1.0)), tuple(together), force)
-
-
-def hanging_together(pieces: Sequence[Array]) -> Array:
-    """How many samples of every channel (C,) err together: the sum of squared correlations over lags and over channels.
-
-    pieces: residuals (C, T) of stretches. Two series that are alike so correlated have a correlation by chance of this over T.
-    """
-    longest = max(piece.shape[1] for piece in pieces)
-    count = len(pieces[0])
-    lags = np.zeros((count, count, longest))
-    for piece in pieces:
-        size = piece.shape[1]
-        ahead = np.fft.rfft(piece, 2 * size)
-        across = np.fft.irfft(ahead[:, None] * np.conj(ahead[None]))[..., :size]
-        lags[..., :size] += across
-    power = np.maximum(lags[np.arange(count), np.arange(count), 0], 1e-300)
-    correlation = np.clip(lags / np.sqrt(power[:, None] * power[None])[..., None], -1.0, 1.0)
-    # A lag of one channel behind another is one of that ahead of it.
-    square = np.sum(correlation**2 + np.swapaxes(correlation, 0, 1) ** 2, axis=1)
-    square[:, 0] /= 2.0
-    out = np.empty(count)
-    for c in range(count):
-        total = np.cumsum(square[c])
-        far = np.arange(longest) >= REACH * total
-        out[c] = total[int(np.argmax(far))] if far.any() else total[-1]
-    return out
 
 
 def sandwich(fitted: Fit, nominal: int, left: Misfit, found: Responses) -> Array:

@@ -24,6 +24,7 @@ SETS = (
 )
 ROTOR = "added_inertia"
 ZEROS = ("constant_torque", "sensor_offset")
+CHANGES = ("payload_mass", "com_offset", "added_inertia", "com_side_offset")
 
 
 def ordinary(study: Study, near: Fit) -> list[Fit]:
@@ -32,6 +33,35 @@ def ordinary(study: Study, near: Fit) -> list[Fit]:
     near: a fit whose initial states are begun from.
     """
     found = [_fitted(study, members, near) for names in SETS for members in _by_site(study, names)]
+    return sorted(found, key=study.criterion)
+
+
+def with_one_change(study: Study, near: Fit) -> list[Fit]:
+    """Fits of ordinary dissipation at every joint, by itself and beside one thing that is not as drawn; best first.
+
+    A weight, a centre of mass, a rotor: what a bench is changed by first. near: a fit whose initial states are begun from.
+    """
+    rubbing = Hypothesis()
+    for candidate in study.candidates:
+        if candidate.effect.name in SETS[0] and compatible(rubbing, candidate):
+            rubbing = rubbing.with_(candidate)
+    changes = [c for c in study.candidates if c.effect.name in CHANGES and compatible(rubbing, c)]
+    found = [_fitted(study, rubbing.members, near)] if rubbing.members else []
+    for change in changes:
+        hypothesis = rubbing.with_(change)
+        if hypothesis.identity in study.fits:
+            found.append(study.fits[hypothesis.identity])
+            continue
+        # At each of its usual sizes: one of them is on the right side of a wrong valley.
+        sizes = [
+            to_internal(change, np.array([v])) for v in change.effect.parameters[0].start_values(change.references)
+        ]
+        starts = [
+            np.concatenate([start[: len(start) - change.size], size])
+            for start in _starts(study, hypothesis, near)
+            for size in sizes
+        ]
+        found.append(study.fit(hypothesis, starts, near, most_steps=25))
     return sorted(found, key=study.criterion)
 
 

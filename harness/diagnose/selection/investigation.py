@@ -27,6 +27,7 @@ from harness.diagnose.selection.dissipation_starts import ordinary
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
 from harness.diagnose.selection.model_error import Structure, begun_ordinary, reweighed, under_model_error
 from harness.diagnose.selection.short_window_starts import begun, far_off, ordinary_by_way_of_shorter, very_short
+from harness.diagnose.selection.state_evidence import Evidence
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
 
 Array = NDArray[np.float64]
@@ -92,6 +93,15 @@ class Outcome:
     alone: dict[frozenset[str], Fit] = field(default_factory=dict)
     straight: dict[frozenset[str], Fit] = field(default_factory=dict)
     read: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
+    weighed: dict[int, Evidence] = field(default_factory=dict)
+
+    @property
+    def evidence(self) -> Evidence | None:
+        """The measure of sets beside a force over the state; None where there is none, or channels do not answer to forces."""
+        left = self.study.likelihood.discrepancy
+        if not isinstance(left, Misfit) or left.state is None:
+            return None
+        return self.weighed.setdefault(id(left.state), Evidence(left.state, left.sensors))
 
     @property
     def noise(self) -> tuple[float, ...]:

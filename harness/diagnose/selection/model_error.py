@@ -29,8 +29,9 @@ from harness.diagnose.estimation.objective import LOST, Objective
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
-from harness.diagnose.selection.dissipation_starts import everywhere
+from harness.diagnose.selection.dissipation_starts import everywhere, with_one_change
 from harness.diagnose.selection.rewrites.special_case import specialized
+from harness.diagnose.selection.state_evidence import Evidence, evidence_over_the_state, plainest
 from harness.diagnose.selection.study import HOPELESS, Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
@@ -158,7 +159,9 @@ def under_model_error(
         return None
     progress("a force that is left out")
     rough = _as_scattered(study)
+    drawn: list[Fit] = []
     taken, ranked, search = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows], True
+    evidence: Evidence | None = None
     for _ in range(ROUNDS):
         wider = study.unfitted((taken.fainter(SOUGHT) if early and search else taken).likelihood)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
@@ -166,10 +169,15 @@ def under_model_error(
             empty = wider.fit(Hypothesis(), [study.empty().x], study.empty())
             if reached is not None:
                 reached.append(wider)
-            fits = grow(wider, [empty, *fits], effort, progress)
+            progress("one thing that is not as drawn")
+            drawn = with_one_change(wider, min([empty, *fits], key=wider.criterion))
+            fits = grow(wider, [empty, *fits, *drawn], effort, progress)
             if not early:
                 fits = polish(wider, fits, effort, progress)
-        best = least(wider, rough, taken.together, sorted(fits, key=wider.criterion), progress)
+            if drawn:
+                evidence = evidence_over_the_state(wider, rough, min(fits, key=lambda f: f.score), drawn[0])
+        near = [*sorted(fits, key=wider.criterion)[:COMPARED], *(drawn if search else [])]
+        best = least(wider, rough, taken.together, near, progress, evidence)
         ranked = [best, *(f for f in fits if f is not best)]
         found = weighed(wider, ways, best)
         if found.force is None:
@@ -178,7 +186,7 @@ def under_model_error(
             return plain, sorted(
                 (plain.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]), key=plain.criterion
             )
-        after = _left(rough, study, best, found.force)
+        after = _left(rough, study, best, found.force, evidence)
         settled, search, taken = _alike(taken, after), _shrunk(taken, after), after
         if settled:
             break
@@ -197,7 +205,13 @@ def under_model_error(
     if reached is not None:
         reached.append(wider)
     fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
-    return wider, polish(wider, sorted(fits, key=wider.criterion), effort, progress)
+    likeliest = fits[0]
+    fits = polish(wider, sorted(fits, key=wider.criterion), effort, progress)
+    if evidence is not None:
+        every = sorted(wider.fits.values(), key=wider.criterion)[:COMPARED]
+        best = least(wider, rough, taken.together, [likeliest, *every], progress, evidence)
+        fits = [best, *(f for f in fits if f is not best)]
+    return wider, fits
 
 
 def reweighed(study: Study, fitted: Fit) -> Study | None:
@@ -208,7 +222,7 @@ def reweighed(study: Study, fitted: Fit) -> Study | None:
     before = study.likelihood.discrepancy
     if not isinstance(before, Misfit):
         return None
-    after = _left(before.sensors, study, fitted, before.force)
+    after = replace(_left(before.sensors, study, fitted, before.force), state=before.state)
     if _alike(before, after):
         return None
     ways = answers(study, fitted, study.swing)
@@ -221,10 +235,11 @@ def _as_scattered(study: Study) -> Likelihood:
     return replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
 
 
-def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy) -> Misfit:
+def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy, evidence: Evidence | None = None) -> Misfit:
     """What a set leaves of what the sensors read."""
     _, residuals = _under(rough, study, fitted).residuals([(fitted.x, fitted.states)])[0]
-    return misfit(rough, fitted.windows, residuals, force)
+    state = None if evidence is None else evidence.force
+    return replace(misfit(rough, fitted.windows, residuals, force), state=state)
 
 
 def _shapeless(study: Study, value: float, structure: Structure) -> bool:
@@ -281,13 +296,21 @@ def least(
     together: Sequence[float],
     ordered: Sequence[Fit],
     progress: Callable[[str], None],
+    evidence: Evidence | None = None,
 ) -> Fit:
     """The likeliest set, what it leaves as loud as it is, of those found and the best ones' parts, member after member left out.
 
-    together: samples of every channel that err together.
+    together: samples of every channel that err together. evidence: beside a force over the state, by which the plainest of the
+    sets that are not parted is taken; None where channels do not answer to forces.
     """
+    known: dict[frozenset[str], tuple[float, Fit]] = {}
 
     def value(fitted: Fit) -> float:
+        own = evidence.criterion(study, fitted) if evidence is not None else _by_variance(fitted)
+        known[fitted.hypothesis.identity] = own, fitted
+        return own
+
+    def _by_variance(fitted: Fit) -> float:
         _, residuals = _under(sensors, study, fitted).residuals([(fitted.x, fitted.states)])[0]
         left, sizes = squares(sensors, fitted.windows, residuals)
         # −2 log L with the variance of every channel at its likeliest, one of the sensors' at least.
@@ -298,7 +321,7 @@ def least(
     def likeliest(weighed: Iterable[tuple[float, Fit]]) -> list[tuple[float, Fit]]:
         return sorted(weighed, key=lambda pair: pair[0])[:ABREAST]
 
-    front = likeliest((value(fitted), fitted) for fitted in ordered[:COMPARED])
+    front = likeliest((value(fitted), fitted) for fitted in ordered)
     lowest, best = front[0]
     while front:
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
@@ -312,4 +335,4 @@ def least(
         if front and front[0][0] < lowest:
             lowest, best = front[0]
             progress(" + ".join(best.hypothesis.keys) or "nothing")
-    return best
+    return best if evidence is None else plainest(known.values())

@@ -133,6 +133,8 @@ class Study:
             for parameter, value in zip(member.effect.parameters, values, strict=True):
                 if parameter.plausible is not None:
                     total += parameter.plausible.surprise(float(value), parameter.neutral, member.references)
+            if member.effect.plausible is not None:
+                total += member.effect.plausible.surprise(member.effect.named(values), member.references)
         return total
 
     def evidence(self, fitted: Fit) -> float:

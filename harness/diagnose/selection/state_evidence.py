@@ -1,0 +1,93 @@
+"""Which set of laws recordings speak for where every one of them leaves a force out.
+
+Sets are weighed with the force that they leave integrated out, as a function of the state (``estimation.state_force``), and of
+those that are not parted so the plainest is taken: what nobody would look for first needs evidence of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from harness.diagnose.estimation.discrepancy import profiled, responses
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linearisation import linearise
+from harness.diagnose.estimation.objective import LOST
+from harness.diagnose.estimation.state_force import Profiled, StateForce, over_the_state
+from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate
+from harness.diagnose.selection.study import Study
+from harness.effects.scale import pull
+
+UNPARTED = 10.0  # twice the logarithm of the odds, below which sets cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What recordings say of sets with the force that these leave integrated out. rough: noise as the channels scatter."""
+
+    force: StateForce
+    rough: Likelihood
+    _known: dict[int, tuple[Fit, float]] = field(default_factory=dict)
+
+    def surprise(self, study: Study, fitted: Fit) -> float:
+        """−2 log of how likely the recordings are under a set; infinite of a fit that has lost them."""
+        known = self._known.get(id(fitted))
+        if known is None:
+            value = np.inf
+            if fitted.score < LOST:
+                value, _ = self.force.likeliest(self.force.sums(fitted.windows, _free(study, self.rough, fitted)))
+            known = self._known[id(fitted)] = fitted, float(value)
+        return known[1]
+
+    def criterion(self, study: Study, fitted: Fit) -> float:
+        """The same with the price of its numbers, and how plausible they and its members are.
+
+        Every joint rubs or is damped as a rule; of other plain laws about one is expected to be missing, and one of all the rest.
+        """
+        prior = study.paid(fitted) + study.surprise(fitted) + fitted.prior
+        return self.surprise(study, fitted) + prior + sum(_odds(study, m) for m in fitted.hypothesis.members)
+
+
+def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, reference: Fit) -> Evidence | None:
+    """The measure for sets of a study; None where channels do not answer linearly to forces.
+
+    along: the fit that is nearest to the recordings, whose motion the forces act along. reference: the plainest explanation.
+    """
+    found = responses(study.predictor, rough, along, pull(study.problem.system), study.swing)
+    if found is None or reference.score >= LOST:
+        return None
+    force = over_the_state(found, reference.windows, _free(study, rough, reference))
+    return None if force is None else Evidence(force, rough)
+
+
+def plainest(weighed: Iterable[tuple[float, Fit]]) -> Fit:
+    """Of fits with their criteria the best one, or one not parted from it with fewer laws that are no plain ones.
+
+    Those can be bent to what nobody has named.
+    """
+    rows = list(weighed)
+    lowest = min(value for value, _ in rows)
+    alike = [(value, fitted) for value, fitted in rows if value < lowest + UNPARTED]
+    return min(alike, key=lambda row: (_curious(row[1]), row[0]))[1]
+
+
+def _odds(study: Study, member: Candidate) -> float:
+    """Twice the logarithm of the odds against a member, before anything is recorded."""
+    if member.effect.name in EVERYWHERE:
+        return 2.0 * float(np.log(2.0))
+    alike = sum(candidate.effect.plain == member.effect.plain for candidate in study.candidates)
+    return 2.0 * (float(np.log(max(alike, 2))) + member.effect.rarity)
+
+
+def _curious(fitted: Fit) -> int:
+    """How many members are no plain laws."""
+    return sum(not member.effect.plain for member in fitted.hypothesis.members)
+
+
+def _free(study: Study, rough: Likelihood, fitted: Fit) -> list[Profiled]:
+    """The residuals of a fit under the noise of the sensors alone, initial states profiled out."""
+    objective = replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=rough)
+    return profiled(linearise(objective, fitted.x, fitted.states, fixed=np.ones(len(fitted.x), dtype=bool)))
