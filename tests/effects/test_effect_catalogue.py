@@ -120,7 +120,8 @@ def test_every_effect_says_how_large_it_usually_is_unless_it_is_a_place_or_has_n
     places = {"sensor_saturation"}  # where something begins is not a size
     for name, effect in effects.catalogue().items():
         usual = [p for p in effect.parameters if p.plausible is not None]
-        assert bool(usual) == (bool(effect.parameters) and name not in places), name
+        said = bool(usual) or effect.plausible is not None
+        assert said == (bool(effect.parameters) and name not in places), name
         for parameter in usual:
             own, size = parameter.plausible, parameter.plausible.size(sizes)
             assert own.source and np.isfinite(size) and size > 0.0
@@ -130,6 +131,16 @@ def test_every_effect_says_how_large_it_usually_is_unless_it_is_a_place_or_has_n
             assert own.surprise(absent, parameter.neutral, sizes) == pytest.approx(0.0, abs=1e-12)
             far = 0.1 / size if own.inverse else parameter.neutral + 10.0 * size
             assert own.surprise(far, parameter.neutral, sizes) == pytest.approx(2.0 * np.log(101.0))
+
+
+def test_a_stand_that_swings_as_slowly_as_its_load_surprises_by_what_its_numbers_make_together(pendulum):
+    effect = effects.catalogue()["base_compliance"]
+    sizes = effects.references(pendulum, "pivot")
+    moving = 2.0 * sizes.mass  # a stand as heavy as its load
+    for times, ratio in ((1.0, 1.0), (5.0, 0.04)):  # of the swing's frequency; ω² = k / (M + m)
+        stiffness = moving * (times * sizes.frequency) ** 2
+        found = effect.plausible.surprise({"stiffness": stiffness, "mass": sizes.mass, "damping": 0.0}, sizes)
+        assert found == pytest.approx(2.0 * np.log1p((ratio / 0.04) ** 2)), times
 
 
 def test_confusion_goes_both_ways_for_the_classes_that_a_single_angle_sensor_cannot_part():

@@ -51,7 +51,8 @@ def left_force(outcome: Outcome, fitted: Fit, force: Discrepancy) -> list[LeftFo
     objective = study.objective(fitted.hypothesis).on(fitted.windows)
     seen = force.responses.probe.likelihood
     ((_, residuals),) = replace(objective, likelihood=seen).residuals([(fitted.x, fitted.states)])
-    names = outcome.predictor.mechanism(fitted.hypothesis).names
+    # The force acts along the motion of another fit, which may have more coordinates than this one, or fewer.
+    names = outcome.predictor.mechanism(force.responses.probe.fitted.hypothesis).names
     out = []
     for window, white in zip(fitted.windows, residuals, strict=True):
         residual = white / np.sqrt(force.louder)

@@ -30,7 +30,8 @@ Array = NDArray[np.float64]
 MOST_NODES = 240  # of the grids over the state, all joints together: bounds the work
 FEWEST_A_SIDE, MOST_A_SIDE = 5, 11
 SHORTEST, LONGEST = 0.15, 5.0  # over which the force changes, in standard deviations of position and velocity
-JITTER = 1e-9  # of a prior's variance, for its factorisation
+USUAL = 0.01  # of the natural torque: what a model that is right leaves of the forces that it has; the scale of a Cauchy prior
+JITTER = 1e-6  # of the variance, so that covariances of long lengths can be factorised
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,8 @@ class StateForce:
     """Forces at the nodes of grids over the joints' states, and what the whitened channels answer to them.
 
     places: joint (k,) and position and velocity (k, 2) of every node, in standard deviations. answers: (M, k) by window.
-    together: samples of every channel that err together beside the force. shape: of the force that the reference leaves.
+    together: samples of every channel that err together beside the force. shape: of the force that the reference leaves, where
+    the search for that of others begins.
     """
 
     joint: NDArray[np.intp]
@@ -102,9 +104,11 @@ class StateForce:
         return Sums(squares, products, left, np.maximum(counts, 1.0))
 
     def surprise(self, sums: Sums, force: Force) -> float:
-        """−2 log of how likely residuals are with the force integrated out, up to a constant of the recordings."""
+        """−2 log of how likely residuals are with the force integrated out, up to a constant of the recordings, and of how usual
+        its size is."""
         weights = 1.0 / (force.louder * self.together)
-        own = float(np.sum(sums.counts / self.together * np.log(force.louder)) + np.sum(weights * sums.left))
+        own = 2.0 * float(np.sum(np.log1p((force.sizes / USUAL) ** 2)))
+        own += float(np.sum(sums.counts / self.together * np.log(force.louder)) + np.sum(weights * sums.left))
         root = self.prior_root(force)
         inside, seen = self._seen(sums, weights, root)
         factor = cho_factor(inside, lower=True, check_finite=False)
@@ -117,27 +121,26 @@ class StateForce:
         return inside, root.T @ (weights @ sums.products)
 
     def likeliest(self, sums: Sums) -> tuple[float, Force]:
-        """The least surprise over sizes and loudness, and over the shape where there is none yet, and the force that has it."""
+        """The least surprise over size, shape and loudness, and the force that has it."""
         joints, count = self.joints, self.channels
         loud = np.maximum(sums.left / sums.counts, 1.0)
-        fixed = self.shape
 
         def force(z: Array) -> Force:
-            lengths = np.exp(z[joints + count :]) if fixed is None else fixed.lengths
-            return Force(np.exp(z[:joints]), lengths, np.exp(z[joints : joints + count]))
+            return Force(np.exp(z[:joints]), np.exp(z[joints + count :]), np.exp(z[joints : joints + count]))
 
         bounds = [(np.log(SMALLEST), np.log(LARGEST))] * joints + [(0.0, np.log(LOUDEST))] * count
-        starts = [np.concatenate([np.full(joints, np.log(0.02)), np.log(0.5 * loud + 0.5)])]
-        if fixed is None:
-            bounds += [(np.log(SHORTEST), np.log(LONGEST))] * 2
-            starts = [np.concatenate([start, np.log(own)]) for start in starts for own in ((1.0, 1.0), (0.4, 0.4))]
+        bounds += [(np.log(SHORTEST), np.log(LONGEST))] * 2
+        usual = np.concatenate([np.full(joints, np.log(2.0 * USUAL)), np.log(0.5 * loud + 0.5)])
+        starts = [np.concatenate([usual, np.log((0.4, 0.4))])]
+        if self.shape is None:
+            starts.append(np.concatenate([usual, np.zeros(2)]))
         else:
-            starts = [np.concatenate([np.log(fixed.sizes), np.log(np.minimum(fixed.louder, loud))]), *starts]
+            louder = np.minimum(self.shape.louder, loud)
+            starts.append(np.log(np.concatenate([self.shape.sizes, louder, self.shape.lengths])))
         best: tuple[float, Force] | None = None
         for start in starts:
-            start = np.clip(start, *np.array(bounds).T)
             ended = minimize(
-                lambda z: self.surprise(sums, force(z)), start,
+                lambda z: self.surprise(sums, force(z)), np.clip(start, *np.array(bounds).T),
                 method="L-BFGS-B", bounds=bounds, options={"maxiter": 30, "ftol": 1e-7},
             )  # fmt: skip
             if best is None or ended.fun < best[0]:
