@@ -181,7 +181,7 @@ class Check:
     thread of its own. leaves: how much of the cost is above the noise, of a test that counts. quick: whether what is only asked
     beside a remainder is quick enough to be asked of every set on the way. may_stand_for: whether what it names could be taken for
     all of some effects. on_both_sides: whether it has to be weighed beside a set with an effect as well as without that, since it
-    might do the effect's work and more.
+    might do the effect's work and more. of_state: whether what it names is a force at a joint as a function of the joint's state.
     """
 
     name: str
@@ -194,6 +194,7 @@ class Check:
     quick: Callable[[Study], bool] = lambda study: False
     may_stand_for: Callable[[Sequence[Effect]], bool] = lambda effects: True
     on_both_sides: Callable[[Effect], bool] = lambda effect: False
+    of_state: bool = False
 
 
 def nothing_left(test: Test) -> float:

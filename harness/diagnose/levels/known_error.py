@@ -12,9 +12,12 @@ from harness.diagnose.levels.unequal_friction import unequal_friction
 from harness.diagnose.selection.study import Study
 
 
-def worth_of_known_error(study: Study, fitted: Fit) -> float:
-    """What the likeliest such error gains in the criterion beyond its price: one of a shape, or friction of several levels."""
-    return max(worth_of_structure(study, fitted), _worth_of_levels(study, fitted))
+def worth_of_known_error(study: Study, fitted: Fit, of_state: bool) -> float:
+    """What the likeliest such error gains in the criterion beyond its price: one of a shape, or friction of several levels.
+
+    of_state: whether forces over the state are among them.
+    """
+    return max(worth_of_structure(study, fitted, of_state=of_state), _worth_of_levels(study, fitted))
 
 
 def _worth_of_levels(study: Study, fitted: Fit) -> float:

@@ -144,7 +144,7 @@ def investigate(
     *,
     effort: Effort | None = None,
     progress: Callable[[str], None] = lambda _: None,
-    structure: Structure = lambda study, fitted: 0.0,
+    structure: Structure = lambda study, fitted, of_state: 0.0,
     deadline: Deadline | None = None,
 ) -> Outcome:
     """Search for the set of effects that the recordings speak for.

@@ -95,8 +95,9 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     return [one for one in found if one is not None]
 
 
-Structure = Callable[[Study, Fit], float]
-"""What the likeliest error of one known shape (a jump, a leak, a force over the state …) gains beyond its price beside a set."""
+Structure = Callable[[Study, Fit, bool], float]
+"""What the likeliest error of one known shape (a jump, a leak, …) gains beyond its price beside a set; whether forces over the
+state are among those shapes."""
 
 
 def begun_ordinary(
@@ -137,7 +138,7 @@ def under_model_error(
     period: float,
     effort: Effort,
     progress: Callable[[str], None],
-    structure: Structure = lambda study, fitted: 0.0,
+    structure: Structure = lambda study, fitted, of_state: 0.0,
     reached: list[Study] | None = None,
     *,
     early: bool = False,
@@ -155,7 +156,7 @@ def under_model_error(
         return None
     near = sorted(study.fits.values(), key=study.criterion)[:COMPARED]
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
-    if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure)):
+    if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure, False)):
         return None
     progress("a force that is left out")
     rough = _as_scattered(study)
@@ -198,7 +199,7 @@ def under_model_error(
         while part.hypothesis.members:
             part = min((alone.below(part, k) for k in range(len(part.hypothesis.members))), key=alone.criterion)
         own = weighed(alone, answers(alone, ranked[0], period), ranked[0])
-        if not _shapeless(alone, own.value, structure):
+        if not _shapeless(alone, own.value, structure, evidence is None):
             return None
     wider = study.unfitted(taken.likelihood)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
@@ -242,19 +243,20 @@ def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy, evid
     return replace(misfit(rough, fitted.windows, residuals, force), state=state)
 
 
-def _shapeless(study: Study, value: float, structure: Structure) -> bool:
+def _shapeless(study: Study, value: float, structure: Structure, of_state: bool) -> bool:
     """Whether a force of no shape, beside which the best set has this criterion, is likelier than any error of a known shape.
 
     A law of one shape may have been pieced together from several of the catalogue: it is asked for beside fewer of them, too. Such
     an error is one that leaves little more than noise; of what a whole rig leaves, some part has any shape. Or one that leaves as
     little beside some laws, held against what any set leaves, as a linear view of it may be wrong by: it may then leave nothing,
-    and the others only stand in for it.
+    and the others only stand in for it. of_state: whether a force over the state counts as one; it does not where sets are weighed
+    beside such a force, whatever its shape.
     """
     lowest = min(fitted.score for fitted in study.fits.values())
     for fitted in _best_of_each_size(study):
         if fitted.score >= LOST:
             continue
-        worth = structure(study, fitted)
+        worth = structure(study, fitted, of_state)
         if fitted.score - worth < LINEAR**2 * lowest:
             return False
         explained = fitted.score - worth < HOPELESS * study.samples

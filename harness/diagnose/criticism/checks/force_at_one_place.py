@@ -47,4 +47,4 @@ def _local_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> 
 
 
 # A third of the time that all checks take, most of it in compiled code.
-CHECK = Check(LOCAL, _asked, every_joint=True, aside=True)
+CHECK = Check(LOCAL, _asked, every_joint=True, aside=True, of_state=True)

@@ -14,4 +14,4 @@ def _asked(left: Remainder) -> Iterator[Test]:
     yield force_over_state(left, PLACES, range(len(shape_names(left.at))))
 
 
-CHECK = Check(PLACES, _asked, every_joint=True, leaves=beyond_its_size, on_both_sides=is_no_motion)
+CHECK = Check(PLACES, _asked, every_joint=True, leaves=beyond_its_size, on_both_sides=is_no_motion, of_state=True)

@@ -94,4 +94,4 @@ def _best_subset(seen: Projected, size: int) -> tuple[float, tuple[int, ...]]:
     return float(gains[best]), tuple(int(k) for k in subsets[best])
 
 
-CHECK = Check(FEW, _asked, every_joint=True, on_both_sides=is_no_motion)
+CHECK = Check(FEW, _asked, every_joint=True, on_both_sides=is_no_motion, of_state=True)

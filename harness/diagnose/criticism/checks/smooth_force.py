@@ -15,4 +15,4 @@ def _asked(left: Remainder) -> Iterator[Test]:
     yield force_over_state(left, SMOOTH, smooth)
 
 
-CHECK = Check(SMOOTH, _asked, every_joint=True, leaves=beyond_its_size, on_both_sides=is_no_motion)
+CHECK = Check(SMOOTH, _asked, every_joint=True, leaves=beyond_its_size, on_both_sides=is_no_motion, of_state=True)
