@@ -26,6 +26,7 @@ from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, trained, training_gain
 from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.starts import FOLLOWS
+from harness.diagnose.selection.state_evidence import UNPARTED, placed
 from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
 
 Array = NDArray[np.float64]
@@ -126,9 +127,16 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
 
 
 def _likelier(outcome: Outcome, smaller: Fit, larger: Fit) -> bool:
-    """Whether a set is likelier than a smaller one with a force over the state that could do the rest; where there is one."""
+    """Whether a set is likelier than a smaller one with a force over the state that could do the rest; where there is one.
+
+    A plain law may also be as likely: it says more than an unknown force that does its work.
+    """
     evidence, study = outcome.evidence, outcome.study
-    return evidence is None or evidence.criterion(study, larger) < evidence.criterion(study, smaller)
+    if evidence is None:
+        return True
+    missing = [m for m in larger.hypothesis.members if m.key not in smaller.hypothesis.keys]
+    spare = UNPARTED if all(member.effect.plain for member in missing) else 0.0
+    return evidence.criterion(study, larger) < evidence.criterion(study, smaller) + spare
 
 
 def _price(study: Study, smaller: Fit, fitted: Fit, k: int) -> float:
@@ -191,9 +199,14 @@ def settle(outcome: Outcome, best: Fit) -> Fit:
 
 
 def _probabilities(outcome: Outcome) -> dict[str, float]:
-    """Posterior probability of every effect, summed over the sets fitted; with a force over the state, where there is one."""
+    """Posterior probability of every effect, summed over the sets fitted; with a force over the state, where there is one.
+
+    Laws that were chosen among many places are then pieces of that force, and sets with them are none of their own.
+    """
     study, evidence = outcome.study, outcome.evidence
     fits = list(study.fits.values())
+    if evidence is not None:
+        fits = [f for f in fits if not any(map(placed, f.hypothesis.members))]
     if not fits:
         return {}  # the time was up before any set was weighed under the last likelihood
     values = np.array([study.criterion(f) if evidence is None else evidence.criterion(study, f) for f in fits])

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.criticism.held_out import FAKED
-from harness.diagnose.criticism.members import placed
 from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
 from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.misfit import Misfit, sandwich
 from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.state_evidence import placed
 from harness.effects.scale import pull
 
 Array = NDArray[np.float64]

@@ -7,11 +7,12 @@ import numpy as np
 from harness.diagnose.criticism.alternatives import tests_of
 from harness.diagnose.criticism.check import Asked
 from harness.diagnose.criticism.locate import rmse
-from harness.diagnose.criticism.members import nowhere, placed
+from harness.diagnose.criticism.members import nowhere
 from harness.diagnose.criticism.remainder import asked_of
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.selection.investigation import Outcome, judge, judge_straight, trained
+from harness.diagnose.selection.state_evidence import placed
 
 FAKED = (
     10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it

@@ -6,7 +6,6 @@ from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.investigation import Outcome
-from harness.diagnose.selection.scans.catalogue import scanned
 from harness.effects.effect import Effect, Family
 
 
@@ -16,11 +15,6 @@ def beside_force(outcome: Outcome, best: Fit, k: int) -> bool:
     That evidence has the force in it already, so that what every rig has need not explain many times as much as the force.
     """
     return outcome.force is not None and best.hypothesis.members[k].effect.plain
-
-
-def placed(member: Candidate) -> bool:
-    """Whether an effect was chosen among many places: numbers of periods, frequencies, angles."""
-    return scanned(member) or "phase" in member.effect.parameter_names
 
 
 def nowhere(outcome: Outcome, best: Fit, k: int) -> bool:

@@ -31,7 +31,7 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere, with_one_change
 from harness.diagnose.selection.rewrites.special_case import specialized
-from harness.diagnose.selection.state_evidence import Evidence, evidence_over_the_state, plainest
+from harness.diagnose.selection.state_evidence import Evidence, evidence_over_the_state, plainest, without_placed
 from harness.diagnose.selection.study import HOPELESS, Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
@@ -323,6 +323,8 @@ def least(
     def likeliest(weighed: Iterable[tuple[float, Fit]]) -> list[tuple[float, Fit]]:
         return sorted(weighed, key=lambda pair: pair[0])[:ABREAST]
 
+    if evidence is not None:
+        ordered = list({id(f): f for f in (without_placed(study, fitted) for fitted in ordered)}.values())
     front = likeliest((value(fitted), fitted) for fitted in ordered)
     lowest, best = front[0]
     while front:

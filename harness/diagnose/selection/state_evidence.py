@@ -18,6 +18,7 @@ from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.estimation.objective import LOST
 from harness.diagnose.estimation.state_force import Profiled, StateForce, over_the_state
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate
+from harness.diagnose.selection.scans.catalogue import scanned
 from harness.diagnose.selection.study import Study
 from harness.effects.scale import pull
 
@@ -63,15 +64,31 @@ def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, referen
     return None if force is None else Evidence(force, rough)
 
 
-def plainest(weighed: Iterable[tuple[float, Fit]]) -> Fit:
-    """Of fits with their criteria the best one, or one not parted from it with fewer laws that are no plain ones.
+def placed(member: Candidate) -> bool:
+    """Whether an effect was chosen among many places: numbers of periods, frequencies, angles."""
+    return scanned(member) or "phase" in member.effect.parameter_names
 
-    Those can be bent to what nobody has named.
+
+def without_placed(study: Study, fitted: Fit) -> Fit:
+    """The fit without what was chosen among many places: beside a force over the state such a law is a piece of that force.
+
+    One of the places always fits some of what any force does, and recordings of one rig repeat that.
+    """
+    while any(map(placed, fitted.hypothesis.members)):
+        fitted = study.reduce(fitted, [placed(member) for member in fitted.hypothesis.members].index(True))
+    return fitted
+
+
+def plainest(weighed: Iterable[tuple[float, Fit]]) -> Fit:
+    """Of fits that are not parted from the best one by their criteria, the one that leaves least with the fewest curious laws.
+
+    Laws that are no plain ones can be bent to what nobody has named. Of plain laws and an unknown force that do as well, the laws
+    say more.
     """
     rows = list(weighed)
     lowest = min(value for value, _ in rows)
     alike = [(value, fitted) for value, fitted in rows if value < lowest + UNPARTED]
-    return min(alike, key=lambda row: (_curious(row[1]), row[0]))[1]
+    return min(alike, key=lambda row: (_curious(row[1]), row[1].cost))[1]
 
 
 def _odds(study: Study, member: Candidate) -> float:
