@@ -38,11 +38,12 @@ class LinkMotion:
 
 @dataclass(frozen=True, eq=False)
 class PlanarBeamModel(ABC):
-    """A planar chain of finite-element beams and rigid bodies in Exudyn; see ``EngineModel``."""
+    """A planar chain of finite-element beams and rigid bodies in Exudyn; elements: on each beam; see ``EngineModel``."""
 
     names: tuple[str, ...]
     system: System
     chain: PlanarChain
+    elements: int
 
     engine: ClassVar[str]
     default_step: ClassVar[float]
