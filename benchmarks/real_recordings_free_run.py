@@ -117,4 +117,5 @@ def free_run(
         scale = np.repeat([1e-2, 1e-1], len(state) // 2)
         found = least_squares(misfit, state, x_scale=scale, max_nfev=30)
         fitted.append((simulate(found.x, part, effort) - target).ravel())
-    return tuple(float(np.sqrt(np.mean(np.concatenate(r) ** 2))) for r in (raw, fitted))  # type: ignore[return-value]
+    of_raw, of_fitted = (float(np.sqrt(np.mean(np.concatenate(r) ** 2))) for r in (raw, fitted))
+    return of_raw, of_fitted

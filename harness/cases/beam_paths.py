@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -27,11 +28,11 @@ def system() -> System:
     return cantilever(strip(modes=5))
 
 
-def _with(**changes: object) -> Link:
+def _with(**changes: Any) -> Link:
     """The strip with other numbers, its whole mass and inertia following."""
     beam = strip(modes=5).beam
     assert beam is not None
-    return flexible_link("rod", replace(beam, **changes))  # type: ignore[arg-type]
+    return flexible_link("rod", replace(beam, **changes))
 
 
 def _beam(link: Link) -> Beam:

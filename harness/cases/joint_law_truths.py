@@ -74,7 +74,9 @@ def _integrated(
     return truth
 
 
-def _dry(start: tuple[float, float], friction: float, stiffness: float, force: Callable[[Array], Array] | None = None):  # type: ignore[no-untyped-def]
+def _dry(
+    start: tuple[float, float], friction: float, stiffness: float, force: Callable[[Array], Array] | None = None
+) -> Callable[[Array], Array]:
     def truth(time: Array) -> Array:
         pushed = np.zeros_like(time) if force is None else force(time)
         return oscillate(start, J, 0.0, stiffness, pushed, friction, time)[0]

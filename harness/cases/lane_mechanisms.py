@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from harness.cases.beams import flexible_pendulum, strip, two_strips
 from harness.cases.case import Case
@@ -20,9 +21,9 @@ def sprung_tree() -> System:
     return replace(tree, joints=tuple(replace(joint, stiffness=1.5, rest_position=0.2) for joint in tree.joints))
 
 
-def _both(**options: object) -> tuple[LaneAgreement, ...]:
+def _both(**options: Any) -> tuple[LaneAgreement, ...]:
     """By the recursion for the plane and by the one for space."""
-    return tuple(LaneAgreement(planar=planar, **options) for planar in (True, False))  # type: ignore[arg-type]
+    return tuple(LaneAgreement(planar=planar, **options) for planar in (True, False))
 
 
 CASES = (

@@ -15,7 +15,7 @@ from harness.cases.misprints import PRINTED, accounted_for, each_is_named, line,
 from harness.engines.as_printed import AsPrinted
 from harness.engines.exudyn_ancf import Ancf
 from harness.errors import EngineUnavailableError
-from harness.system import System
+from harness.system import System, Trajectory
 
 ANCF, TIP = "exudyn_ancf", "rod.tip_deflection"
 # The paper's link bears nothing; a few grams let the misprints of the payload's terms show.
@@ -105,8 +105,8 @@ def motion(bench: Bench) -> Iterable[Row | Series]:
     yield line(bench, ANCF, time, _deflection(truth), "tip deflection [m]", dashed=True)
 
 
-def _deflection(run: object) -> np.ndarray:
-    return np.asarray(run.channels[TIP])  # type: ignore[attr-defined]
+def _deflection(run: Trajectory) -> np.ndarray:
+    return np.asarray(run.channels[TIP])
 
 
 CASE = Case(

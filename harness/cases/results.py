@@ -101,24 +101,13 @@ class Results:
 
     def _repr_html_(self) -> str:
         """Every case on a line, worst comparison first, for notebooks."""
-        from harness.cases.table import counts, number
+        from harness.cases.table import cells, counts
 
         worst: dict[str, Row] = {}
         for row in self.rows:
             if row.case not in worst or _share(row) > _share(worst[row.case]):
                 worst[row.case] = row
-        lines = [
-            (
-                case,
-                row.quantity,
-                " / ".join(row.engines),
-                number(row.difference),
-                number(row.allowed),
-                row.unit,
-                row.verdict,
-            )
-            for case, row in worst.items()
-        ]
+        lines = [(case, *cells(row)) for case, row in worst.items()]
         heads = ("case", "worst in", "engines", "difference", "allowed", "unit", "verdict")
         return html_table(heads, lines, title=counts(self.rows))
 

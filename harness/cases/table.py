@@ -15,22 +15,16 @@ def number(value: float | None) -> str:
     return "0" if value == 0.0 else f"{value:.1e}"
 
 
+def cells(row: Row) -> tuple[str, ...]:
+    """Quantity, engines, difference, allowed, unit and verdict of a comparison."""
+    engines = " / ".join(row.engines)
+    return row.quantity, engines, number(row.difference), number(row.allowed), row.unit, row.verdict
+
+
 def aligned(rows: Sequence[Row]) -> str:
     """Aligned columns: case, quantity, engines, difference, allowed, unit, verdict, note."""
     head = ("case", "quantity", "engines", "difference", "allowed", "unit", "verdict", "note")
-    lines = [
-        (
-            row.case,
-            row.quantity,
-            " / ".join(row.engines),
-            number(row.difference),
-            number(row.allowed),
-            row.unit,
-            row.verdict,
-            row.note,
-        )
-        for row in rows
-    ]
+    lines = [(row.case, *cells(row), row.note) for row in rows]
     return f"{text_table(head, lines)}\n\n{counts(rows)}"
 
 

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from harness.engines.checked import held_forces, sample_times, vector, vectors
+from harness.engines.checked import held_forces, raise_if_refused, sample_times, vector, vectors
 from harness.engines.expressed import bends, express, refusal
 from harness.engines.folded import bodies
 from harness.engines.oscillator import oscillate
@@ -149,9 +149,7 @@ class Analytic:
 
     def build(self, system: System) -> AnalyticModel:
         """The constants of the one equation of motion; raises UnsupportedError if the system is refused."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         system = express(system).system
         (body,), _ = bodies(system)
         joint = body.joint

@@ -16,7 +16,15 @@ import scipy
 
 from harness.denoc.beam.integrals import BENDING, beam_data
 from harness.effects.scale import tip_of
-from harness.engines.checked import finite_result, held_forces, positive_step, sample_times, vector, vectors
+from harness.engines.checked import (
+    finite_result,
+    held_forces,
+    positive_step,
+    raise_if_refused,
+    sample_times,
+    vector,
+    vectors,
+)
 from harness.engines.expressed import express, refusal
 from harness.engines.march import march
 from harness.engines.printed_terms import (
@@ -210,9 +218,7 @@ class AsPrinted:
 
     def build(self, system: System) -> PrintedModel:
         """The paper's symbols read off the system; raises UnsupportedError if the system is refused."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         system = express(system).system
         joint, link = system.joints[0], system.links[0]
         equation = 7 if link.beam is None else 10

@@ -1,4 +1,4 @@
-"""Checks before a state is handed to an engine, because engines take NaN, wrong sizes and infinities without a word."""
+"""Checks before a system or a state is handed to an engine, because engines take NaN, wrong sizes and infinities without a word."""
 
 from __future__ import annotations
 
@@ -9,7 +9,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.engines.protocol import Array, EngineError
-from harness.errors import EngineUnavailableError, InputError, install
+from harness.errors import EngineUnavailableError, InputError, UnsupportedError, install
+from harness.system import System
+
+
+def raise_if_refused(system: System, reason: str | None) -> None:
+    """UnsupportedError with an engine's reason why it cannot express the system, unless that is None."""
+    if reason:
+        raise UnsupportedError(reason, source=system.source)
+
+
+def no_dry_friction(who_has: str, system: System) -> None:
+    """UnsupportedError if a joint has dry friction, for an engine without; who_has: as in "Pinocchio has"."""
+    sticky = [joint.name for joint in system.movable_joints if joint.friction]
+    if sticky:
+        raise UnsupportedError(
+            f"{who_has} no dry friction, joint {sticky[0]} has", mend="simulate with denoc or mujoco"
+        )
 
 
 def vector(name: str, value: ArrayLike, n: int) -> Array:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from harness.effects.catalogue import effect
-from harness.engines.checked import held_forces, positive_step, sample_times, vector, vectors
+from harness.engines.checked import held_forces, positive_step, raise_if_refused, sample_times, vector, vectors
 from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.curves import curves, march_along
 from harness.engines.expressed import Expressed, bends, express
 from harness.engines.protocol import Array, EngineError
 from harness.engines.soft_motion import soft_joints, soft_march
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError
 from harness.system import Attachment, JointType, System, Trajectory
 from harness.system.loop import explicit
 from harness.system.lowering import chained, position_of_rate
@@ -226,9 +226,7 @@ class Native:
 
     def build(self, system: System) -> NativeModel | CoupledModel:
         """The system compiled; raises UnsupportedError if the native dynamics does not model it."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         from harness.denoc import Denoc
 
         if follows(system) and _acting(system):

@@ -13,17 +13,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from harness.engines.checked import held_forces, installed_version, positive_step, sample_times, vectors
-from harness.engines.exudyn_joint import PlanarBodySide, Side, SlopeSide, add_joint_element, held_torques
-from harness.engines.exudyn_run import exudyn_package, grid, item, quiet, settings, solve_dynamic, solve_static, stored
-from harness.engines.planar import PlanarChain, PlanarLink, planar_chain, poses_and_rates, why_not_planar
+from harness.engines.checked import installed_version, raise_if_refused, vectors
+from harness.engines.exudyn_joint import PlanarBodySide, Side, SlopeSide, add_joint_element
+from harness.engines.exudyn_planar import LinkMotion, PlanarBeamModel, bending_side, refuses_planar_beams
+from harness.engines.exudyn_run import (
+    exudyn_package,
+    item,
+    node_sensors,
+    quiet,
+    settings,
+    solve_static,
+    squared_frequencies,
+    stored,
+)
+from harness.engines.planar import PlanarLink, planar_chain, poses_and_rates
 from harness.engines.protocol import Array, EngineError
 from harness.errors import UnsupportedError
-from harness.system import System, Trajectory
+from harness.system import System
 
 #: Sixteen elements at this step [s] are within about 0.1 % of the peak tip deflection over 2 s of free fall.
 DEFAULT_STEP = 2e-5
@@ -46,62 +56,19 @@ class _Assembly:
 
 
 @dataclass(frozen=True, eq=False)
-class AncfModel:
-    """A planar chain in ANCF cable elements and planar rigid bodies; see ``EngineModel``."""
+class AncfModel(PlanarBeamModel):
+    """A planar chain in ANCF cable elements and planar rigid bodies; see ``EngineModel``.
 
-    names: tuple[str, ...]
-    system: System
-    chain: PlanarChain
+    A run starts with the beams in the shape that the assumed modes have in the state it is given.
+    """
+
     elements: int = DEFAULT_ELEMENTS
 
-    def _silent(self, quantity: str) -> UnsupportedError:
-        return UnsupportedError(f"exudyn_ancf gives no {quantity}: its elastic coordinates are other than ours")
+    engine: ClassVar[str] = "exudyn_ancf"
+    default_step: ClassVar[float] = DEFAULT_STEP
 
-    def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        raise self._silent("accelerations")
-
-    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        raise self._silent("generalized forces")
-
-    def mass_matrix(self, q: Array) -> Array:
-        raise self._silent("mass matrix")
-
-    def bias(self, q: Array, qd: Array) -> Array:
-        raise self._silent("bias forces")
-
-    def gravity(self, q: Array) -> Array:
-        raise self._silent("gravity forces")
-
-    def energy(self, q: Array, qd: Array) -> tuple[float, float]:
-        raise self._silent("energy")
-
-    def simulate(
-        self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
-    ) -> Trajectory:
-        """Generalized-α with steps of at most ``step`` [s]; elastic coordinates are not given and stand as NaN.
-
-        q0, qd0 count in our coordinates: the beams start in the shape that the assumed modes have there.
-        tau: torques (T, n) at the joints, held between samples; zero on the elastic coordinates.
-        Raises UnsupportedError for forces on elastic coordinates, EngineError where the solver gives up.
-        """
-        n = len(self.names)
-        q0, qd0 = vectors(n, q0=q0, qd0=qd0)
-        time = sample_times(time)
-        forces = held_forces(tau, time.size, n)
-        elastic = np.concatenate([link.elastic for link in self.chain.links])
-        if forces is not None and np.any(forces[:, elastic]):
-            raise UnsupportedError("exudyn_ancf takes torques at joints, not forces on elastic coordinates")
-        if time.size == 1:
-            raise UnsupportedError("exudyn_ancf needs at least two samples of time")
-        exudyn = exudyn_package()
-        since = time - time[0]
-        steps, every = grid(time, positive_step(step) or DEFAULT_STEP)
-        with quiet(exudyn):
-            built = self._build(exudyn, q0, qd0, held_torques(self.chain, since, forces))
-            relative, absolute = self._tolerances()
-            made = settings(exudyn, float(since[-1]), steps, every, relative=relative, absolute=absolute)
-            solve_dynamic(exudyn, built.mbs, made)
-            return self._trajectory(built, time, since, q0)
+    def _check_start(self, q0: Array, qd0: Array) -> None:
+        """Every state is expressed."""
 
     def frequencies(self, q: Array) -> Array:
         """Natural frequencies about the equilibrium at q [Hz]; gravity's tension in the beams counts.
@@ -115,15 +82,12 @@ class AncfModel:
         if heavy and any(link.data is None for link in self.chain.links):
             raise UnsupportedError("exudyn_ancf gives no frequencies of rigid links in gravity")
         with quiet(exudyn):
-            built = self._build(exudyn, q, np.zeros_like(q))
+            built = self._build(exudyn, q, np.zeros_like(q), {})
             relative, absolute = self._tolerances()
             made = settings(exudyn, 1.0, 1, 1.0, relative=relative, absolute=absolute)
             if heavy:
                 self._settle(built, made, q)
-            squares, _ = exudyn.solver.ComputeODE2Eigenvalues(
-                built.mbs, made, useAbsoluteValues=False, singularValuesTolerance=1e-9
-            )
-        squares = np.sort(np.real(np.asarray(squares)))
+            squares = squared_frequencies(exudyn, built.mbs, made)
         # The stiffest axial mode sets the rounding of the swing, which without gravity is exactly neutral.
         floor = 1e-13 * float(squares[-1])
         result: Array = np.sqrt(squares[squares > max(floor, 1e-6)]) / (2.0 * np.pi)
@@ -155,9 +119,7 @@ class AncfModel:
         axial = max(_axial_stiffness(link) for link in self.chain.links if link.data is not None)
         return (1e-6 if self.elements <= 16 else 1e-5), max(1e-8, 2e-15 * axial)
 
-    def _build(
-        self, exudyn: Any, q: Array, qd: Array, torques: dict[int, Callable[[float], float]] | None = None
-    ) -> _Assembly:
+    def _build(self, exudyn: Any, q: Array, qd: Array, torques: dict[int, Callable[[float], float]]) -> _Assembly:
         items = exudyn.itemInterface
         built = _Assembly(exudyn.SystemContainer().AddSystem())
         mbs = built.mbs
@@ -200,20 +162,10 @@ class AncfModel:
                 built.nodes.append(nodes)
                 built.reference.append(reference)
             self._join(items, mbs, k, built, bodies, ground_node)
-            self._drive(items, mbs, k, built, (torques or {}).get(k))
+            self._drive(items, mbs, k, built, torques.get(k))
             ends = [built.nodes[k][0]] if link.data is None else [built.nodes[k][0], built.nodes[k][-1]]
             kinds = (exudyn.OutputVariableType.Coordinates, exudyn.OutputVariableType.Coordinates_t)
-            built.sensors.append(
-                [
-                    mbs.AddSensor(
-                        items.SensorNode(
-                            nodeNumber=node, storeInternal=True, writeToFile=False, outputVariableType=kind
-                        )
-                    )
-                    for node in ends
-                    for kind in kinds
-                ]
-            )
+            built.sensors.append(node_sensors(items, mbs, [(node, kind) for node in ends for kind in kinds]))
         mbs.Assemble()
         return built
 
@@ -318,42 +270,23 @@ class AncfModel:
         parent = side(link.parent, -1) if inner else None
         add_joint_element(items, mbs, parent, side(k, 0), inertia=inertia, damping=damping, torque=torque)
 
-    def _trajectory(self, built: _Assembly, time: Array, since: Array, q0: Array) -> Trajectory:
-        n = len(self.names)
-        position, velocity = np.full((len(time), n), np.nan), np.full((len(time), n), np.nan)
-        channels: dict[str, Array] = {}
-        turns: list[tuple[Array, Array]] = []
-        ends: list[tuple[Array, Array]] = []
-        for link, sensors, reference in zip(self.chain.links, built.sensors, built.reference, strict=True):
-            data = [stored(built.mbs, sensor, since) for sensor in sensors]
-            if link.data is None:
-                turn, rate = data[0][:, 2], data[1][:, 2]
-                turns.append((turn, rate))
-                ends.append((turn, rate))
-                continue
-            root, tip = data[0] + reference[0], data[2] + reference[-1]
-            start = _angle(*link.direction)
-            turns.append((np.unwrap(_angle(root[:, 2], root[:, 3]) - start), _rate(root, data[1])))
-            ends.append((np.unwrap(_angle(tip[:, 2], tip[:, 3]) - start), _rate(tip, data[3])))
-            tangent = root[:, 2:] / np.linalg.norm(root[:, 2:], axis=1)[:, None]
-            side = np.sign(link.direction[0] * link.bending[1] - link.direction[1] * link.bending[0])
-            chord = tip[:, :2] - root[:, :2]
-            channels[f"{link.link.name}.tip_deflection"] = side * (
-                tangent[:, 0] * chord[:, 1] - tangent[:, 1] * chord[:, 0]
-            )
-        for k, link in enumerate(self.chain.links):
-            if link.coordinate < 0:
-                continue
-            before = ends[link.parent] if link.parent >= 0 else (np.zeros(len(time)), np.zeros(len(time)))
-            angle = link.sign * (turns[k][0] - before[0])
-            # Whole turns are not to be seen in a direction; the run starts where it was told to.
-            angle += 2.0 * np.pi * np.round((q0[link.coordinate] - angle[0]) / (2.0 * np.pi))
-            position[:, link.coordinate] = angle
-            velocity[:, link.coordinate] = link.sign * (turns[k][1] - before[1])
-        for link in self.chain.links:
-            if link.coordinate >= 0:
-                channels[f"{link.joint.name}.position"] = position[:, link.coordinate]
-        return Trajectory(time=time, names=self.names, position=position, velocity=velocity, channels=channels)
+    def _motion(self, built: _Assembly, k: int, since: Array) -> LinkMotion:
+        link, reference = self.chain.links[k], built.reference[k]
+        data = [stored(built.mbs, sensor, since) for sensor in built.sensors[k]]
+        if link.data is None:
+            turn, rate = data[0][:, 2], data[1][:, 2]
+            return LinkMotion(turn, rate, turn, rate)
+        root, tip = data[0] + reference[0], data[2] + reference[-1]
+        start = _angle(*link.direction)
+        tangent = root[:, 2:] / np.linalg.norm(root[:, 2:], axis=1)[:, None]
+        chord = tip[:, :2] - root[:, :2]
+        return LinkMotion(
+            np.unwrap(_angle(root[:, 2], root[:, 3]) - start),
+            _rate(root, data[1]),
+            np.unwrap(_angle(tip[:, 2], tip[:, 3]) - start),
+            _rate(tip, data[3]),
+            bending_side(link) * (tangent[:, 0] * chord[:, 1] - tangent[:, 1] * chord[:, 0]),
+        )
 
 
 def _angle(x: Any, y: Any) -> Any:
@@ -389,43 +322,13 @@ class Ancf:
         return installed_version("exudyn", "Exudyn")
 
     def refuses(self, system: System) -> str | None:
-        if not system.flexible:
-            return "the system has no elastic link"
-        if system.loops:
-            return "exudyn_ancf has no loops"
-        if not system.simple:
-            return "exudyn_ancf has joints of one independent degree of freedom each alone"
-        if system.attachments:
-            return f"exudyn_ancf cannot express the effect {system.attachments[0].effect}"
-        reason = why_not_planar(system)
-        if reason:
-            return reason
-        for link in planar_chain(system).links:
-            reason = _refuses_joint(system, link) or (_refuses_beam(link) if link.data is not None else None)
-            if reason:
-                return reason
-        return None
+        return refuses_planar_beams(self.name, system, _refuses_beam)
 
     def build(self, system: System) -> AncfModel:
         """The system in ANCF elements; raises UnsupportedError with the reason if it is refused."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         exudyn_package()
         return AncfModel(system.coordinate_names, system, planar_chain(system), self.elements)
-
-
-def _refuses_joint(system: System, link: PlanarLink) -> str | None:
-    joint = link.joint
-    if joint.friction or joint.stiffness:
-        return f"exudyn_ancf models neither dry friction nor a spring at joint {joint.name!r}"
-    if link.parent >= 0:
-        parent = system.links[link.parent]
-        if parent.beam is not None:
-            off = joint.xyz - parent.beam.length * parent.beam.direction
-            if float(np.linalg.norm(off)) > 1e-9 * parent.beam.length:
-                return f"joint {joint.name!r} does not sit at the tip of {parent.name!r}"
-    return None
 
 
 def _refuses_beam(link: PlanarLink) -> str | None:

@@ -11,18 +11,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from harness.engines.checked import held_forces, installed_version, positive_step, sample_times, vectors
-from harness.engines.exudyn_joint import FrameSide, add_joint_element, held_torques
-from harness.engines.exudyn_run import exudyn_package, grid, quiet, settings, solve_dynamic, stored
-from harness.engines.planar import PlanarChain, PlanarLink, planar_chain, poses_and_rates, why_not_planar
+from harness.engines.checked import installed_version, raise_if_refused, vectors
+from harness.engines.exudyn_joint import FrameSide, add_joint_element
+from harness.engines.exudyn_planar import LinkMotion, PlanarBeamModel, bending_side, refuses_planar_beams
+from harness.engines.exudyn_run import exudyn_package, node_sensors, quiet, settings, squared_frequencies, stored
+from harness.engines.planar import PlanarLink, planar_chain, poses_and_rates
 from harness.engines.protocol import Array
 from harness.engines.reduced_bar import ReducedBar, reduced_bar
 from harness.errors import UnsupportedError
-from harness.system import System, Trajectory
+from harness.system import System
 
 DEFAULT_STEP = 1e-4
 #: Bricks along a bar; a thin brick is too stiff in shear, and this many leave the first frequency 0.005 % high.
@@ -54,35 +55,14 @@ class _Start:
 
 
 @dataclass(frozen=True, eq=False)
-class FfrfModel:
-    """A planar chain of meshed bars and rigid bodies; see ``EngineModel``."""
+class FfrfModel(PlanarBeamModel):
+    """A planar chain of meshed bars and rigid bodies, which starts from straight bars alone; see ``EngineModel``."""
 
-    names: tuple[str, ...]
-    system: System
-    chain: PlanarChain
     elements: int = DEFAULT_ELEMENTS
     modes: int = DEFAULT_MODES
 
-    def _silent(self, quantity: str) -> UnsupportedError:
-        return UnsupportedError(f"exudyn_ffrf gives no {quantity}: its elastic coordinates are other than ours")
-
-    def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        raise self._silent("accelerations")
-
-    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        raise self._silent("generalized forces")
-
-    def mass_matrix(self, q: Array) -> Array:
-        raise self._silent("mass matrix")
-
-    def bias(self, q: Array, qd: Array) -> Array:
-        raise self._silent("bias forces")
-
-    def gravity(self, q: Array) -> Array:
-        raise self._silent("gravity forces")
-
-    def energy(self, q: Array, qd: Array) -> tuple[float, float]:
-        raise self._silent("energy")
+    engine: ClassVar[str] = "exudyn_ffrf"
+    default_step: ClassVar[float] = DEFAULT_STEP
 
     @cached_property
     def bars(self) -> tuple[ReducedBar | None, ...]:
@@ -93,34 +73,12 @@ class FfrfModel:
             for k, link in enumerate(self.chain.links)
         )
 
-    def simulate(
-        self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
-    ) -> Trajectory:
-        """Generalized-α with steps of at most ``step`` [s], from straight bars; elastic coordinates stand as NaN.
-
-        tau: torques (T, n) at the joints, held between samples; zero on the elastic coordinates.
-        Raises UnsupportedError for an elastic initial state or forces on elastic coordinates, EngineError where the
-        solver gives up.
-        """
-        n = len(self.names)
-        q0, qd0 = vectors(n, q0=q0, qd0=qd0)
-        time = sample_times(time)
-        forces = held_forces(tau, time.size, n)
-        elastic = np.concatenate([link.elastic for link in self.chain.links])
-        if forces is not None and np.any(forces[:, elastic]):
-            raise UnsupportedError("exudyn_ffrf takes torques at joints, not forces on elastic coordinates")
-        if np.any(q0[elastic]) or np.any(qd0[elastic]):
+    def _check_start(self, q0: Array, qd0: Array) -> None:
+        if np.any(q0[self._elastic]) or np.any(qd0[self._elastic]):
             raise UnsupportedError("exudyn_ffrf starts from straight bars only")
-        if time.size == 1:
-            raise UnsupportedError("exudyn_ffrf needs at least two samples of time")
-        exudyn = exudyn_package()
-        since = time - time[0]
-        steps, every = grid(time, positive_step(step) or DEFAULT_STEP)
-        with quiet(exudyn):
-            built = self._build(exudyn, q0, qd0, held_torques(self.chain, since, forces))
-            made = settings(exudyn, float(since[-1]), steps, every, relative=1e-8, absolute=1e-10)
-            solve_dynamic(exudyn, built.mbs, made)
-            return self._trajectory(built, time, since, q0)
+
+    def _tolerances(self) -> tuple[float, float]:
+        return 1e-8, 1e-10
 
     def frequencies(self, q: Array) -> Array:
         """Natural frequencies of the straight bars at q, without gravity [Hz]; UnsupportedError with gravity."""
@@ -130,11 +88,9 @@ class FfrfModel:
         exudyn = exudyn_package()
         with quiet(exudyn):
             built = self._build(exudyn, q, np.zeros_like(q), {})
-            made = settings(exudyn, 1.0, 1, 1.0, relative=1e-8, absolute=1e-10)
-            squares, _ = exudyn.solver.ComputeODE2Eigenvalues(
-                built.mbs, made, useAbsoluteValues=False, singularValuesTolerance=1e-9
-            )
-        squares = np.sort(np.real(np.asarray(squares)))
+            relative, absolute = self._tolerances()
+            made = settings(exudyn, 1.0, 1, 1.0, relative=relative, absolute=absolute)
+            squares = squared_frequencies(exudyn, built.mbs, made)
         result: Array = np.sqrt(squares[squares > 1e-9 * squares[-1]]) / (2.0 * np.pi)
         return result
 
@@ -168,9 +124,8 @@ class FfrfModel:
         return built
 
     def _starts(self, utilities: Any, q: Array, qd: Array) -> list[_Start]:
-        elastic = np.concatenate([link.elastic for link in self.chain.links])
         straight, rates = q.copy(), qd.copy()
-        straight[elastic] = rates[elastic] = 0.0
+        straight[self._elastic] = rates[self._elastic] = 0.0
         found = []
         for link, now, speed in zip(self.chain.links, *poses_and_rates(self.chain, straight, rates, 2), strict=True):
             turn = float(now.turn) + (0.0 if link.data is None else _heading(link))
@@ -296,39 +251,17 @@ class FfrfModel:
         wanted = [(built.frames[k], kind.Rotation), (built.frames[k], kind.AngularVelocity)]
         if built.modes[k] is not None:
             wanted += [(built.modes[k], kind.Coordinates), (built.modes[k], kind.Coordinates_t)]
-        built.sensors.append(
-            [
-                built.mbs.AddSensor(
-                    items.SensorNode(nodeNumber=node, storeInternal=True, writeToFile=False, outputVariableType=what)
-                )
-                for node, what in wanted
-            ]
-        )
+        built.sensors.append(node_sensors(items, built.mbs, wanted))
 
-    def _trajectory(self, built: _Assembly, time: Array, since: Array, q0: Array) -> Trajectory:
-        n = len(self.names)
-        position, velocity = np.full((len(time), n), np.nan), np.full((len(time), n), np.nan)
-        channels: dict[str, Array] = {}
-        ends: list[tuple[Array, Array]] = []
-        for link, reduced, sensors in zip(self.chain.links, self.bars, built.sensors, strict=True):
-            data = [stored(built.mbs, sensor, since) for sensor in sensors]
-            turn, rate = np.unwrap(data[0][:, 2]), data[1][:, 2]
-            if reduced is not None:
-                turn = turn - _heading(link)
-                side = np.sign(link.direction[0] * link.bending[1] - link.direction[1] * link.bending[0])
-                channels[f"{link.link.name}.tip_deflection"] = side * data[2] @ reduced.tip_shift
-            if link.coordinate >= 0:
-                before = ends[link.parent] if link.parent >= 0 else (np.zeros(len(time)), np.zeros(len(time)))
-                angle = link.sign * (turn - before[0])
-                # Whole turns are not to be seen in a rotation; the run starts where it was told to.
-                angle += 2.0 * np.pi * np.round((q0[link.coordinate] - angle[0]) / (2.0 * np.pi))
-                position[:, link.coordinate] = angle
-                velocity[:, link.coordinate] = link.sign * (rate - before[1])
-                channels[f"{link.joint.name}.position"] = angle
-            if reduced is not None:
-                turn, rate = turn + data[2] @ reduced.tip_turn, rate + data[3] @ reduced.tip_turn
-            ends.append((turn, rate))
-        return Trajectory(time=time, names=self.names, position=position, velocity=velocity, channels=channels)
+    def _motion(self, built: _Assembly, k: int, since: Array) -> LinkMotion:
+        link, reduced = self.chain.links[k], self.bars[k]
+        data = [stored(built.mbs, sensor, since) for sensor in built.sensors[k]]
+        turn, rate = np.unwrap(data[0][:, 2]), data[1][:, 2]
+        if reduced is None:
+            return LinkMotion(turn, rate, turn, rate)
+        turn = turn - _heading(link)
+        end_turn, end_rate = turn + data[2] @ reduced.tip_turn, rate + data[3] @ reduced.tip_turn
+        return LinkMotion(turn, rate, end_turn, end_rate, bending_side(link) * data[2] @ reduced.tip_shift)
 
 
 @dataclass(frozen=True)
@@ -343,28 +276,11 @@ class Ffrf:
         return installed_version("exudyn", "Exudyn")
 
     def refuses(self, system: System) -> str | None:
-        if not system.flexible:
-            return "the system has no elastic link"
-        if system.loops:
-            return "exudyn_ffrf has no loops"
-        if not system.simple:
-            return "exudyn_ffrf has joints of one independent degree of freedom each alone"
-        if system.attachments:
-            return f"exudyn_ffrf cannot express the effect {system.attachments[0].effect}"
-        reason = why_not_planar(system)
-        if reason:
-            return reason
-        for link in planar_chain(system).links:
-            reason = _refuses_joint(system, link) or (_refuses_bar(link) if link.data is not None else None)
-            if reason:
-                return reason
-        return None
+        return refuses_planar_beams(self.name, system, _refuses_bar)
 
     def build(self, system: System) -> FfrfModel:
         """The system in meshed solids; raises UnsupportedError with the reason if it is refused."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         exudyn_package()
         return FfrfModel(system.coordinate_names, system, planar_chain(system), self.elements, self.modes)
 
@@ -372,18 +288,6 @@ class Ffrf:
 def _heading(link: PlanarLink) -> float:
     """Turn of a bar's direction from the plane's x axis in the zero pose [rad]."""
     return float(np.arctan2(link.direction[1], link.direction[0]))
-
-
-def _refuses_joint(system: System, link: PlanarLink) -> str | None:
-    joint = link.joint
-    if joint.friction or joint.stiffness:
-        return f"exudyn_ffrf models neither dry friction nor a spring at joint {joint.name!r}"
-    parent = system.links[link.parent] if link.parent >= 0 else None
-    if parent is not None and parent.beam is not None:
-        off = joint.xyz - parent.beam.length * parent.beam.direction
-        if float(np.linalg.norm(off)) > 1e-9 * parent.beam.length:
-            return f"joint {joint.name!r} does not sit at the tip of {parent.name!r}"
-    return None
 
 
 def _refuses_bar(link: PlanarLink) -> str | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from harness.engines.checked import installed_version
+from harness.engines.checked import installed_version, raise_if_refused
 from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.expressed import bends, refusal
 from harness.engines.exudyn_rigid_model import LARGEST, ExudynModel, rigid_model
@@ -45,9 +45,7 @@ class Exudyn:
 
     def build(self, system: System) -> ExudynModel | CoupledModel:
         """The system in Exudyn; raises UnsupportedError with the reason if it is refused."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         if not system.simple:
             system = chained(system)
             if follows(system):

@@ -15,6 +15,7 @@ import numpy as np
 from harness.engines.checked import (
     finite_result,
     held_forces,
+    no_dry_friction,
     positive_step,
     sample_times,
     vector,
@@ -122,11 +123,7 @@ class ExudynModel:
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
     ) -> Trajectory:
         """Exudyn's explicit RK4 with steps of at most ``step`` [s] (1 ms if None)."""
-        sticky = [joint.name for joint in self.system.movable_joints if joint.friction]
-        if sticky:
-            raise UnsupportedError(
-                f"Exudyn's trees have no dry friction, joint {sticky[0]} has", mend="simulate with denoc or mujoco"
-            )
+        no_dry_friction("Exudyn's trees have", self.system)
         n = len(self.names)
         q0, qd0 = vectors(n, q0=q0, qd0=qd0)
         time = sample_times(time)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -105,6 +105,20 @@ def solve_static(mbs: Any, made: Any) -> None:
         mbs.SolveStatic(made, updateInitialValues=True)
     except Exception as error:
         raise EngineError(f"exudyn found no static equilibrium: {_first_line(error)}") from None
+
+
+def squared_frequencies(exudyn: Any, mbs: Any, made: Any) -> Array:
+    """Squared angular frequencies of small motion [rad²/s²], ascending, those of the constraints taken out."""
+    squares, _ = exudyn.solver.ComputeODE2Eigenvalues(mbs, made, useAbsoluteValues=False, singularValuesTolerance=1e-9)
+    return np.sort(np.real(np.asarray(squares)))
+
+
+def node_sensors(items: Any, mbs: Any, wanted: Iterable[tuple[Any, Any]]) -> list[Any]:
+    """A sensor that keeps its samples in memory for each pair of a node and what is to be known of it."""
+    return [
+        mbs.AddSensor(items.SensorNode(nodeNumber=node, storeInternal=True, writeToFile=False, outputVariableType=kind))
+        for node, kind in wanted
+    ]
 
 
 def _first_line(error: Exception) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.engines.checked import installed_version
+from harness.engines.checked import installed_version, raise_if_refused
 from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.expressed import bends, express, refusal
 from harness.engines.folded import bodies
@@ -16,7 +16,7 @@ from harness.engines.loops import closing, refuses_loops
 from harness.engines.mujoco_constraints import bound as bound_both
 from harness.engines.mujoco_constraints import limit, soften
 from harness.engines.mujoco_model import MujocoModel, _mujoco, mujoco_model
-from harness.errors import EngineUnavailableError, UnsupportedError
+from harness.errors import EngineUnavailableError
 from harness.system import JointType, System
 from harness.system.lowering import chained, position_of_rate
 from harness.system.soft_constraints import soft_friction, soft_stops
@@ -67,9 +67,7 @@ class Mujoco:
 
     def build(self, system: System) -> MujocoModel | CoupledModel:
         """The system in MuJoCo; raises UnsupportedError with the reason if it is refused."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         if not system.simple:
             # What MuJoCo is given: joints of one degree, free and ball joints, none following another but by our equations.
             system = chained(system, keep=(JointType.FREE, JointType.BALL))

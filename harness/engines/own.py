@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.checked import held_forces, sample_times, vector
+from harness.engines.checked import held_forces, raise_if_refused, sample_times, vector
 from harness.engines.protocol import Array, EngineError
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.system import System, Trajectory
@@ -85,9 +85,7 @@ class OwnEngine:
 
     def build(self, system: System) -> OwnModel:
         """The system in this engine; UnsupportedError if it refuses it, EngineError if what it builds is no model."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         make = getattr(self.given, "build", self.given)
         model = make(system)
         if not any(callable(getattr(model, name, None)) for name in ANSWERS):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.denoc.compensated import carried
-from harness.engines.checked import installed_version
+from harness.engines.checked import installed_version, raise_if_refused
 from harness.engines.coupled import CoupledModel, couple, follows, without_mimics
 from harness.engines.expressed import bends, express, refusal
 from harness.engines.loops import closing, refuses_loops
@@ -45,9 +45,7 @@ class Pinocchio:
 
     def build(self, system: System) -> PinocchioModel | CoupledModel:
         """The system in Pinocchio; raises UnsupportedError with the reason if it is refused."""
-        reason = self.refuses(system)
-        if reason:
-            raise UnsupportedError(reason, source=system.source)
+        raise_if_refused(system, self.refuses(system))
         if not system.simple:
             # What Pinocchio is given: joints of one degree, free flyers and spherical joints, none following another.
             system = chained(system, keep=(JointType.FREE, JointType.BALL))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from harness.engines.checked import (
     finite_result,
     held_forces,
+    no_dry_friction,
     positive_step,
     sample_times,
     vector,
@@ -195,11 +196,7 @@ class PinocchioModel:
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
     ) -> Trajectory:
         """RK4 with steps of at most ``step`` [s], or DOP853 (relative 1e-12) if it is None."""
-        sticky = [joint.name for joint in self.system.movable_joints if joint.friction]
-        if sticky:
-            raise UnsupportedError(
-                f"Pinocchio has no dry friction, joint {sticky[0]} has", mend="simulate with denoc or mujoco"
-            )
+        no_dry_friction("Pinocchio has", self.system)
         n = len(self.names)
         if len(self.position_names) != n:
             raise UnsupportedError(

@@ -55,8 +55,10 @@ class EngineModel(Protocol):
         ...
 
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
-        """Kinetic and potential energy [J], springs included; the potential is zero with every centre of mass at height
-        zero, and links that cannot move do not count."""
+        """Kinetic and potential energy [J], springs included.
+
+        The potential is zero with every centre of mass at height zero, and links that cannot move do not count.
+        """
         ...
 
     def simulate(

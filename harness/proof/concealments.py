@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -61,9 +62,9 @@ def _nothing(rng: np.random.Generator, segment: Segment, amplitude: float) -> Dr
 
 
 def _add(
-    effect: str, site: str, draw: Callable, parameters: Callable, plant: Callable, **options: object
+    effect: str, site: str, draw: Callable, parameters: Callable, plant: Callable, **options: Any
 ) -> None:  # fmt: skip
-    CONCEALMENTS[effect] = Concealment(effect, site, draw, parameters, plant, **options)  # type: ignore[arg-type]
+    CONCEALMENTS[effect] = Concealment(effect, site, draw, parameters, plant, **options)
 
 
 def _joint_torque(scene: Scene, k: int, law: Callable[[float, float, float], float]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,10 +107,10 @@ class Scene:
     command: list[Callable[[Signal], Signal]] = field(default_factory=list)
     motions: dict[tuple[object, ...], tuple[Array, Array]] = field(default_factory=dict)
 
-    def edit_segment(self, k: int, **changes: float) -> None:
+    def edit_segment(self, k: int, **changes: Any) -> None:
         """Replace data of one segment of the true rig."""
         segments = list(self.rig.segments)
-        segments[k] = replace(segments[k], **changes)  # type: ignore[arg-type]
+        segments[k] = replace(segments[k], **changes)
         self.rig = replace(self.rig, segments=tuple(segments))
 
     def std(self, column: str) -> float:

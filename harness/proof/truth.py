@@ -32,6 +32,18 @@ ABSOLUTE_TOLERANCE = 1e-11
 LOAD_ITERATIONS = 4  # friction that depends on the reaction force, which depends on friction: a contraction
 
 
+@dataclass(frozen=True)
+class _Ending:
+    """An event that ends a run of ``solve_ivp``: where the function of time and state crosses zero in a direction."""
+
+    function: Callable[[float, Array], float]
+    direction: float
+    terminal: bool = True
+
+    def __call__(self, t: float, y: Array) -> float:
+        return self.function(t, y)
+
+
 class NoSolutionError(RuntimeError):
     """There is no such rig, or no motion of it: dry friction that depends on the reaction force may have no consistent one."""
 
@@ -317,23 +329,21 @@ class Truth:
                     offset += size
                 return np.concatenate([vel, a, *zdot])
 
-            events: list[Callable[[float, Array], float]] = []
+            events: list[_Ending] = []
             for j in rub:
                 if mode[j] != 0:
 
                     def turns(tt: float, y: Array, j: int = j, s: int = int(mode[j])) -> float:
                         return float(s * y[n + j])
 
-                    turns.terminal, turns.direction = True, -1  # type: ignore[attr-defined]
-                    events.append(turns)
+                    events.append(_Ending(turns, -1))
                 else:
 
                     def slips(tt: float, y: Array, j: int = j) -> float:
                         _, hold = self._solve(tt, y[:n], y[n : 2 * n], y[2 * n :], mode, acting)
                         return float(abs(hold[j]) - static[j].static(self._load[j], y[j]))
 
-                    slips.terminal, slips.direction = True, 1  # type: ignore[attr-defined]
-                    events.append(slips)
+                    events.append(_Ending(slips, 1))
             y0 = np.concatenate([q, v, z])
             solution = solve_ivp(
                 rate, (t, stop), y0, method="DOP853", rtol=tolerance, atol=ABSOLUTE_TOLERANCE / RELATIVE_TOLERANCE * tolerance,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import groupby
 
 from harness.cases.results import Results
@@ -50,11 +51,11 @@ def plain(text: str) -> str:
     return " ".join(text.split()).replace("\\", "\\\\").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
 
 
-def line(cells: object) -> str:
+def line(cells: Iterable[object]) -> str:
     """A line of a table."""
 
     # A pipe inside a cell would start another one, a line break another row; `<` would start HTML.
-    def clean(cell: str) -> str:
+    def clean(cell: object) -> str:
         return " ".join(str(cell).split()).replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
 
-    return "| " + " | ".join(clean(cell) for cell in cells) + " |"  # type: ignore[attr-defined]
+    return "| " + " | ".join(clean(cell) for cell in cells) + " |"

@@ -53,7 +53,7 @@ def test_a_wrong_centre_of_mass_is_still_seen(kind: str) -> None:
             return registry.engine("mujoco").build(moved)
 
     case = Case(kind, kind, "test", lambda: system, state_checks(3), group="models")
-    found = run_case(case, {"denoc": registry.engine("denoc"), "wrong": Wrong()}).rows  # type: ignore[dict-item]
+    found = run_case(case, {"denoc": registry.engine("denoc"), "wrong": Wrong()}).rows
     assert any(row.verdict == "fail" for row in found)
 
 

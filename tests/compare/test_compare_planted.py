@@ -149,11 +149,11 @@ class Faulty:
 )
 def test_fault_of_the_algorithm(fault: str, term: str, sentence: str) -> None:
     sound, other = models(arm())
-    found = attribute(sound, Faulty(other, fault), *states())  # type: ignore[arg-type]
+    found = attribute(sound, Faulty(other, fault), *states())
     assert [blame.term for blame in found.blames] == [term]
     assert found.sentence() == sentence
     assert found.blames[0].share == pytest.approx(1.0, abs=1e-6)
     # The same seen from the other side.
-    back = attribute(Faulty(sound, fault), other, *states())  # type: ignore[arg-type]
+    back = attribute(Faulty(sound, fault), other, *states())
     assert back.culprit is not None
     assert back.culprit.term == term

@@ -31,10 +31,10 @@ GOOD = np.array([0.1, -0.2, 0.3])
 )
 def test_bad_states_are_refused(bad: object, message: str) -> None:
     for call in (
-        lambda: MODEL.forward_dynamics(bad, GOOD, GOOD),  # type: ignore[arg-type]
-        lambda: MODEL.inverse_dynamics(bad, GOOD, GOOD),  # type: ignore[arg-type]
-        lambda: MODEL.mass_matrix(bad),  # type: ignore[arg-type]
-        lambda: MODEL.energy(bad, GOOD),  # type: ignore[arg-type]
+        lambda: MODEL.forward_dynamics(bad, GOOD, GOOD),
+        lambda: MODEL.inverse_dynamics(bad, GOOD, GOOD),
+        lambda: MODEL.mass_matrix(bad),
+        lambda: MODEL.energy(bad, GOOD),
     ):
         with pytest.raises(InputError, match=message) as caught:
             call()
@@ -65,8 +65,8 @@ def test_nan_in_velocity_or_force_is_refused_too() -> None:
 def test_anything_that_holds_the_numbers_gives_the_same(vector: object) -> None:
     plain = np.array(vector, dtype=np.float64)
     expected = MODEL.forward_dynamics(plain, plain, plain)
-    assert np.array_equal(MODEL.forward_dynamics(vector, vector, vector), expected)  # type: ignore[arg-type]
-    assert np.array_equal(MODEL.mass_matrix(vector), MODEL.mass_matrix(plain))  # type: ignore[arg-type]
+    assert np.array_equal(MODEL.forward_dynamics(vector, vector, vector), expected)
+    assert np.array_equal(MODEL.mass_matrix(vector), MODEL.mass_matrix(plain))
     # The short way of one state and the loop over many are the same kernel.
     assert np.allclose(MODEL.mass_matrix(plain), MODEL.mass_matrix_batch(plain[None])[0], rtol=1e-13, atol=1e-13)
 
@@ -128,7 +128,7 @@ def test_nothing_movable_and_unusable_numbers_are_refused() -> None:
         ({"xyz": np.array([0.0, np.inf, 0.0])}, "joint 'joint1': origin is not finite"),
     ):
         with pytest.raises(InputError, match=message):
-            Denoc(chain.replace_joint(replace(first, **change)))  # type: ignore[arg-type]
+            Denoc(chain.replace_joint(replace(first, **change)))
     with pytest.raises(InputError, match="link 'link1': mass is not finite"):
         Denoc(chain.replace_link(replace(chain.links[0], mass=np.nan)))
 

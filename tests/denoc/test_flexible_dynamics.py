@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from twisting import with_twist
 
 from harness.denoc import Denoc
 from harness.denoc.matrices import denoc_matrices
@@ -27,7 +28,7 @@ def strip(**changes: object) -> Beam:
         bending_stiffness=STIFFNESS,
         half_depth=THICKNESS / 2.0,
     )
-    return replace(beam, **changes)  # type: ignore[arg-type]
+    return replace(beam, **changes)
 
 
 def pendulum(
@@ -37,21 +38,11 @@ def pendulum(
     return System("pendulum", (hinge,), (flexible_link("rod", beam),), gravity=np.array([0.0, 0.0, -gravity]))
 
 
-def twisted(system: System) -> System:
-    links = []
-    for link in system.links:
-        if link.beam is not None:
-            beam = replace(link.beam, torsion_modes=1, torsional_stiffness=5.0, polar_inertia=1e-3)
-            link = replace(link, beam=beam)
-        links.append(link)
-    return replace(system, links=tuple(links))
-
-
 CHAINS = [
     random_chain(1, 1, flexible=1.0, modes=2, bending2=True),
     random_chain(3, 2, flexible=0.6, bending2=True),
     random_tree(6, 3, flexible=0.5, fixed=0.2, armature=True),
-    twisted(random_chain(2, 6, flexible=1.0, modes=1, bending2=True)),
+    with_twist(random_chain(2, 6, flexible=1.0, modes=1, bending2=True)),
 ]
 
 
@@ -62,7 +53,7 @@ def random_state(model: Denoc, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return q, rng.normal(size=model.n)
 
 
-def central(function, step: float):  # type: ignore[no-untyped-def]
+def central(function, step: float):
     """Derivative at zero by the central difference of order 6."""
     weights = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0)
     return sum(w * (function((k + 1) * step) - function(-(k + 1) * step)) for k, w in enumerate(weights)) / step
@@ -154,7 +145,7 @@ def test_cantilever_sags_as_euler_bernoulli_says() -> None:
 def test_tip_accelerometer_reads_the_motion_of_the_tip() -> None:
     """Second difference of the place of a massless mark at the tip, less gravity, along the tip's own bending axis."""
     mark = Joint("mark", JointType.FIXED, "rod", "tip", xyz=np.array([0.0, 0.0, -LENGTH]))
-    bent = twisted(pendulum(strip(modes=3, bending2=True, bending_stiffness2=2 * STIFFNESS), axis=(0.6, 0.0, 0.8)))
+    bent = with_twist(pendulum(strip(modes=3, bending2=True, bending_stiffness2=2 * STIFFNESS), axis=(0.6, 0.0, 0.8)))
     system = replace(bent, joints=(*bent.joints, mark), links=(*bent.links, Link("tip")))
     model = Denoc(system)
     rng = np.random.default_rng(5)

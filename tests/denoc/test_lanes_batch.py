@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pinocchio_tree import pinocchio_tree
 
 from harness.denoc import Denoc
 from harness.denoc.batch.chain_mass import FAR
@@ -13,28 +14,6 @@ from harness.denoc.matrices import denoc_matrices
 from harness.denoc.simd.vector import exponential, load, sine_cosine, store
 from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, System, random_chain, random_tree
-
-
-def pinocchio_model(system: System):
-    """The system in Pinocchio, its joints in the same order (asserted by the caller's systems being topologically sorted)."""
-    import pinocchio as pin
-
-    model = pin.Model()
-    model.gravity.linear[:] = system.gravity
-    where = {system.base: (0, pin.SE3.Identity())}
-    for joint, link in zip(system.joints, system.links, strict=True):
-        carrier, place = where[joint.parent]
-        place = place * pin.SE3(np.array(joint.rotation), np.array(joint.xyz))
-        if joint.movable:
-            kind = pin.JointModelPrismaticUnaligned if joint.prismatic else pin.JointModelRevoluteUnaligned
-            carrier = model.addJoint(carrier, kind(np.array(joint.axis)), place, joint.name)
-            place = pin.SE3.Identity()
-        if carrier:
-            inertia = pin.Inertia(link.mass, np.array(link.com), np.array(link.inertia))
-            model.appendBodyToJoint(carrier, inertia, place)
-        where[joint.child] = (carrier, place)
-    model.armature = np.array([joint.armature for joint in system.movable_joints])
-    return model
 
 
 @pytest.mark.parametrize(
@@ -52,7 +31,7 @@ def pinocchio_model(system: System):
 def test_against_pinocchio(system, count):
     import pinocchio as pin
 
-    model, data = pinocchio_model(system), None
+    model, _ = pinocchio_tree(system)
     data = model.createData()
     ours = BatchModel(system)
     rng = np.random.default_rng(count)
@@ -90,7 +69,7 @@ def test_mass_matrices_of_chains_are_those_of_pinocchio_and_of_the_textbook(n, p
     import pinocchio as pin
 
     system = random_chain(n, seed=n, prismatic=prismatic, armature=True)
-    model, count = pinocchio_model(system), 11 if n < 100 else 9
+    (model, _), count = pinocchio_tree(system), 11 if n < 100 else 9
     data = model.createData()
     q = np.random.default_rng(n).uniform(-4, 4, (count, n))
     q[1] = np.where([joint.prismatic for joint in system.movable_joints], q[1], 2500 * q[1])
@@ -109,7 +88,7 @@ def test_mass_matrices_of_trees_are_those_of_pinocchio_and_zero_between_branches
     system = random_tree(n, seed=n, prismatic=prismatic, armature=True)
     ours = BatchModel(system)
     assert not ours.serial
-    model = pinocchio_model(system)
+    model, _ = pinocchio_tree(system)
     data = model.createData()
     q = np.random.default_rng(n).uniform(-3, 3, (11, n))
     mass = ours.mass_matrix(q, out=np.full((11, n, n), np.nan))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
+from pinocchio_tree import pinocchio_tree
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
@@ -558,21 +559,7 @@ def test_accelerations_on_random_mechanisms_against_pinocchio(seed):
 
     make = random_tree if seed % 2 else random_chain
     system = make(8, seed=seed, prismatic=0.3, armature=True, damping=True, fixed=0.3)
-    theirs = pin.Model()
-    theirs.gravity.linear[:] = system.gravity
-    where = {system.base: (0, pin.SE3.Identity())}
-    for joint, link in zip(system.joints, system.links, strict=True):
-        carrier, place = where[joint.parent]
-        place = place * pin.SE3(np.array(joint.rotation), np.array(joint.xyz))
-        inertia = pin.Inertia(link.mass, np.array(link.com), np.array(link.inertia))
-        if joint.movable:
-            kind = pin.JointModelPrismaticUnaligned if joint.prismatic else pin.JointModelRevoluteUnaligned
-            carrier = theirs.addJoint(carrier, kind(np.array(joint.axis)), place, joint.name)
-            place = pin.SE3.Identity()
-        if carrier:
-            theirs.appendBodyToJoint(carrier, inertia, place)
-        where[joint.child] = (carrier, place)
-    theirs.armature = np.array([joint.armature for joint in system.movable_joints])
+    theirs, _ = pinocchio_tree(system)
     data = theirs.createData()
     model = LaneModel(system)
     rng = np.random.default_rng(seed)

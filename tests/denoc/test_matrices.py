@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from twisting import with_twist
 
 from harness.denoc import Denoc
 from harness.denoc.matrices import denoc_matrices
 from harness.errors import InputError
 from harness.system import System, random_chain, random_tree
-
-
-def with_twist(system: System) -> System:
-    """The same system with one torsion mode in every beam."""
-    links = []
-    for link in system.links:
-        if link.beam is not None:
-            beam = replace(link.beam, torsion_modes=1, torsional_stiffness=5.0, polar_inertia=1e-3)
-            link = replace(link, beam=beam)
-        links.append(link)
-    return replace(system, links=tuple(links))
-
 
 SYSTEMS = [
     random_chain(7, 3, armature=True, fixed=0.4),

@@ -24,7 +24,7 @@ def beam_system(modes: int, joint: JointType, hub: float = 0.0, gravity: float =
         bending_stiffness=EI,
         modes=modes,
     )
-    beam = replace(beam, **changes)  # type: ignore[arg-type]
+    beam = replace(beam, **changes)
     hinge = Joint("pivot", joint, "base", "rod", axis=np.array([0.0, 1.0, 0.0]), armature=hub)
     return System("beam", (hinge,), (flexible_link("rod", beam),), gravity=np.array([0.0, 0.0, -gravity]))
 

@@ -6,33 +6,10 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
+from pinocchio_tree import pinocchio_tree
 
 from harness.denoc import Denoc
 from harness.system import System, random_chain, random_tree
-
-
-def pinocchio_model(system: System) -> tuple[pin.Model, np.ndarray]:
-    """The system in Pinocchio, and the index of each of our coordinates there; Pinocchio applies no damping."""
-    model = pin.Model()
-    model.gravity.linear = np.array(system.gravity)
-    placed = {system.base: (0, pin.SE3.Identity())}
-    armature = []
-    for joint, link in zip(system.joints, system.links, strict=True):
-        parent, at = placed[joint.parent]
-        at = at * pin.SE3(np.array(joint.rotation), np.array(joint.xyz))
-        body = pin.Inertia(link.mass, np.array(link.com), np.array(link.inertia))
-        if not joint.movable:
-            model.appendBodyToJoint(parent, body, at)
-            placed[link.name] = (parent, at)
-            continue
-        axis = np.array(joint.axis)
-        kind = pin.JointModelPrismaticUnaligned(axis) if joint.prismatic else pin.JointModelRevoluteUnaligned(axis)
-        index = model.addJoint(parent, kind, at, joint.name)
-        model.appendBodyToJoint(index, body, pin.SE3.Identity())
-        placed[link.name] = (index, pin.SE3.Identity())
-        armature.append(joint.armature)
-    model.armature = np.array(armature)
-    return model, np.array([model.joints[model.getJointId(name)].idx_v for name in system.joint_names])
 
 
 def mujoco_model(system: System) -> mujoco.MjModel:
@@ -80,7 +57,7 @@ CHAINS = [
 @pytest.mark.parametrize(("system", "allowed"), CHAINS, ids=lambda value: getattr(value, "name", ""))
 def test_accelerations_forces_and_mass_matrix_are_pinocchios(system: System, allowed: float) -> None:
     model = Denoc(system)
-    peer, order = pinocchio_model(system)
+    peer, order = pinocchio_tree(system)
     data = pin.Data(peer)
     rng = np.random.default_rng(0)
     q, qd, tau = rng.uniform(-3.0, 3.0, model.n), rng.normal(size=model.n), rng.normal(size=model.n)
@@ -106,7 +83,7 @@ def test_accelerations_forces_and_mass_matrix_are_pinocchios(system: System, all
 def test_far_turned_joints_keep_their_accuracy(size: float) -> None:
     system = random_chain(7, 11, prismatic=0.0)
     model = Denoc(system)
-    peer, order = pinocchio_model(system)
+    peer, order = pinocchio_tree(system)
     rng = np.random.default_rng(1)
     for _ in range(20):
         q, qd, tau = rng.uniform(-size, size, 7), rng.normal(size=7), rng.normal(size=7)

@@ -230,7 +230,7 @@ def test_events_are_located_and_can_end_the_run() -> None:
     model = Denoc(pendulum())
     motion = model.simulate([1.0], [0.0], np.linspace(0.0, 3.0, 31), events=[lowest])
     assert motion.events["lowest"][:2] == pytest.approx([quarter, 3 * quarter], rel=1e-9)
-    lowest.terminal = True  # type: ignore[attr-defined]
+    lowest.terminal = True
     ended = model.simulate([1.0], [0.0], np.linspace(0.0, 3.0, 31), events=[lowest])
     assert ended.time[-1] <= quarter
     assert len(ended.time) == len(ended.position)

@@ -74,7 +74,7 @@ def swing(rig: Rig, angle: float, time: np.ndarray, effort: Callable[[float], fl
         def turn(s: float, y: np.ndarray, sense: float = sense) -> float:
             return float(sense * y[1])
 
-        turn.terminal, turn.direction = True, -1  # type: ignore[attr-defined]
+        turn.terminal, turn.direction = True, -1
         found = solve_ivp(
             rate, (t, float(time[-1]) + 1e-9), [q, v], method="DOP853", rtol=1e-10, atol=1e-12, dense_output=True,
             events=turn if rig.dry > 0.0 else None, max_step=0.1,

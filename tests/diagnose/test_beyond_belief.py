@@ -29,4 +29,4 @@ def test_a_size_beyond_belief(offset: float, remainder: bool, expected: str) -> 
     outcome = SimpleNamespace(force=None)
     conclusion = SimpleNamespace(remains=SimpleNamespace(significant=remainder))
     values = {"offset": Estimate(offset, 0.01, offset - 0.02, offset + 0.02)}
-    assert grade(outcome, conclusion, claim, values, []) == expected  # type: ignore[arg-type]
+    assert grade(outcome, conclusion, claim, values, []) == expected

@@ -38,8 +38,8 @@ def swing(angle: float, time: np.ndarray) -> np.ndarray:
         def reversal(at: float, s: np.ndarray, side: float = side, begun: float = t) -> float:
             return float(s[1] * side) if at > begun + 1e-6 else 1.0
 
-        reversal.terminal = True  # type: ignore[attr-defined]
-        reversal.direction = -1.0  # type: ignore[attr-defined]
+        reversal.terminal = True
+        reversal.direction = -1.0
         part = solve_ivp(slope, (t, time[-1] + 1.0), y, rtol=1e-10, atol=1e-12, events=reversal, dense_output=True)
         inside = (time >= t) & (time <= part.t[-1])
         out[inside] = part.sol(time[inside])[0]

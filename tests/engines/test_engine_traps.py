@@ -20,7 +20,7 @@ ALL = ("denoc", "pinocchio", "mujoco", "exudyn", "analytic")
 
 def pendulum(**joint: object) -> System:
     """A point mass of 1 kg, 1 m below the pivot."""
-    pivot = Joint("pivot", JointType.REVOLUTE, "base", "bob", axis=np.array([0.0, 1.0, 0.0]), **joint)  # type: ignore[arg-type]
+    pivot = Joint("pivot", JointType.REVOLUTE, "base", "bob", axis=np.array([0.0, 1.0, 0.0]), **joint)
     return System("pendulum", (pivot,), (Link("bob", 1.0, np.array([0.0, 0.0, -1.0])),))
 
 

@@ -9,37 +9,16 @@ import pytest
 
 pytest.importorskip("exudyn")
 
+from steel_strip import HUB, cantilever, pendulum, strip
+
 from harness.denoc.beam.shapes import frequencies, mount_ratios
 from harness.engines.exudyn_ancf import Ancf
 from harness.engines.mujoco import Mujoco
 from harness.engines.protocol import Engine
 from harness.errors import EngineUnavailableError, UnsupportedError
-from harness.system import Attachment, Beam, Joint, JointType, Link, System
+from harness.system import Attachment, Joint, JointType, Link, System
 from harness.system.description import constant
 from harness.system.flexible_link import flexible_link
-
-HUB = 2e-5
-
-
-def strip(thickness=0.001, modes=1, **changes):
-    facts = {
-        "length": 0.3,
-        "direction": constant([0.0, 0.0, -1.0]),
-        "bending": constant([1.0, 0.0, 0.0]),
-        "mass": 7850.0 * 0.025 * thickness * 0.3,
-        "bending_stiffness": 2.0e11 * 0.025 * thickness**3 / 12.0,
-        "modes": modes,
-        "width": 0.025,
-        "thickness": thickness,
-        "youngs_modulus": 2.0e11,
-    }
-    return Beam(**(facts | changes))
-
-
-def pendulum(*, gravity=9.81, joint=JointType.REVOLUTE, armature=HUB, damping=0.0, axis=(0.0, 1.0, 0.0), **changes):
-    pivot = Joint("pivot", joint, "base", "rod", axis=constant(axis), armature=armature, damping=damping)
-    rod = flexible_link("rod", strip(**changes))
-    return System("pendulum", (pivot,), (rod,), gravity=constant([0.0, 0.0, -gravity]))
 
 
 def double_pendulum(thickness=0.001, rigid=(), turned=False):
@@ -153,15 +132,7 @@ def test_rigid_links_mix_with_beams(rigid):
 def test_a_released_cantilever_swings_about_its_static_deflection():
     # ρ g l⁴ / (8 EI) at the tip of a horizontal cantilever; released from straight it reaches twice that (its first
     # mode carries 97 % of it), at its own frequency.
-    system = pendulum(
-        joint=JointType.FIXED,
-        armature=0.0,
-        direction=constant([1.0, 0.0, 0.0]),
-        bending=constant([0.0, 0.0, 1.0]),
-        thickness=0.002,
-    )
-    beam = system.link("rod").beam
-    static = -beam.mass / beam.length * 9.81 * beam.length**4 / (8.0 * beam.bending_stiffness)
+    system, static = cantilever()
     time = np.linspace(0.0, 0.5, 2501)
     run = Ancf(elements=4).build(system).simulate(np.zeros(1), np.zeros(1), time, step=1e-4)
     deflection = run.channels["rod.tip_deflection"]

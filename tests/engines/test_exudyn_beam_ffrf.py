@@ -1,5 +1,6 @@
 """The meshed bar in a floating frame against closed forms; the mesh against the bar it stands for."""
 
+import functools
 import sys
 from pathlib import Path
 
@@ -8,33 +9,18 @@ import pytest
 
 pytest.importorskip("exudyn")
 
+import steel_strip
+from steel_strip import HUB
+
 from harness.denoc.beam.shapes import frequencies, mount_ratios
 from harness.engines.exudyn_ffrf import Ffrf
 from harness.engines.protocol import Engine
 from harness.engines.solid_mesh import _NATURAL, _shape, bar
 from harness.errors import EngineUnavailableError, UnsupportedError
-from harness.system import Beam, Joint, JointType, System
+from harness.system import JointType
 from harness.system.description import constant
-from harness.system.flexible_link import flexible_link
 
-HUB = 2e-5
-
-
-def pendulum(*, gravity=9.81, joint=JointType.REVOLUTE, armature=HUB, thickness=0.001, **changes):
-    facts = {
-        "length": 0.3,
-        "direction": constant([0.0, 0.0, -1.0]),
-        "bending": constant([1.0, 0.0, 0.0]),
-        "mass": 7850.0 * 0.025 * thickness * 0.3,
-        "bending_stiffness": 2.0e11 * 0.025 * thickness**3 / 12.0,
-        "width": 0.025,
-        "thickness": thickness,
-        "youngs_modulus": 2.0e11,
-        "geometric_stiffening": False,
-    }
-    pivot = Joint("pivot", joint, "base", "rod", axis=constant([0.0, 1.0, 0.0]), armature=armature)
-    rod = flexible_link("rod", Beam(**(facts | changes)))
-    return System("pendulum", (pivot,), (rod,), gravity=constant([0.0, 0.0, -gravity]))
+pendulum = functools.partial(steel_strip.pendulum, geometric_stiffening=False)
 
 
 def test_shape_functions_are_one_at_their_node_and_reproduce_linear_fields():
@@ -103,15 +89,7 @@ def test_a_thick_bar_swings_as_a_rigid_one():
 
 def test_a_released_cantilever_swings_about_its_static_deflection():
     # ρ g l⁴ / (8 EI) at the tip, and twice that on release (the first mode carries 97 % of it).
-    system = pendulum(
-        joint=JointType.FIXED,
-        armature=0.0,
-        direction=constant([1.0, 0.0, 0.0]),
-        bending=constant([0.0, 0.0, 1.0]),
-        thickness=0.002,
-    )
-    beam = system.link("rod").beam
-    static = -beam.mass / beam.length * 9.81 * beam.length**4 / (8.0 * beam.bending_stiffness)
+    system, static = steel_strip.cantilever(geometric_stiffening=False)
     time = np.linspace(0.0, 0.5, 1001)
     deflection = (
         Ffrf(elements=32, modes=3).build(system).simulate(np.zeros(1), np.zeros(1), time, step=2.5e-4).channels

@@ -124,7 +124,7 @@ def test_toml_says_everything(tmp_path: Path) -> None:
 def same(a: object, b: object) -> None:
     """Every field equal to rounding."""
     assert type(a) is type(b)
-    for field in fields(a):  # type: ignore[arg-type]
+    for field in fields(a):
         x, y = getattr(a, field.name), getattr(b, field.name)
         if field.name == "beam" and x is not None:
             same(x, y)

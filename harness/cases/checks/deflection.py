@@ -11,6 +11,7 @@ from harness.cases.beam_shapes import told_shapes
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
 from harness.cases.checks.trajectory import initial_state
 from harness.compare.spectrum import lines, spectrum
+from harness.engines.exudyn_planar import PlanarBeamModel
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
 
@@ -99,7 +100,8 @@ class DeflectionAgreement:
     def _finite_elements(self, bench: Bench, time: Array) -> Trajectory:
         model = bench.models[self.peer]
         if self.elements is not None:
-            model = replace(model, elements=self.elements)  # type: ignore[type-var]
+            assert isinstance(model, PlanarBeamModel)
+            model = replace(model, elements=self.elements)
         q0, qd0 = initial_state(bench.system, dict(self.position), {})
         return model.simulate(q0, qd0, time, step=self.step)
 

@@ -67,17 +67,17 @@ def read_accepted(path: str | Path) -> Accepted:
 def _check(key: str, entry: Entry, path: Path) -> None:
     if key.count("/") < 2:
         raise InputError(f"{key[:80]!r} is no row's key", source=path, mend=_RESTORE)
-    numbers = (entry.difference, entry.allowed)
+    difference, allowed = entry.difference, entry.allowed
     if entry.verdict == "skipped":
-        if numbers != (None, None):
+        if difference is not None or allowed is not None:
             raise InputError(f"row {key[:120]!r} is skipped, and has figures", source=path, mend=_RESTORE)
         return
-    if entry.verdict != "pass" or not all(x is not None and math.isfinite(x) for x in numbers):
+    if entry.verdict != "pass" or difference is None or allowed is None or not math.isfinite(difference + allowed):
         raise InputError(f"row {key[:120]!r} holds no finite accepted figure", source=path, mend="accept it again")
     # The difference was rounded to three digits, perhaps upwards.
-    if not 0.0 <= numbers[0] <= 1.01 * numbers[1]:  # type: ignore[operator]
+    if not 0.0 <= difference <= 1.01 * allowed:
         raise InputError(
-            f"row {key[:120]!r} accepts {entry.difference:.3g} where {entry.allowed:.3g} is allowed",
+            f"row {key[:120]!r} accepts {difference:.3g} where {allowed:.3g} is allowed",
             source=path,
             mend=_RESTORE,
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from harness.compare.descriptions.bodies import Body
 from harness.recording.units import written
@@ -80,9 +81,9 @@ def joint_numbers(k: int, a: Joint, b: Joint) -> Iterator[Difference]:
             yield Difference(f"{field} limit", a.name, 0.0, stated=against(x, y, unit), one_sided=True)
 
 
-def _joint_change(k: int, values: dict[str, float]) -> Change:
+def _joint_change(k: int, values: dict[str, Any]) -> Change:
     def change(bodies: list[Body]) -> list[Body]:
-        bodies[k] = replace(bodies[k], joint=replace(bodies[k].joint, **values))  # type: ignore[arg-type]
+        bodies[k] = replace(bodies[k], joint=replace(bodies[k].joint, **values))
         return bodies
 
     return change
@@ -125,11 +126,11 @@ def beam_numbers(k: int, site: str, a: Beam, b: Beam) -> Iterator[Difference]:
         yield Difference("beam's geometric stiffening", site, 1.0, "1", " against ".join(words), change)
 
 
-def _beam_change(k: int, values: dict[str, object]) -> Change:
+def _beam_change(k: int, values: dict[str, Any]) -> Change:
     def change(bodies: list[Body]) -> list[Body]:
         beam = bodies[k].beam
         if beam is not None:
-            bodies[k] = replace(bodies[k], beam=replace(beam, **values))  # type: ignore[arg-type]
+            bodies[k] = replace(bodies[k], beam=replace(beam, **values))
         return bodies
 
     return change

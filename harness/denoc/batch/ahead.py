@@ -10,6 +10,7 @@ from harness.denoc.compiling.signature import CUBE, MATRIX, TABLE, VECTOR, WHOLE
 
 
 def batches() -> None:
+    """Dynamics and mass matrices of many states."""
     signature.compile_for(dynamics.forward_dynamics, 1, 1, TABLE, *[VECTOR] * 8)
     signature.compile_for(dynamics.inverse_dynamics, 1, 1, TABLE, *[VECTOR] * 7)
     signature.compile_for(tree_mass.mass_matrix, 1, 1, TABLE, np.zeros(1, dtype=np.uint64), *[VECTOR] * 5)

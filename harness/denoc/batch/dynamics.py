@@ -12,7 +12,16 @@ from typing import Any
 from numba import njit
 
 from harness.denoc.compiling.pipeline import Kernel
-from harness.denoc.lanes.tree import shift_tensors, turn_forward, turn_general, turn_symmetric
+from harness.denoc.lanes.spatial import (
+    bias_wrench,
+    shift_articulated,
+    slide_articulated_back,
+    turn_articulated,
+    turn_articulated_about_x,
+    turn_forward,
+    turn_motion,
+    without_joint,
+)
 from harness.denoc.simd.vector import (
     ENTRY,
     add_run,
@@ -123,10 +132,9 @@ def forward_dynamics(
                 vx = vx + (wy * c[k + R + 2] - wz * c[k + R + 1])
                 vy = vy + (wz * c[k + R] - wx * c[k + R + 2])
                 vz = vz + (wx * c[k + R + 1] - wy * c[k + R])
-                wy, wz = turn_forward(c[k + ALPHA], c[k + ALPHA + 1], wy, wz)
-                vy, vz = turn_forward(c[k + ALPHA], c[k + ALPHA + 1], vy, vz)
-                wx, wy = turn_forward(cosine, sine, wx, wy)
-                vx, vy = turn_forward(cosine, sine, vx, vy)
+                wx, wy, wz, vx, vy, vz = turn_motion(
+                    c[k + ALPHA], c[k + ALPHA + 1], cosine, sine, wx, wy, wz, vx, vy, vz
+                )
             else:
                 wx, wy, wz, vx, vy, vz = zero, zero, zero, zero, zero, zero
             if prismatic == 0:
@@ -157,18 +165,7 @@ def forward_dynamics(
             ixy = c[k + SECOND + 3]
             ixz = c[k + SECOND + 4]
             iyz = c[k + SECOND + 5]
-            nx = ixx * wx + ixy * wy + ixz * wz + (hy * vz - hz * vy)
-            ny = ixy * wx + iyy * wy + iyz * wz + (hz * vx - hx * vz)
-            nz = ixz * wx + iyz * wy + izz * wz + (hx * vy - hy * vx)
-            gx = m * vx + (wy * hz - wz * hy)
-            gy = m * vy + (wz * hx - wx * hz)
-            gz = m * vz + (wx * hy - wy * hx)
-            px = (wy * nz - wz * ny) + (vy * gz - vz * gy)
-            py = (wz * nx - wx * nz) + (vz * gx - vx * gz)
-            pz = (wx * ny - wy * nx) + (vx * gy - vy * gx)
-            fx = wy * gz - wz * gy
-            fy = wz * gx - wx * gz
-            fz = wx * gy - wy * gx
+            px, py, pz, fx, fy, fz = bias_wrench(m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz, wx, wy, wz, vx, vy, vz)
             if tree[i, TAKES] >= 0:
                 a = tree[i, TAKES] * ACCUMULATOR * 8
                 axx = load(accumulators, a) + ixx
@@ -209,20 +206,16 @@ def forward_dynamics(
             if c[k + STIFFNESS] != 0.0:
                 force = force - c[k + STIFFNESS] * (gather(q, base + i, n) - c[k + REST])
             if prismatic == 0:
-                u1, u2, u3, u4, u5, u6 = axz, ayz, azz, bzx, bzy, bzz
+                column = (axz, ayz, azz, bzx, bzy, bzz)
                 inverse = 1.0 / (azz + c[k + ARMATURE])
                 force = (force - pz) * inverse
             else:
-                u1, u2, u3, u4, u5, u6 = bxz, byz, bzz, mxz, myz, mzz
+                column = (bxz, byz, bzz, mxz, myz, mzz)
                 inverse = 1.0 / (mzz + c[k + ARMATURE])
                 force = (force - fz) * inverse
-            k1 = u1 * inverse
-            k2 = u2 * inverse
-            k3 = u3 * inverse
-            k4 = u4 * inverse
-            k5 = u5 * inverse
-            k6 = u6 * inverse
-            store_run(ws, b + GAIN * 8, (k1, k2, k3, k4, k5, k6))
+            u1, u2, u3, u4, u5, u6 = column
+            gain = (u1 * inverse, u2 * inverse, u3 * inverse, u4 * inverse, u5 * inverse, u6 * inverse)
+            store_run(ws, b + GAIN * 8, gain)
             store(ws, b + PUSH * 8, force)
             if tree[i, PARENT] < 0:
                 continue
@@ -232,27 +225,16 @@ def forward_dynamics(
             fx = fx + u4 * force
             fy = fy + u5 * force
             fz = fz + u6 * force
-            axx = axx - k1 * u1
-            ayy = ayy - k2 * u2
-            azz = azz - k3 * u3
-            axy = axy - k1 * u2
-            axz = axz - k1 * u3
-            ayz = ayz - k2 * u3
-            bxx = bxx - k1 * u4
-            bxy = bxy - k1 * u5
-            bxz = bxz - k1 * u6
-            byx = byx - k2 * u4
-            byy = byy - k2 * u5
-            byz = byz - k2 * u6
-            bzx = bzx - k3 * u4
-            bzy = bzy - k3 * u5
-            bzz = bzz - k3 * u6
-            mxx = mxx - k4 * u4
-            myy = myy - k5 * u5
-            mzz = mzz - k6 * u6
-            mxy = mxy - k4 * u5
-            mxz = mxz - k4 * u6
-            myz = myz - k5 * u6
+            angular, mixed, linear = without_joint(
+                gain,
+                column,
+                (axx, ayy, azz, axy, axz, ayz),
+                (bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz),
+                (mxx, myy, mzz, mxy, mxz, myz),
+            )
+            axx, ayy, azz, axy, axz, ayz = angular
+            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = mixed
+            mxx, myy, mzz, mxy, mxz, myz = linear
             if prismatic == 0:
                 c1, c2, c4, c5 = wy * rate, -(wx * rate), vy * rate, -(vx * rate)
                 px = px + axx * c1 + axy * c2 + bxx * c4 + bxy * c5
@@ -261,6 +243,7 @@ def forward_dynamics(
                 fx = fx + bxx * c1 + byx * c2 + mxx * c4 + mxy * c5
                 fy = fy + bxy * c1 + byy * c2 + mxy * c4 + myy * c5
                 fz = fz + bxz * c1 + byz * c2 + mxz * c4 + myz * c5
+                bias = (px, py, pz, fx, fy, fz)
                 cosine, sine = load_run(ws, b + TURN * 8, 2)
             else:
                 c4, c5 = wy * rate, -(wx * rate)
@@ -270,116 +253,33 @@ def forward_dynamics(
                 fx = fx + mxx * c4 + mxy * c5
                 fy = fy + mxy * c4 + myy * c5
                 fz = fz + mxz * c4 + myz * c5
-                position = load(ws, b + TURN * 8)
-                (axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz) = shift_tensors(
-                    0.0, 0.0, position,
-                    axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz,
-                    mxx, myy, mzz, mxy, mxz, myz,
-                )  # fmt: skip
-                px = px - position * fy
-                py = py + position * fx
+                angular, mixed, linear, bias = slide_articulated_back(
+                    load(ws, b + TURN * 8), angular, mixed, linear, (px, py, pz, fx, fy, fz)
+                )
                 cosine = spread(c[k + DELTA])
                 sine = spread(c[k + DELTA + 1])
-            axx, ayy, azz, axy, axz, ayz = turn_symmetric(cosine, sine, axx, ayy, azz, axy, axz, ayz)
-            mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(cosine, sine, mxx, myy, mzz, mxy, mxz, myz)
-            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(
-                cosine, sine, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz
+            angular, mixed, linear, bias = turn_articulated(cosine, sine, angular, mixed, linear, bias)
+            angular, mixed, linear, bias = turn_articulated_about_x(
+                c[k + ALPHA], c[k + ALPHA + 1], angular, mixed, linear, bias
             )
-            px, py = cosine * px - sine * py, sine * px + cosine * py
-            fx, fy = cosine * fx - sine * fy, sine * fx + cosine * fy
-            # About x: the same formulas with the axes in the order y, z, x.
-            ca = c[k + ALPHA]
-            sa = c[k + ALPHA + 1]
-            ayy, azz, axx, ayz, axy, axz = turn_symmetric(ca, sa, ayy, azz, axx, ayz, axy, axz)
-            myy, mzz, mxx, myz, mxy, mxz = turn_symmetric(ca, sa, myy, mzz, mxx, myz, mxy, mxz)
-            byy, byz, byx, bzy, bzz, bzx, bxy, bxz, bxx = turn_general(
-                ca, sa, byy, byz, byx, bzy, bzz, bzx, bxy, bxz, bxx
+            angular, mixed, linear, bias = shift_articulated(
+                c[k + R], c[k + R + 1], c[k + R + 2], angular, mixed, linear, bias
             )
-            py, pz = ca * py - sa * pz, sa * py + ca * pz
-            fy, fz = ca * fy - sa * fz, sa * fy + ca * fz
-            rx = c[k + R]
-            ry = c[k + R + 1]
-            rz = c[k + R + 2]
-            (axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz) = shift_tensors(
-                rx, ry, rz,
-                axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz,
-                mxx, myy, mzz, mxy, mxz, myz,
-            )  # fmt: skip
-            px = px + (ry * fz - rz * fy)
-            py = py + (rz * fx - rx * fz)
-            pz = pz + (rx * fy - ry * fx)
             if tree[i, PREFIX] != 0:
-                ca = c[k + GAMMA]
-                sa = c[k + GAMMA + 1]
-                axx, ayy, azz, axy, axz, ayz = turn_symmetric(ca, sa, axx, ayy, azz, axy, axz, ayz)
-                mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(ca, sa, mxx, myy, mzz, mxy, mxz, myz)
-                bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(
-                    ca, sa, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz
+                angular, mixed, linear, bias = turn_articulated(
+                    c[k + GAMMA], c[k + GAMMA + 1], angular, mixed, linear, bias
                 )
-                px, py = ca * px - sa * py, sa * px + ca * py
-                fx, fy = ca * fx - sa * fy, sa * fx + ca * fy
             a = tree[i, GIVES] * ACCUMULATOR * 8
             if tree[i, OPENS] == 0:
-                axx = axx + load(accumulators, a)
-                ayy = ayy + load(accumulators, a + 8)
-                azz = azz + load(accumulators, a + 16)
-                axy = axy + load(accumulators, a + 24)
-                axz = axz + load(accumulators, a + 32)
-                ayz = ayz + load(accumulators, a + 40)
-                bxx = bxx + load(accumulators, a + 48)
-                bxy = bxy + load(accumulators, a + 56)
-                bxz = bxz + load(accumulators, a + 64)
-                byx = byx + load(accumulators, a + 72)
-                byy = byy + load(accumulators, a + 80)
-                byz = byz + load(accumulators, a + 88)
-                bzx = bzx + load(accumulators, a + 96)
-                bzy = bzy + load(accumulators, a + 104)
-                bzz = bzz + load(accumulators, a + 112)
-                mxx = mxx + load(accumulators, a + 120)
-                myy = myy + load(accumulators, a + 128)
-                mzz = mzz + load(accumulators, a + 136)
-                mxy = mxy + load(accumulators, a + 144)
-                mxz = mxz + load(accumulators, a + 152)
-                myz = myz + load(accumulators, a + 160)
-                px = px + load(accumulators, a + 168)
-                py = py + load(accumulators, a + 176)
-                pz = pz + load(accumulators, a + 184)
-                fx = fx + load(accumulators, a + 192)
-                fy = fy + load(accumulators, a + 200)
-                fz = fz + load(accumulators, a + 208)
-            store_run(
-                accumulators,
-                a,
-                (
-                    axx,
-                    ayy,
-                    azz,
-                    axy,
-                    axz,
-                    ayz,
-                    bxx,
-                    bxy,
-                    bxz,
-                    byx,
-                    byy,
-                    byz,
-                    bzx,
-                    bzy,
-                    bzz,
-                    mxx,
-                    myy,
-                    mzz,
-                    mxy,
-                    mxz,
-                    myz,
-                    px,
-                    py,
-                    pz,
-                    fx,
-                    fy,
-                    fz,
-                ),
-            )
+                add_run(accumulators, a, angular)
+                add_run(accumulators, a + 48, mixed)
+                add_run(accumulators, a + 120, linear)
+                add_run(accumulators, a + 168, bias)
+            else:
+                store_run(accumulators, a, angular)
+                store_run(accumulators, a + 48, mixed)
+                store_run(accumulators, a + 120, linear)
+                store_run(accumulators, a + 168, bias)
         for i in range(n):
             b = i * BODY * 8
             k = i * CONSTANTS

@@ -29,7 +29,7 @@ from harness.denoc.batch.dynamics import (
     turn_of,
     wrench_to_parent,
 )
-from harness.denoc.lanes.tree import turn_symmetric
+from harness.denoc.lanes.spatial import turn_symmetric
 from harness.denoc.simd.vector import (
     add_run,
     batch_kernel,

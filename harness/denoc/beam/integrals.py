@@ -258,8 +258,10 @@ def modal_damping_matrix(system: System, data: BeamData) -> Array:
 
 @dataclass(frozen=True)
 class Root:
-    """How a link's root is held in one bending plane: free to turn, about a hinge ``radius`` [m] behind it, with
-    ``inertia`` [kg·m²] of the hub."""
+    """How a link's root is held in one bending plane.
+
+    free: to turn about a hinge ``radius`` [m] behind it; inertia: of the hub [kg·m²].
+    """
 
     free: bool
     inertia: float = 0.0

@@ -21,6 +21,7 @@ from harness.denoc.chart.kernels import (
     work_begins,
 )
 from harness.denoc.chart.tables import POSITIONS
+from harness.denoc.compiling.compiled import allocating
 from harness.denoc.compiling.pipeline import Kernel
 from harness.denoc.recursion.binding import COORDINATES, FORWARD, INNER, INVERSE, header_at, rows_of, vector_at
 from harness.denoc.recursion.dynamics_call import SIGNATURE, call
@@ -38,24 +39,32 @@ def state_addresses() -> tuple[int, int]:
     return int(_rates().address), int(_settle().address)
 
 
+@allocating
+def _recentred(header: Any, q: int, given: int) -> Any:
+    """The chart's integers and floats, the lowered tree's positions once it is recentred at q, and a copy of the vector given."""
+    n = header[COORDINATES]
+    places = places_of(header)
+    numbers = numbers_of(header, places)
+    begin = work_begins(places)
+    local, copy = numbers[begin : begin + n], numbers[begin + n : begin + 2 * n]
+    recentre(rows_of(header_at(header[INNER])), places, numbers, vector_at(q, places[POSITIONS]), local)
+    asked = vector_at(given, n)
+    for i in range(n):
+        copy[i] = asked[i]
+    return places, numbers, local, copy
+
+
 @functools.cache
 def _forward() -> Any:
     @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
-        n = header[COORDINATES]
-        places = places_of(header)
-        numbers = numbers_of(header, places)
-        begin = work_begins(places)
-        inner = header_at(header[INNER])
-        local, force = numbers[begin : begin + n], numbers[begin + n : begin + 2 * n]
-        v, applied, out = vector_at(qd, n), vector_at(tau, n), vector_at(qdd, n)
-        recentre(rows_of(inner), places, numbers, vector_at(q, places[POSITIONS]), local)
-        for i in range(n):
-            force[i] = applied[i]
+        n, inner = header[COORDINATES], header[INNER]
+        places, numbers, local, force = _recentred(header, q, tau)
+        v = vector_at(qd, n)
         add_armature(places, numbers, v, -1.0, force)
-        status = call(inner[FORWARD], header[INNER], local.ctypes.data, qd, force.ctypes.data, qdd)
-        add_products(places, v, 1.0, out)
+        status = call(header_at(inner)[FORWARD], inner, local.ctypes.data, qd, force.ctypes.data, qdd)
+        add_products(places, v, 1.0, vector_at(qdd, n))
         return status
 
     return forward
@@ -66,19 +75,12 @@ def _inverse() -> Any:
     @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
-        n = header[COORDINATES]
-        places = places_of(header)
-        numbers = numbers_of(header, places)
-        begin = work_begins(places)
-        inner = header_at(header[INNER])
-        local, asked = numbers[begin : begin + n], numbers[begin + n : begin + 2 * n]
-        v, wanted, out = vector_at(qd, n), vector_at(qdd, n), vector_at(tau, n)
-        recentre(rows_of(inner), places, numbers, vector_at(q, places[POSITIONS]), local)
-        for i in range(n):
-            asked[i] = wanted[i]
+        n, inner = header[COORDINATES], header[INNER]
+        places, numbers, local, asked = _recentred(header, q, qdd)
+        v = vector_at(qd, n)
         add_products(places, v, -1.0, asked)
-        status = call(inner[INVERSE], header[INNER], local.ctypes.data, qd, asked.ctypes.data, tau)
-        add_armature(places, numbers, v, 1.0, out)
+        status = call(header_at(inner)[INVERSE], inner, local.ctypes.data, qd, asked.ctypes.data, tau)
+        add_armature(places, numbers, v, 1.0, vector_at(tau, n))
         return status
 
     return inverse

@@ -21,7 +21,7 @@ from harness.denoc.chart.kernels import (
     work_begins,
 )
 from harness.denoc.chart.tables import LOWERED, POSITIONS
-from harness.denoc.compiling.compiled import internal
+from harness.denoc.compiling.compiled import allocating, internal
 from harness.denoc.compiling.pipeline import Kernel
 from harness.denoc.recursion.binding import (
     BODIES,
@@ -94,39 +94,58 @@ def cholesky_solve(a: Any, b: Any) -> int:
     return 0
 
 
+@allocating
+def _lowered(header: Any, q: int, qd: int) -> Any:
+    """The chart's integers and floats, G, the lowered tree's positions recentred at q, its rates G v, and room for two more."""
+    n = header[COORDINATES]
+    places = places_of(header)
+    m = places[LOWERED]
+    numbers = numbers_of(header, places)
+    begin = work_begins(places)
+    local, rate = numbers[begin : begin + m], numbers[begin + m : begin + 2 * m]
+    asked, found = numbers[begin + 2 * m : begin + 3 * m], numbers[begin + 3 * m : begin + 4 * m]
+    rates = matrix_at(numbers.ctypes.data + 8 * (begin - m * n), m, n)
+    recentre(rows_of(header_at(header[INNER])), places, numbers, vector_at(q, places[POSITIONS]), local)
+    spread(rates, vector_at(qd, n), rate)
+    return places, numbers, rates, local, rate, asked, found
+
+
+@internal
+def _independent_forces(
+    header: Any, places: Any, numbers: Any, rates: Any, local: Any, rate: Any, asked: Any, found: Any, out: Any
+) -> int:
+    """Forces Gᵀ f of the lowered tree under the accelerations asked; what is asked and found is lowered, and overwritten."""
+    inner = header[INNER]
+    add_products(places, rate, -1.0, asked)
+    status = call(
+        header_at(inner)[INVERSE], inner, local.ctypes.data, rate.ctypes.data, asked.ctypes.data, found.ctypes.data
+    )
+    add_armature(places, numbers, rate, 1.0, found)
+    gather(rates, found, out)
+    return status
+
+
 @functools.cache
 def _forward() -> Any:
     @cfunc(SIGNATURE, cache=True, pipeline_class=Kernel)
     def forward(model: int, q: int, qd: int, tau: int, qdd: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
-        places = places_of(header)
+        places, numbers, rates, local, rate, asked, bias = _lowered(header, q, qd)
         m = places[LOWERED]
-        numbers = numbers_of(header, places)
-        begin = work_begins(places)
-        inner = header_at(header[INNER])
-        local, rate = numbers[begin : begin + m], numbers[begin + m : begin + 2 * m]
-        asked, bias = numbers[begin + 2 * m : begin + 3 * m], numbers[begin + 3 * m : begin + 4 * m]
-        begin += 6 * m + 4 * n
+        begin = work_begins(places) + 6 * m + 4 * n
         base = numbers.ctypes.data
         whole = matrix_at(base + 8 * begin, m, m)
         small = matrix_at(base + 8 * (begin + m * m), n, n)
         half = matrix_at(base + 8 * (begin + m * m + n * n), m, n)
-        rates = matrix_at(base + 8 * (work_begins(places) - m * n), m, n)
-        v, applied, out = vector_at(qd, n), vector_at(tau, n), vector_at(qdd, n)
-        recentre(rows_of(inner), places, numbers, vector_at(q, places[POSITIONS]), local)
-        spread(rates, v, rate)
+        applied, out = vector_at(tau, n), vector_at(qdd, n)
+        inner = header_at(header[INNER])
         mass_matrix(inner[BODIES], rows_of(inner), topology_of(inner), local, whole)
         for i in range(m):
             asked[i] = 0.0
-        add_products(places, rate, -1.0, asked)
-        status = call(
-            inner[INVERSE], header[INNER], local.ctypes.data, rate.ctypes.data, asked.ctypes.data, bias.ctypes.data
-        )
+        status = _independent_forces(header, places, numbers, rates, local, rate, asked, bias, out)
         if status != 0:
             return status
-        add_armature(places, numbers, rate, 1.0, bias)
-        gather(rates, bias, out)
         for k in range(n):
             out[k] = applied[k] - out[k]
             for i in range(m):
@@ -158,23 +177,8 @@ def _inverse() -> Any:
     def inverse(model: int, q: int, qd: int, qdd: int, tau: int) -> int:
         header = header_at(model)
         n = header[COORDINATES]
-        places = places_of(header)
-        m = places[LOWERED]
-        numbers = numbers_of(header, places)
-        begin = work_begins(places)
-        inner = header_at(header[INNER])
-        local, rate = numbers[begin : begin + m], numbers[begin + m : begin + 2 * m]
-        asked, needed = numbers[begin + 2 * m : begin + 3 * m], numbers[begin + 3 * m : begin + 4 * m]
-        rates = matrix_at(numbers.ctypes.data + 8 * (begin - m * n), m, n)
-        recentre(rows_of(inner), places, numbers, vector_at(q, places[POSITIONS]), local)
-        spread(rates, vector_at(qd, n), rate)
+        places, numbers, rates, local, rate, asked, needed = _lowered(header, q, qd)
         spread(rates, vector_at(qdd, n), asked)
-        add_products(places, rate, -1.0, asked)
-        status = call(
-            inner[INVERSE], header[INNER], local.ctypes.data, rate.ctypes.data, asked.ctypes.data, needed.ctypes.data
-        )
-        add_armature(places, numbers, rate, 1.0, needed)
-        gather(rates, needed, vector_at(tau, n))
-        return status
+        return _independent_forces(header, places, numbers, rates, local, rate, asked, needed, vector_at(tau, n))
 
     return inverse

@@ -63,6 +63,7 @@ def workspace(m: int, n: int) -> int:
 
 @internal
 def work_begins(places: Any) -> int:
+    """Where the workspace begins behind the chart's constants."""
     m, n = places[LOWERED], places[VELOCITIES]
     return 2 * m + BALL_NUMBERS * places[BALLS] + m * n
 

@@ -12,9 +12,10 @@ from typing import Any
 from numba import carray, cfunc, types
 
 from harness.denoc.compiling.pipeline import Kernel
+from harness.denoc.lanes.nodes import COLUMNS
 from harness.denoc.lanes.planar import planar_accelerations
-from harness.denoc.lanes.tree import COLUMNS, accelerations
-from harness.denoc.simd.vector import integers_at, numbers_at
+from harness.denoc.lanes.tree import accelerations
+from harness.denoc.simd.vector import allocating, integers_at, numbers_at
 
 # Addresses of tree, flags, constants, beams, laws, workspace; and what else ``accelerations`` takes.
 _SIGNATURE = types.void(*[types.int64] * 11)
@@ -33,6 +34,18 @@ def planar() -> int:
 
 
 # The arrays' lengths are nowhere read: indices are not checked, and none is negative.
+@allocating
+def _arrays(tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int) -> Any:
+    return (
+        carray(integers_at(tree), (nodes, COLUMNS)),
+        carray(integers_at(flags), n),
+        carray(numbers_at(constants), 1),
+        carray(numbers_at(beams), 1),
+        carray(numbers_at(laws), 1),
+        carray(numbers_at(ws), 1),
+    )
+
+
 @functools.cache
 def _spatial() -> Any:
     @cfunc(_SIGNATURE, cache=True, error_model="numpy", pipeline_class=Kernel)
@@ -40,18 +53,8 @@ def _spatial() -> Any:
         tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int, user: int, shaken: int,
         loaded: int,
     ) -> None:  # fmt: skip
-        accelerations(
-            carray(integers_at(tree), (nodes, COLUMNS)),
-            carray(integers_at(flags), n),
-            carray(numbers_at(constants), 1),
-            carray(numbers_at(beams), 1),
-            carray(numbers_at(laws), 1),
-            carray(numbers_at(ws), 1),
-            n,
-            user,
-            shaken,
-            loaded,
-        )
+        t, f, c, b, l, w = _arrays(tree, nodes, flags, constants, beams, laws, ws, n)
+        accelerations(t, f, c, b, l, w, n, user, shaken, loaded)
 
     return spatial_at
 
@@ -63,17 +66,7 @@ def _planar() -> Any:
         tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int, user: int, shaken: int,
         loaded: int,
     ) -> None:  # fmt: skip
-        planar_accelerations(
-            carray(integers_at(tree), (nodes, COLUMNS)),
-            carray(integers_at(flags), n),
-            carray(numbers_at(constants), 1),
-            carray(numbers_at(beams), 1),
-            carray(numbers_at(laws), 1),
-            carray(numbers_at(ws), 1),
-            n,
-            user,
-            shaken,
-            loaded,
-        )
+        t, f, c, b, l, w = _arrays(tree, nodes, flags, constants, beams, laws, ws, n)
+        planar_accelerations(t, f, c, b, l, w, n, user, shaken, loaded)
 
     return planar_at

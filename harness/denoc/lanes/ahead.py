@@ -14,19 +14,23 @@ from harness.denoc.lanes.rows import prepare_lane
 
 
 def planar() -> None:
+    """The recursion of the lanes in a plane."""
     address.planar()
 
 
 def spatial() -> None:
+    """The recursion of the lanes in space."""
     address.spatial()
 
 
 def lane_parameters() -> None:
+    """What writes a parameter row's constants into a lane."""
     links, tree, _, axes, nominal, plane = LANES
     signature.compile_for(prepare_lane, VECTOR, 1, links, tree, axes, nominal, plane, *[VECTOR] * 4)
 
 
 def lanes() -> None:
+    """The lanes' adaptive method."""
     signature.compile_for(
         run_groups, 1, 1, MATRIX, MATRIX, 1, *LANES, 1, VECTOR, WHOLE, CUBE, WHOLE, 1, 1, VECTOR, 1.0,
         *step_method(8),
@@ -35,6 +39,7 @@ def lanes() -> None:
 
 
 def exponential() -> None:
+    """The lanes' exponential method."""
     signature.compile_for(
         march_groups, MATRIX, CUBE, 1, *LANES, 1, CUBE, CUBE, np.zeros((1, 1, 1, 1)), CUBE, CUBE, 1.0, 1.0, 1,
         CUBE, CUBE, CUBE, MATRIX,

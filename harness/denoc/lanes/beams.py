@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from harness.denoc.beam.integrals import BeamData, Station, beam_data, modal_damping_matrix
+from harness.denoc.lanes.nodes import point_size, section_table_size
 from harness.denoc.lanes.rows import BEAM_AXES, BEAM_HEAD, BEAM_SLOTS, PAYLOAD_INERTIA, SECTION_ROW
-from harness.denoc.lanes.tree import point_size, section_table_size
 from harness.denoc.recursion.elastic import mass_points
 from harness.system import Beam, System
 from harness.system.description import Array

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from harness.denoc.joint_laws import laws as law
 from harness.denoc.lanes.copies import Copies
-from harness.denoc.lanes.integrate import present_nodes
-from harness.denoc.lanes.rows import prepare_lane
+from harness.denoc.lanes.group import prepare_group
+from harness.denoc.lanes.nodes import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
 from harness.denoc.lanes.threads import share
-from harness.denoc.lanes.tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
 from harness.denoc.simd.vector import (
     address_of,
     call_recursion,
@@ -241,16 +240,13 @@ def march_groups(
     nothing: Any = np.int64(0)
     for g in range((copies + 7) // 8):
         lanes = min(8, copies - 8 * g)
-        shaken: Any = np.int64(0)
-        flags[:] = 0
+        shaken = prepare_group(
+            rows, 8 * g, lanes, links, tree, axes, nominal, plane, constants, beams, laws, shake, flags, present
+        )
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
-            prepare_lane(rows[source], lane, links, tree, axes, nominal, plane, constants, beams, laws, shake)
             for i in range(n):
-                flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
                 ws[(i * JOINT + FREE) * 8 + lane] = 1.0
-            if rows[source, 3] != 0.0:
-                shaken = 1
             for r in range(width):
                 for c in range(width):
                     carry[(r * width + c) * 8 + lane] = carried[source, r, c]
@@ -259,7 +255,6 @@ def march_groups(
                 for k in range(ORDER):
                     for c in range(n):
                         drive[((r * ORDER + k) * n + c) * 8 + lane] = driven[source, k, r, c]
-        present_nodes(tree, constants, present)
         for i in range(n):
             store(uncertain, i * 8, spread(0.0))
         for s in range(steps + 1):

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from harness.denoc.joint_laws import laws as law
 from harness.denoc.lanes.copies import Copies
-from harness.denoc.lanes.integrate import present_nodes
-from harness.denoc.lanes.rows import prepare_lane
+from harness.denoc.lanes.group import prepare_group
+from harness.denoc.lanes.nodes import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
 from harness.denoc.lanes.threads import share
-from harness.denoc.lanes.tree import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
 from harness.denoc.simd.vector import address_of, call_recursion, lane_stepper, load, spread, store, vectors
 from harness.errors import InputError, UnsupportedError
 
@@ -100,20 +99,16 @@ def march_groups(
     nothing: Any = np.int64(0)
     for g in range(first, last):
         lanes = min(8, copies - 8 * g)
-        shaken: Any = np.int64(0)
-        flags[:] = 0
+        shaken = prepare_group(
+            rows, 8 * g, lanes, links, tree, axes, nominal, plane, constants, beams, laws, shake, flags, present
+        )
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
-            prepare_lane(rows[source], lane, links, tree, axes, nominal, plane, constants, beams, laws, shake)
             for i in range(n):
-                flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
                 ws[(i * JOINT + FREE) * 8 + lane] = 1.0
                 ws[(i * JOINT + TAU) * 8 + lane] = 0.0
                 state[i * 8 + lane] = begun[source, i]
                 state[(n + i) * 8 + lane] = begun[source, n + i]
-            if rows[source, 3] != 0.0:
-                shaken = 1
-        present_nodes(tree, constants, present)
         for s in range((samples - 1) * inner + 1):
             for f in range(width):
                 store(at, f * 8, load(state, f * 8))

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from harness.denoc.joint_laws import laws as law
-from harness.denoc.lanes.rows import prepare_lane
-from harness.denoc.lanes.tree import (
-    ABSENT,
+from harness.denoc.lanes.group import prepare_group
+from harness.denoc.lanes.nodes import (
     ANCHOR,
     CONSTANTS,
     CONTACT,
@@ -27,15 +26,11 @@ from harness.denoc.lanes.tree import (
     GRIP,
     HOLD,
     JOINT,
-    KIND,
     LIMIT,
-    MASS,
-    PARENT,
     QD,
     QDD,
     REACTION,
     REACTION_START,
-    SECTION,
     SHAKE,
     SLIPS,
     SLIPS_END,
@@ -829,25 +824,6 @@ def _break_loose(
             ws[which * JOINT * 8 + HOLD * 8 + lane] = low[24 + lane]
 
 
-@inner
-def present_nodes(tree: Any, constants: Any, present: Any) -> None:
-    """Mark the sections that carry nothing in any lane, to ``present``.
-
-    Contributions of nothing are exact zeros: leaving them out changes no lane's result.
-    """
-    for i in range(tree.shape[0]):
-        present[i, KIND] = tree[i, KIND]
-        if tree[i, KIND] == SECTION:
-            carried = 0.0
-            for k in range((i * CONSTANTS + MASS) * 8, (i + 1) * CONSTANTS * 8):
-                carried += abs(constants[k])
-            for child in range(i + 1, tree.shape[0]):
-                if tree[child, PARENT] == i:
-                    carried = 1.0
-            if carried == 0.0:
-                present[i, KIND] = ABSENT
-
-
 @lane_stepper
 def run_groups(
     first: int, last: int, rows: Any, start: Any,
@@ -881,19 +857,13 @@ def run_groups(
     present = tree.copy()
     for g in range(first, last):
         lanes = min(8, copies - 8 * g)
-        for i in range(n):
-            flags[i] = 0
-        shaken: Any = np.int64(0)  # not the literal 0, which would be compiled for separately
+        shaken = prepare_group(
+            rows, 8 * g, lanes, links, tree, axes, nominal, plane, constants, beams, laws, shake, flags, present
+        )
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
-            prepare_lane(rows[source], lane, links, tree, axes, nominal, plane, constants, beams, laws, shake)
-            for i in range(n):
-                flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
+            for i in range(2 * n):
                 state[i * 8 + lane] = start[source, i]
-                state[(n + i) * 8 + lane] = start[source, n + i]
-            if rows[source, 3] != 0.0:
-                shaken = 1
-        present_nodes(tree, constants, present)
         width = 2 * n
         loaded: Any = np.int64(0)
         for i in range(n):

@@ -18,6 +18,24 @@ from harness.denoc.compiling import ahead
 from harness.denoc.joint_laws import laws
 from harness.denoc.joint_laws.address import compiled_law
 from harness.denoc.lanes.beams import beam_block_size, most_points, write_beams
+from harness.denoc.lanes.nodes import (
+    BEAM,
+    BODY,
+    COLUMNS,
+    COORDINATE,
+    GROUP,
+    JOINT,
+    KIND,
+    MODES,
+    PRISMATIC,
+    REVOLUTE,
+    SECTION,
+    WORK,
+    beam_table_size,
+    beam_work_size,
+    section_table_size,
+    section_work_size,
+)
 from harness.denoc.lanes.plane import plane_of
 from harness.denoc.lanes.rows import (
     ABOVE,
@@ -37,24 +55,6 @@ from harness.denoc.lanes.rows import (
     TIP_NODE,
 )
 from harness.denoc.lanes.threads import share
-from harness.denoc.lanes.tree import (
-    BEAM,
-    BODY,
-    COLUMNS,
-    COORDINATE,
-    GROUP,
-    JOINT,
-    KIND,
-    MODES,
-    PRISMATIC,
-    REVOLUTE,
-    SECTION,
-    WORK,
-    beam_table_size,
-    beam_work_size,
-    section_table_size,
-    section_work_size,
-)
 from harness.errors import InputError, UnsupportedError
 from harness.system import Link, System
 from harness.system.inertia import inertial_numbers

@@ -4,7 +4,7 @@ Where all revolute axes and the axes that beams bend about are parallel, and all
 motion in that plane is felt: a body is its mass, its first moments and one moment of inertia, an
 articulated inertia has six elements instead of twenty-one, and nothing has to be turned from frame to frame, since all is kept
 in the base's axes X, Y and about the normal N. Accelerations are the classical ones of a node's origin, so that no
-linear velocities are needed. Nodes, laws, held joints and the places of the coordinates are those of ``lanes.tree``.
+linear velocities are needed. Nodes, laws, held joints and the places of the coordinates are those of ``lanes.nodes``.
 
 A wrench is (moment about N, force X, force Y), an acceleration (α, aX, aY), an articulated inertia (00, 01, 02, 11, 12, 22).
 """
@@ -14,23 +14,18 @@ from __future__ import annotations
 from typing import Any
 
 from harness.denoc.joint_laws import laws as law
-from harness.denoc.lanes.tree import (
+from harness.denoc.lanes.nodes import (
     ABSENT,
-    ANCHOR,
     BEAM,
     BODY,
     CONSTANTS,
     CONTACT,
     COORDINATE,
-    DIRECTION,
     FIRST,
     FREE,
-    GRIP,
     GROUP,
-    HOLD,
     JOINT,
     KIND,
-    LIMIT,
     MASS,
     MODES,
     PARENT,
@@ -39,26 +34,22 @@ from harness.denoc.lanes.tree import (
     PRISMATIC,
     QD,
     QDD,
-    REACTION,
-    REACTION_START,
     REVOLUTE,
-    SCRATCH,
     SECOND,
     SECTION,
-    SHAKE,
     SIGN,
     SLIPS,
     TABLE,
-    TAU,
-    TAU_SLOPE,
-    TAU_TIME,
-    TIME,
     WORK,
     Q,
     R,
-    settled,
-    still_slips,
-    user_forces,
+    bent,
+    bent_section,
+    joint_force,
+    modal_force,
+    restart_reactions,
+    rub,
+    shaken_base,
 )
 from harness.denoc.simd.vector import (
     add_run,
@@ -105,22 +96,7 @@ def _beam(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     for p in range(tree[i, POINTS]):
         at = e + p * size
         one, x = load_run(beams, at, 2)
-        y, xd, yd, xdd = zero, zero, zero, zero
-        for k in range(m):
-            q = load(ws, first + (k * JOINT + Q) * 8)
-            qd = load(ws, first + (k * JOINT + QD) * 8)
-            s = load(beams, at + (2 + k) * 8)
-            hb, hd = zero, zero
-            for l in range(m):
-                h = load(beams, at + (2 + m + k * m + l) * 8)
-                hb = hb + h * load(ws, first + (l * JOINT + Q) * 8)
-                hd = hd + h * load(ws, first + (l * JOINT + QD) * 8)
-            x = x - 0.5 * (hb * q)
-            xd = xd - hb * qd
-            xdd = xdd - hd * qd
-            y = y + s * q
-            yd = yd + s * qd
-            store(ws, axial + k * 8, -hb)
+        x, y, xd, yd, xdd = bent(beams, ws, x, at + 16, at + (2 + m) * 8, m, first, axial, 1)
         mass = mass + one * one
         hx = hx + one * x
         hy = hy + one * y
@@ -173,14 +149,9 @@ def _eliminate_modes(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     bias = modal + m * m * 8
     first = tree[i, COORDINATE] * JOINT * 8
     group = n * JOINT * 8
-    late = load(ws, group + TIME * 8) - load(ws, group + TAU_TIME * 8)
     a00, a01, a02, a11, a12, a22, b0, b1, b2 = load_run(ws, b + ARTICULATED * 8, 9)
     for k in range(m):
-        c = first + k * JOINT * 8
-        y = load(ws, c + TAU * 8) + load(ws, c + TAU_SLOPE * 8) * late - load(ws, bias + k * 8)
-        for l in range(m):
-            y = y - load(beams, e + (k * m + l) * 8) * load(ws, first + (l * JOINT + Q) * 8)
-            y = y - load(beams, e + (m * m + k * m + l) * 8) * load(ws, first + (l * JOINT + QD) * 8)
+        y = modal_force(beams, ws, group, e, m, first, k, load(ws, bias + k * 8))
         # Row k of L (its diagonal kept inverse), and forward substitution of y and of the row of Nᵀ.
         pivot = load(ws, modal + (k * m + k) * 8)
         n0, n1, n2 = load_run(ws, work + 3 * k * 8, 3)
@@ -258,24 +229,7 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
             m = tree[i, MODES]
             e = tree[i, TABLE] * 8
             work = tree[i, WORK] * 8
-            x = load(beams, e)
-            y, turn, spin, xd, yd, xdd = zero, zero, zero, zero, zero, zero
-            for f in range(m):
-                qf = load(ws, j + (f * JOINT + Q) * 8)
-                qdf = load(ws, j + (f * JOINT + QD) * 8)
-                hb, hd = zero, zero
-                for l in range(m):
-                    h = load(beams, e + (1 + 2 * m + f * m + l) * 8)
-                    hb = hb + h * load(ws, j + (l * JOINT + Q) * 8)
-                    hd = hd + h * load(ws, j + (l * JOINT + QD) * 8)
-                x = x - 0.5 * (hb * qf)
-                xd = xd - hb * qdf
-                xdd = xdd - hd * qdf
-                y = y + load(beams, e + (1 + f) * 8) * qf
-                yd = yd + load(beams, e + (1 + f) * 8) * qdf
-                turn = turn + load(beams, e + (1 + m + f) * 8) * qf
-                spin = spin + load(beams, e + (1 + m + f) * 8) * qdf
-                store(ws, work + f * 8, -hb)
+            x, y, xd, yd, xdd, turn, spin = bent_section(beams, ws, e, m, j, work)
             p = (n * JOINT + GROUP + parent * BODY) * 8
             ax, ay = load_run(ws, p + ALONG * 8, 2)
             bx, by = load_run(ws, p + ACROSS * 8, 2)
@@ -349,25 +303,7 @@ def _inward(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any, n: int, user:
                 continue
         a00, a01, a02, a11, a12, a22, b0, b1, b2 = load_run(ws, b + ARTICULATED * 8, 9)
         if kind <= PRISMATIC:
-            force = load(ws, j + TAU * 8) + load(ws, j + TAU_SLOPE * 8) * (
-                load(ws, group + TIME * 8) - load(ws, group + TAU_TIME * 8)
-            )
-            force = force + law.passive_force(
-                laws,
-                l,
-                flags[own],
-                load(ws, j + Q * 8),
-                load(ws, j + QD * 8),
-                load(ws, j + DIRECTION * 8),
-                load(ws, j + CONTACT * 8),
-                load(ws, j + ANCHOR * 8),
-                load(ws, j + GRIP * 8),
-                load(ws, j + REACTION * 8),
-                load(ws, j + SLIPS * 8),
-            )
-            if flags[own] & law.HAS_USER:
-                user_forces(laws, ws, user, group + TIME * 8, j, l)
-                force = force + load(ws, group + SCRATCH * 8)
+            force = joint_force(laws, ws, flags[own], user, group, l, j)
             armature = law.axis_inertia(laws, l, flags[own], load(ws, j + SLIPS * 8), load(ws, j + CONTACT * 8))
             free = load(ws, j + FREE * 8)
             if kind == REVOLUTE:
@@ -477,16 +413,8 @@ def _outward_accelerations(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any
             ax = ax - turning * y + cx
             ay = ay + turning * x + cy
         else:
-            # Gravity as an acceleration of the base; so is the shaking of the base itself.
             turning = spread(0.0)
-            g = group + SHAKE * 8
-            ax = -load(ws, g)
-            ay = -load(ws, g + 8)
-            if shaken:
-                phase = load(ws, g + 24) * load(ws, group + TIME * 8) + load(ws, g + 32)
-                pulse, _ = sine_cosine(phase)
-                ax = ax + load(ws, g + 40) * pulse
-                ay = ay + load(ws, g + 48) * pulse
+            ax, ay, _ = shaken_base(ws, group, shaken)
         if kind >= BEAM:
             if kind == SECTION:
                 p = (n * JOINT + GROUP + parent * BODY) * 8
@@ -522,19 +450,13 @@ def _outward_accelerations(tree: Any, flags: Any, beams: Any, laws: Any, ws: Any
             ay = ay + fy * qdd
         store_run(ws, b + ACCELERATION * 8, (turning, ax, ay))
         if flags[own] & law.RUBS:
-            reaction = load(ws, j + REACTION * 8)
+            fx, fy = spread(0.0), spread(0.0)
             if flags[own] & law.HAS_LOAD:
                 # Only revolute joints come here: across a slide the force along the normal counts as well.
                 _, a01, a02, a11, a12, a22, _, b1, b2 = load_run(ws, b + ARTICULATED * 8, 9)
                 fx = a01 * turning + a11 * ax + a12 * ay + b1
                 fy = a02 * turning + a12 * ax + a22 * ay + b2
-                reaction, changed = settled(laws, ws, group, l, square_root(fx * fx + fy * fy), reaction)
-                unsettled = max(unsettled, changed)
-                store(ws, j + REACTION * 8, reaction)
-            store(ws, j + HOLD * 8, push)
-            store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, flags[own], reaction))
-            if flags[own] & law.HAS_SOFT:
-                unsettled = max(unsettled, still_slips(laws, ws, flags[own], group, l, j))
+            unsettled = max(unsettled, rub(laws, ws, flags[own], group, l, j, push, fx, fy))
     return unsettled
 
 
@@ -544,9 +466,7 @@ def planar_accelerations(
 ) -> None:
     """Accelerations of all lanes of a group from the state in the workspace, left there."""
     if loaded:
-        for i in range(n):
-            j = i * JOINT * 8
-            store(ws, j + REACTION * 8, load(ws, j + REACTION_START * 8))
+        restart_reactions(ws, n)
     for _ in range(60 if loaded else 1):
         _outward(tree, constants, beams, ws, n)
         _inward(tree, flags, beams, laws, ws, n, user)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.joint_laws import laws
+from harness.denoc.lanes.nodes import KIND, PARENT, SECTION, SIGN
 from harness.denoc.lanes.rows import BASE_SLOTS, BEAM_NODE, LAW_ROW, NODE, PER_JOINT
-from harness.denoc.lanes.tree import KIND, PARENT, SECTION, SIGN
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ class Plane:
 
 
 def plane_of(system: System, links: Any, tree: Any) -> Plane | None:
-    """The plane that all of a mechanism moves in, or None; links, tree: the tables of ``lanes.rows`` and ``lanes.tree``."""
+    """The plane that all of a mechanism moves in, or None; links, tree: the tables of ``lanes.rows`` and ``lanes.nodes``."""
     turns: dict[str, Array] = {system.base: np.eye(3)}
     normals: list[tuple[int, Array]] = []  # node, axis in base coordinates
     slides: list[Array] = []

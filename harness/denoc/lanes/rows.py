@@ -11,7 +11,7 @@ from numba import njit
 
 from harness.denoc.compiling.pipeline import Kernel, Part
 from harness.denoc.joint_laws import laws as law
-from harness.denoc.lanes.tree import (
+from harness.denoc.lanes.nodes import (
     ALPHA,
     CONSTANTS,
     COORDINATE,
@@ -192,7 +192,7 @@ def prepare_lane(
 ) -> None:  # fmt: skip
     """Write one row's constants into one lane of a group.
 
-    links: one line a joint (with its child link), columns ABOVE …; tree: one line a node, as in ``lanes.tree``;
+    links: one line a joint (with its child link), columns ABOVE …; tree: one line a node, as in ``lanes.nodes``;
     axes: joint axes, shape (joints, 3); nominal: joint rotations, shape (joints, 3, 3); plane: axes X, Y, N of the plane
     of motion in base coordinates, shape (3, 3), read where the tree's SIGN says that there is one.
     """

@@ -9,8 +9,6 @@ A joint that dry friction holds is not eliminated: its row stays in the articula
 and the force that holds it is what is left of its equation.
 
 Beams bend in one plane: a point is at (x - ½ bᵀ H b) f + (s·b) h, a section there is turned about n by s'·b.
-
-Everything lies in one flat array a group of eight lanes, lane-contiguous; an offset below counts such vectors.
 """
 
 from __future__ import annotations
@@ -18,149 +16,78 @@ from __future__ import annotations
 from typing import Any
 
 from harness.denoc.joint_laws import laws as law
+from harness.denoc.lanes.nodes import (
+    ABSENT,
+    ACCELERATION,
+    ALPHA,
+    ANGULAR,
+    BEAM,
+    BIAS,
+    BODY,
+    COLUMN,
+    CONSTANTS,
+    CONTACT,
+    COORDINATE,
+    DELTA,
+    FIRST,
+    FORCE,
+    FREE,
+    GAMMA,
+    GROUP,
+    INVERSE,
+    JOINT,
+    KIND,
+    LINEAR,
+    MASS,
+    MIXED,
+    MODES,
+    OMEGA,
+    PARENT,
+    POINTS,
+    PREFIX,
+    PRISMATIC,
+    QD,
+    QDD,
+    REVOLUTE,
+    SECOND,
+    SECTION,
+    SLIPS,
+    TABLE,
+    TURN,
+    VELOCITY,
+    WORK,
+    Q,
+    R,
+    bent,
+    bent_section,
+    joint_force,
+    modal_force,
+    restart_reactions,
+    rub,
+    shaken_base,
+)
+from harness.denoc.lanes.spatial import (
+    bias_wrench,
+    shift_articulated,
+    slide_articulated_back,
+    turn_articulated,
+    turn_articulated_about_x,
+    turn_forward,
+    turn_motion,
+    without_joint,
+)
 from harness.denoc.simd.vector import (
     add_run,
-    address_of,
-    call_at,
-    choose,
     in_place,
     inner,
     load,
     load_run,
-    magnitude,
     sine_cosine,
     spread,
     square_root,
     store,
     store_run,
 )
-
-# Kinds of node, and the columns of the integer table that describes one.
-# (ABSENT: a section that carries nothing in any lane of the group, skipped.)
-REVOLUTE, PRISMATIC, BEAM, SECTION, ABSENT = 0, 1, 2, 3, 4
-# ROW, HEAD: where in a parameter row a section's values begin, and those of its beam.
-# SIGN: 0, or, where all moves in one plane (``lanes.planar``), ±1, which way a node's axis points from it.
-PARENT, KIND, PREFIX, COORDINATE, MODES, TABLE, POINTS, WORK, ROW, HEAD, SIGN = range(11)
-COLUMNS = 11
-
-# One node's constants, in vectors of eight lanes.
-R, ALPHA, DELTA, GAMMA, MASS, FIRST, SECOND = 0, 3, 5, 7, 9, 10, 13
-CONSTANTS = 19
-# In motion in a plane: a slide's or a beam's direction, the way a beam bends; R, MASS, FIRST and SECOND as above, in the plane.
-PLANE_F, PLANE_H = 3, 5
-
-# One node's workspace (COLUMN: of a section node, its bias acceleration).
-OMEGA, VELOCITY, TURN, ANGULAR, MIXED, LINEAR, BIAS, COLUMN, FORCE, INVERSE, ACCELERATION = (
-    0, 3, 6, 8, 14, 23, 29, 35, 41, 42, 43,
-)  # fmt: skip
-BODY = 49
-
-# One coordinate's state and results; a mode uses Q, QD, QDD and TAU only.
-Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, ANCHOR, GRIP, REACTION, HOLD, LIMIT, TAU_SLOPE, REACTION_START, SLIPS = (
-    range(15)
-)
-# Which way soft friction slips where a step begins, and where it ends.
-SLIPS_START, SLIPS_END = 15, 16
-JOINT = 17
-
-# What the group shares: time, start of the effort's segment, base acceleration parameters, scratch.
-# (SHAKE: gravity x, y, z, angular frequency, phase, amplitude along x, y, z)
-TIME, TAU_TIME, SHAKE, SCRATCH = 0, 1, 2, 10
-GROUP = 12
-
-
-def beam_table_size(m: int, points: int) -> int:
-    """Constants of a beam node: stiffness K and damping C (m, m), then points."""
-    return 2 * m * m + points * point_size(m)
-
-
-def point_size(m: int) -> int:
-    """Values of a mass point: 1, x, s (m), H (m, m), each times the root of the mass there."""
-    return 2 + m + m * m
-
-
-def section_table_size(m: int) -> int:
-    """Constants of a section node: x, s (m), slope (m), H (m, m)."""
-    return 1 + 2 * m + m * m
-
-
-def beam_work_size(m: int) -> int:
-    """Workspace of a beam node: coupling N (m, 6), modal inertia A (m, m), modal bias (m)."""
-    return 7 * m + m * m
-
-
-def section_work_size(m: int) -> int:
-    """Workspace of a section node: -(H b)_k (m)."""
-    return m
-
-
-@in_place
-def turn_forward(c: Any, s: Any, x: Any, y: Any) -> Any:
-    """Coordinates of a vector after the axes turned by an angle of cosine c and sine s (parent to child)."""
-    return c * x + s * y, c * y - s * x
-
-
-@in_place
-def turn_symmetric(c: Any, s: Any, xx: Any, yy: Any, zz: Any, xy: Any, xz: Any, yz: Any) -> Any:
-    """A symmetric tensor turned back about z (child to parent)."""
-    # The trace stays, so that five multiplications are enough for three elements.
-    h = s * (xx - yy) + c * (xy + xy)
-    return xx - s * h, yy + s * h, zz, c * h - xy, c * xz - s * yz, s * xz + c * yz
-
-
-@in_place
-def turn_general(
-    c: Any, s: Any, xx: Any, xy: Any, xz: Any, yx: Any, yy: Any, yz: Any, zx: Any, zy: Any, zz: Any
-) -> Any:
-    """A general tensor turned back about z (child to parent)."""
-    axx = c * xx - s * yx
-    axy = c * xy - s * yy
-    axz = c * xz - s * yz
-    ayx = s * xx + c * yx
-    ayy = s * xy + c * yy
-    ayz = s * xz + c * yz
-    return (
-        c * axx - s * axy,
-        s * axx + c * axy,
-        axz,
-        c * ayx - s * ayy,
-        s * ayx + c * ayy,
-        ayz,
-        c * zx - s * zy,
-        s * zx + c * zy,
-        zz,
-    )
-
-
-@in_place
-def shift_tensors(
-    x: Any, y: Any, z: Any,
-    axx: Any, ayy: Any, azz: Any, axy: Any, axz: Any, ayz: Any,
-    bxx: Any, bxy: Any, bxz: Any, byx: Any, byy: Any, byz: Any, bzx: Any, bzy: Any, bzz: Any,
-    mxx: Any, myy: Any, mzz: Any, mxy: Any, mxz: Any, myz: Any,
-) -> Any:  # fmt: skip
-    """Angular and mixed parts of an articulated inertia, taken about a point that lies at −(x, y, z).
-
-    B' = B + T M and A' = A − B T + T B'ᵀ with T v = (x, y, z) × v.
-    """
-    cxx = bxx + (y * mxz - z * mxy)
-    cxy = bxy + (y * myz - z * myy)
-    cxz = bxz + (y * mzz - z * myz)
-    cyx = byx + (z * mxx - x * mxz)
-    cyy = byy + (z * mxy - x * myz)
-    cyz = byz + (z * mxz - x * mzz)
-    czx = bzx + (x * mxy - y * mxx)
-    czy = bzy + (x * myy - y * mxy)
-    czz = bzz + (x * myz - y * mxz)
-    return (
-        axx + (y * bxz - z * bxy) + (y * cxz - z * cxy),
-        ayy + (z * byx - x * byz) + (z * cyx - x * cyz),
-        azz + (x * bzy - y * bzx) + (x * czy - y * czx),
-        axy + (z * bxx - x * bxz) + (y * cyz - z * cyy),
-        axz + (x * bxy - y * bxx) + (y * czz - z * czy),
-        ayz + (x * byy - y * byx) + (z * czx - x * czz),
-        cxx, cxy, cxz, cyx, cyy, cyz, czx, czy, czz,
-    )  # fmt: skip
 
 
 @inner
@@ -188,23 +115,8 @@ def _beam_outward(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     for p in range(tree[i, POINTS]):
         at = e + p * size
         one, x = load_run(beams, at, 2)
-        y, xd, yd, xdd = zero, zero, zero, zero
-        for k in range(m):
-            q = load(ws, first + (k * JOINT + Q) * 8)
-            qd = load(ws, first + (k * JOINT + QD) * 8)
-            s = load(beams, at + (2 + k) * 8)
-            hb, hd = zero, zero
-            for l in range(m):
-                h = load(beams, at + (2 + m + k * m + l) * 8)
-                hb = hb + h * load(ws, first + (l * JOINT + Q) * 8)
-                hd = hd + h * load(ws, first + (l * JOINT + QD) * 8)
-            x = x - 0.5 * (hb * q)
-            xd = xd - hb * qd
-            xdd = xdd - hd * qd
-            y = y + s * q
-            yd = yd + s * qd
-            # The x part of the partial velocity of mode k waits in the coupling's place for linear z, which has none.
-            store(ws, work + (6 * k + 5) * 8, -hb)
+        # The axial parts wait in the coupling's place for linear z, which has none.
+        x, y, xd, yd, xdd = bent(beams, ws, x, at + 16, at + (2 + m) * 8, m, first, work + 40, 6)
         mass = mass + one * one
         hx = hx + one * x
         hy = hy + one * y
@@ -283,24 +195,7 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
             m = tree[i, MODES]
             e = tree[i, TABLE] * 8
             work = tree[i, WORK] * 8
-            x = load(beams, e)
-            y, turn = zero, zero
-            for f in range(m):
-                qf = load(ws, j + (f * JOINT + Q) * 8)
-                qdf = load(ws, j + (f * JOINT + QD) * 8)
-                hb, hd = zero, zero
-                for l in range(m):
-                    h = load(beams, e + (1 + 2 * m + f * m + l) * 8)
-                    hb = hb + h * load(ws, j + (l * JOINT + Q) * 8)
-                    hd = hd + h * load(ws, j + (l * JOINT + QD) * 8)
-                x = x - 0.5 * (hb * qf)
-                xd = xd - hb * qdf
-                xdd = xdd - hd * qdf
-                y = y + load(beams, e + (1 + f) * 8) * qf
-                yd = yd + load(beams, e + (1 + f) * 8) * qdf
-                turn = turn + load(beams, e + (1 + m + f) * 8) * qf
-                spin = spin + load(beams, e + (1 + m + f) * 8) * qdf
-                store(ws, work + f * 8, -hb)
+            x, y, xd, yd, xdd, turn, spin = bent_section(beams, ws, e, m, j, work)
             store_run(constants, k + R * 8, (x, y))
             s, c = sine_cosine(turn)
         store_run(ws, b + TURN * 8, (c, s))
@@ -317,10 +212,7 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
             vy = vy + (wz * rx - wx * rz)
             vz = vz + (wx * ry - wy * rx)
             ca, sa = load_run(constants, k + ALPHA * 8, 2)
-            wy, wz = turn_forward(ca, sa, wy, wz)
-            vy, vz = turn_forward(ca, sa, vy, vz)
-            wx, wy = turn_forward(c, s, wx, wy)
-            vx, vy = turn_forward(c, s, vx, vy)
+            wx, wy, wz, vx, vy, vz = turn_motion(ca, sa, c, s, wx, wy, wz, vx, vy, vz)
         else:
             wx, wy, wz, vx, vy, vz = zero, zero, zero, zero, zero, zero
         if kind == REVOLUTE:
@@ -357,21 +249,8 @@ def _outward(tree: Any, constants: Any, beams: Any, ws: Any, n: int) -> None:
         m = load(constants, k + MASS * 8)
         hx, hy, hz = load_run(constants, k + FIRST * 8, 3)
         ixx, iyy, izz, ixy, ixz, iyz = load_run(constants, k + SECOND * 8, 6)
-        nx = ixx * wx + ixy * wy + ixz * wz + (hy * vz - hz * vy)
-        ny = ixy * wx + iyy * wy + iyz * wz + (hz * vx - hx * vz)
-        nz = ixz * wx + iyz * wy + izz * wz + (hx * vy - hy * vx)
-        fx = m * vx + (wy * hz - wz * hy)
-        fy = m * vy + (wz * hx - wx * hz)
-        fz = m * vz + (wx * hy - wy * hx)
-        _fill(
-            ws, b, m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz,
-            (wy * nz - wz * ny) + (vy * fz - vz * fy),
-            (wz * nx - wx * nz) + (vz * fx - vx * fz),
-            (wx * ny - wy * nx) + (vx * fy - vy * fx),
-            wy * fz - wz * fy,
-            wz * fx - wx * fz,
-            wx * fy - wy * fx,
-        )  # fmt: skip
+        px, py, pz, fx, fy, fz = bias_wrench(m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz, wx, wy, wz, vx, vy, vz)
+        _fill(ws, b, m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz, px, py, pz, fx, fy, fz)
 
 
 @inner
@@ -385,13 +264,8 @@ def _eliminate_modes(tree: Any, beams: Any, ws: Any, n: int, i: int) -> None:
     bias = modal + m * m * 8
     first = tree[i, COORDINATE] * JOINT * 8
     group = n * JOINT * 8
-    late = load(ws, group + TIME * 8) - load(ws, group + TAU_TIME * 8)
     for k in range(m):
-        c = first + k * JOINT * 8
-        y = load(ws, c + TAU * 8) + load(ws, c + TAU_SLOPE * 8) * late - load(ws, bias + k * 8)
-        for l in range(m):
-            y = y - load(beams, e + (k * m + l) * 8) * load(ws, first + (l * JOINT + Q) * 8)
-            y = y - load(beams, e + (m * m + k * m + l) * 8) * load(ws, first + (l * JOINT + QD) * 8)
+        y = modal_force(beams, ws, group, e, m, first, k, load(ws, bias + k * 8))
         # Row k of L, and forward substitution of y and of the row of Nᵀ.
         for l in range(k + 1):
             value = load(ws, modal + (k * m + l) * 8)
@@ -477,28 +351,6 @@ def _accelerate_modes(tree: Any, ws: Any, n: int, i: int) -> None:
         store(ws, first + (k * JOINT + QDD) * 8, value / load(ws, modal + (k * m + k) * 8))
 
 
-@inner
-def user_forces(laws: Any, ws: Any, user: int, time: int, j: int, start: int) -> Any:
-    """The user's own law, called lane by lane; eight forces in the scratch vector.
-
-    Behind its four parameters stands the effort that is applied at the joint, which a drive keeps within its range.
-    """
-    scratch = time + (SCRATCH - TIME) * 8
-    for lane in range(8):
-        first = start + lane
-        scale = laws[first + law.USER_SCALE * 8]
-        value = 0.0
-        if scale != 0.0 and user != 0:
-            for p in range(4):
-                ws[scratch + 8 + p] = laws[first + (law.USER_1 + p) * 8]
-            late = ws[time + lane] - ws[time + (TAU_TIME - TIME) * 8 + lane]
-            ws[scratch + 12] = ws[j + TAU * 8 + lane] + ws[j + TAU_SLOPE * 8 + lane] * late
-            value = scale * call_at(
-                user, ws[j + Q * 8 + lane], ws[j + QD * 8 + lane], ws[time + lane], address_of(ws, scratch + 8)
-            )
-        ws[scratch + lane] = value
-
-
 @in_place
 def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: Any, n: int, user: int) -> None:
     """Eliminate the modes and the free joints from the tips to the base."""
@@ -523,78 +375,37 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
         if kind <= PRISMATIC:
             q = load(ws, j + Q * 8)
             qd = load(ws, j + QD * 8)
-            force = load(ws, j + TAU * 8) + load(ws, j + TAU_SLOPE * 8) * (
-                load(ws, group + TIME * 8) - load(ws, group + TAU_TIME * 8)
-            )
-            direction = load(ws, j + DIRECTION * 8)
-            force = force + law.passive_force(
-                laws,
-                l,
-                flags[own],
-                q,
-                qd,
-                direction,
-                load(ws, j + CONTACT * 8),
-                load(ws, j + ANCHOR * 8),
-                load(ws, j + GRIP * 8),
-                load(ws, j + REACTION * 8),
-                load(ws, j + SLIPS * 8),
-            )
-            if flags[own] & law.HAS_USER:
-                user_forces(laws, ws, user, group + TIME * 8, j, l)
-                force = force + load(ws, group + SCRATCH * 8)
-        a = b + ANGULAR * 8
-        axx, ayy, azz, axy, axz, ayz = load_run(ws, a, 6)
-        a = b + MIXED * 8
-        bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = load_run(ws, a, 9)
-        a = b + LINEAR * 8
-        mxx, myy, mzz, mxy, mxz, myz = load_run(ws, a, 6)
-        a = b + BIAS * 8
-        px, py, pz, fx, fy, fz = load_run(ws, a, 6)
+            force = joint_force(laws, ws, flags[own], user, group, l, j)
+        angular = load_run(ws, b + ANGULAR * 8, 6)
+        mixed = load_run(ws, b + MIXED * 8, 9)
+        linear = load_run(ws, b + LINEAR * 8, 6)
+        px, py, pz, fx, fy, fz = load_run(ws, b + BIAS * 8, 6)
         if kind <= PRISMATIC:
             armature = law.axis_inertia(laws, l, flags[own], load(ws, j + SLIPS * 8), load(ws, j + CONTACT * 8))
             free = load(ws, j + FREE * 8)
+            axx, ayy, azz, axy, axz, ayz = angular
+            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = mixed
+            mxx, myy, mzz, mxy, mxz, myz = linear
             if kind == REVOLUTE:
-                u1, u2, u3, u4, u5, u6 = axz, ayz, azz, bzx, bzy, bzz
+                column = (axz, ayz, azz, bzx, bzy, bzz)
                 inverse = free / (azz + armature)
                 force = force - pz
             else:
-                u1, u2, u3, u4, u5, u6 = bxz, byz, bzz, mxz, myz, mzz
+                column = (bxz, byz, bzz, mxz, myz, mzz)
                 inverse = free / (mzz + armature)
                 force = force - fz
-            a = b + COLUMN * 8
-            store_run(ws, a, (u1, u2, u3, u4, u5, u6))
+            store_run(ws, b + COLUMN * 8, column)
             store(ws, b + FORCE * 8, force)
             store(ws, b + INVERSE * 8, inverse)
             if parent < 0:
                 continue
-            k1 = u1 * inverse
-            k2 = u2 * inverse
-            k3 = u3 * inverse
-            k4 = u4 * inverse
-            k5 = u5 * inverse
-            k6 = u6 * inverse
-            axx = axx - k1 * u1
-            ayy = ayy - k2 * u2
-            azz = azz - k3 * u3
-            axy = axy - k1 * u2
-            axz = axz - k1 * u3
-            ayz = ayz - k2 * u3
-            bxx = bxx - k1 * u4
-            bxy = bxy - k1 * u5
-            bxz = bxz - k1 * u6
-            byx = byx - k2 * u4
-            byy = byy - k2 * u5
-            byz = byz - k2 * u6
-            bzx = bzx - k3 * u4
-            bzy = bzy - k3 * u5
-            bzz = bzz - k3 * u6
-            mxx = mxx - k4 * u4
-            myy = myy - k5 * u5
-            mzz = mzz - k6 * u6
-            mxy = mxy - k4 * u5
-            mxz = mxz - k4 * u6
-            myz = myz - k5 * u6
+            u1, u2, u3, u4, u5, u6 = column
+            gain = (u1 * inverse, u2 * inverse, u3 * inverse, u4 * inverse, u5 * inverse, u6 * inverse)
+            angular, mixed, linear = without_joint(gain, column, angular, mixed, linear)
+            k1, k2, k3, k4, k5, k6 = gain
+            axx, ayy, azz, axy, axz, ayz = angular
+            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = mixed
+            mxx, myy, mzz, mxy, mxz, myz = linear
             # Bias acceleration of the joint: velocity × axis · rate.
             wx, wy = load_run(ws, b + OMEGA * 8, 2)
             if kind == REVOLUTE:
@@ -615,6 +426,9 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             fy = fy + mxy * c4 + myy * c5 + k5 * force
             fz = fz + mxz * c4 + myz * c5 + k6 * force
         elif kind == SECTION:
+            axx, ayy, azz, axy, axz, ayz = angular
+            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = mixed
+            mxx, myy, mzz, mxy, mxz, myz = linear
             c1, c2 = load_run(ws, b + COLUMN * 8, 2)
             c4, c5, c6 = load_run(ws, b + COLUMN * 8 + 24, 3)
             px = px + axx * c1 + axy * c2 + bxx * c4 + bxy * c5 + bxz * c6
@@ -623,21 +437,11 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             fx = fx + bxx * c1 + byx * c2 + mxx * c4 + mxy * c5 + mxz * c6
             fy = fy + bxy * c1 + byy * c2 + mxy * c4 + myy * c5 + myz * c6
             fz = fz + bxz * c1 + byz * c2 + mxz * c4 + myz * c5 + mzz * c6
+        bias = (px, py, pz, fx, fy, fz)
         if kind == PRISMATIC:
-            zero = spread(0.0)
-            (axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz) = shift_tensors(
-                zero, zero, q,
-                axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz,
-                mxx, myy, mzz, mxy, mxz, myz,
-            )  # fmt: skip
-            px = px - q * fy
-            py = py + q * fx
+            angular, mixed, linear, bias = slide_articulated_back(q, angular, mixed, linear, bias)
         c, s = load_run(ws, b + TURN * 8, 2)
-        axx, ayy, azz, axy, axz, ayz = turn_symmetric(c, s, axx, ayy, azz, axy, axz, ayz)
-        mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(c, s, mxx, myy, mzz, mxy, mxz, myz)
-        bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(c, s, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz)
-        px, py = c * px - s * py, s * px + c * py
-        fx, fy = c * fx - s * fy, s * fx + c * fy
+        angular, mixed, linear, bias = turn_articulated(c, s, angular, mixed, linear, bias)
         if kind == SECTION:
             # What hangs on the section drives the modes through the section's partial twists (0, 0, s'; -H b, s, 0).
             m = tree[i, MODES]
@@ -645,6 +449,10 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
             own_work = tree[i, WORK] * 8
             work = tree[parent, WORK] * 8
             rx, ry = load_run(constants, k + R * 8, 2)
+            _, _, azz, _, axz, ayz = angular
+            bxx, bxy, _, byx, byy, _, bzx, bzy, bzz = mixed
+            mxx, myy, _, mxy, mxz, myz = linear
+            _, _, pz, fx, fy, _ = bias
             for f in range(m):
                 dx = load(ws, own_work + f * 8)
                 dy = load(beams, e + (1 + f) * 8)
@@ -675,72 +483,18 @@ def _inward(tree: Any, flags: Any, constants: Any, beams: Any, laws: Any, ws: An
                 a = work + (6 * m + m * m + f) * 8
                 store(ws, a, load(ws, a) + (dt * pz + dx * fx + dy * fy))
         else:
-            # About x: the same formulas with the axes in the order y, z, x.
             c, s = load_run(constants, k + ALPHA * 8, 2)
-            ayy, azz, axx, ayz, axy, axz = turn_symmetric(c, s, ayy, azz, axx, ayz, axy, axz)
-            myy, mzz, mxx, myz, mxy, mxz = turn_symmetric(c, s, myy, mzz, mxx, myz, mxy, mxz)
-            byy, byz, byx, bzy, bzz, bzx, bxy, bxz, bxx = turn_general(
-                c, s, byy, byz, byx, bzy, bzz, bzx, bxy, bxz, bxx
-            )
-            py, pz = c * py - s * pz, s * py + c * pz
-            fy, fz = c * fy - s * fz, s * fy + c * fz
+            angular, mixed, linear, bias = turn_articulated_about_x(c, s, angular, mixed, linear, bias)
         rx, ry, rz = load_run(constants, k + R * 8, 3)
-        (axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz) = shift_tensors(
-            rx, ry, rz,
-            axx, ayy, azz, axy, axz, ayz, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz,
-            mxx, myy, mzz, mxy, mxz, myz,
-        )  # fmt: skip
-        px = px + (ry * fz - rz * fy)
-        py = py + (rz * fx - rx * fz)
-        pz = pz + (rx * fy - ry * fx)
+        angular, mixed, linear, bias = shift_articulated(rx, ry, rz, angular, mixed, linear, bias)
         if tree[i, PREFIX] != 0:
             c, s = load_run(constants, k + GAMMA * 8, 2)
-            axx, ayy, azz, axy, axz, ayz = turn_symmetric(c, s, axx, ayy, azz, axy, axz, ayz)
-            mxx, myy, mzz, mxy, mxz, myz = turn_symmetric(c, s, mxx, myy, mzz, mxy, mxz, myz)
-            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = turn_general(
-                c, s, bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz
-            )
-            px, py = c * px - s * py, s * px + c * py
-            fx, fy = c * fx - s * fy, s * fx + c * fy
+            angular, mixed, linear, bias = turn_articulated(c, s, angular, mixed, linear, bias)
         p = (n * JOINT + GROUP + parent * BODY) * 8
-        a = p + ANGULAR * 8
-        add_run(ws, a, (axx, ayy, azz, axy, axz, ayz))
-        a = p + MIXED * 8
-        add_run(ws, a, (bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz))
-        a = p + LINEAR * 8
-        add_run(ws, a, (mxx, myy, mzz, mxy, mxz, myz))
-        a = p + BIAS * 8
-        add_run(ws, a, (px, py, pz, fx, fy, fz))
-
-
-@in_place
-def in_any_lane(ws: Any, group: int, value: Any) -> float:
-    """1 if a value is positive in any lane, else 0."""
-    store(ws, group + SCRATCH * 8, value)
-    found = 0.0
-    for lane in range(8):
-        if ws[group + SCRATCH * 8 + lane] > 0.0:
-            found = 1.0
-    return found
-
-
-@in_place
-def settled(laws: Any, ws: Any, group: int, l: int, update: Any, reaction: Any) -> Any:
-    """A reaction's next value, and 1 if that changed in any lane whose friction depends on it."""
-    change = magnitude(update - reaction) - 1e-13 * update
-    # A settled lane keeps its value, so that its result does not depend on how long others iterate.
-    update = choose(change, update, reaction)
-    return update, in_any_lane(ws, group, choose(load(laws, l + law.MU_RADIUS * 8), change, -1.0))
-
-
-@in_place
-def still_slips(laws: Any, ws: Any, flags: int, group: int, l: int, j: int) -> float:
-    """Renew which way soft dry friction slips; 1 if that changed in any lane."""
-    slips = load(ws, j + SLIPS * 8)
-    v, vdot, reaction = load(ws, j + QD * 8), load(ws, j + QDD * 8), load(ws, j + REACTION * 8)
-    renewed = law.slipping(laws, l, flags, v, vdot, reaction, slips)
-    store(ws, j + SLIPS * 8, renewed)
-    return in_any_lane(ws, group, magnitude(renewed - slips))
+        add_run(ws, p + ANGULAR * 8, angular)
+        add_run(ws, p + MIXED * 8, mixed)
+        add_run(ws, p + LINEAR * 8, linear)
+        add_run(ws, p + BIAS * 8, bias)
 
 
 @in_place
@@ -768,19 +522,9 @@ def _outward_accelerations(
             a = p + ACCELERATION * 8
             wx, wy, wz, vx, vy, vz = load_run(ws, a, 6)
         else:
-            # Gravity as an acceleration of the base; so is the shaking of the base itself.
             zero = spread(0.0)
             wx, wy, wz = zero, zero, zero
-            g = group + SHAKE * 8
-            vx = -load(ws, g)
-            vy = -load(ws, g + 8)
-            vz = -load(ws, g + 16)
-            if shaken:
-                phase = load(ws, g + 24) * load(ws, group + TIME * 8) + load(ws, g + 32)
-                pulse, _ = sine_cosine(phase)
-                vx = vx + load(ws, g + 40) * pulse
-                vy = vy + load(ws, g + 48) * pulse
-                vz = vz + load(ws, g + 56) * pulse
+            vx, vy, vz = shaken_base(ws, group, shaken)
         if tree[i, PREFIX] != 0:
             c, s = load_run(constants, k + GAMMA * 8, 2)
             wx, wy = turn_forward(c, s, wx, wy)
@@ -790,12 +534,9 @@ def _outward_accelerations(
             vx = vx + (wy * rz - wz * ry)
             vy = vy + (wz * rx - wx * rz)
             vz = vz + (wx * ry - wy * rx)
-        c, s = load_run(constants, k + ALPHA * 8, 2)
-        wy, wz = turn_forward(c, s, wy, wz)
-        vy, vz = turn_forward(c, s, vy, vz)
+        ca, sa = load_run(constants, k + ALPHA * 8, 2)
         c, s = load_run(ws, b + TURN * 8, 2)
-        wx, wy = turn_forward(c, s, wx, wy)
-        vx, vy = turn_forward(c, s, vx, vy)
+        wx, wy, wz, vx, vy, vz = turn_motion(ca, sa, c, s, wx, wy, wz, vx, vy, vz)
         if kind >= BEAM:
             if kind == SECTION:
                 m = tree[i, MODES]
@@ -848,7 +589,7 @@ def _outward_accelerations(
         a = b + ACCELERATION * 8
         store_run(ws, a, (wx, wy, wz, vx, vy, vz))
         if flags[own] & law.RUBS:
-            reaction = load(ws, j + REACTION * 8)
+            fx, fy = spread(0.0), spread(0.0)
             if flags[own] & law.HAS_LOAD:
                 a = b + MIXED * 8
                 m = b + LINEAR * 8
@@ -862,13 +603,7 @@ def _outward_accelerations(
                     + load(ws, m + 24) * vx + load(ws, m + 8) * vy + load(ws, m + 40) * vz
                     + load(ws, b + BIAS * 8 + 32)
                 )  # fmt: skip
-                reaction, changed = settled(laws, ws, group, l, square_root(fx * fx + fy * fy), reaction)
-                unsettled = max(unsettled, changed)
-                store(ws, j + REACTION * 8, reaction)
-            store(ws, j + HOLD * 8, push)
-            store(ws, j + LIMIT * 8, law.sticking_limit(laws, l, flags[own], reaction))
-            if flags[own] & law.HAS_SOFT:
-                unsettled = max(unsettled, still_slips(laws, ws, flags[own], group, l, j))
+            unsettled = max(unsettled, rub(laws, ws, flags[own], group, l, j, push, fx, fy))
     return unsettled
 
 
@@ -878,9 +613,7 @@ def accelerations(
 ) -> None:
     """Accelerations of all lanes of a group from the state in the workspace, left there."""
     if loaded:
-        for i in range(n):
-            j = i * JOINT * 8
-            store(ws, j + REACTION * 8, load(ws, j + REACTION_START * 8))
+        restart_reactions(ws, n)
     for _ in range(60 if loaded else 1):
         _outward(tree, constants, beams, ws, n)
         _inward(tree, flags, constants, beams, laws, ws, n, user)

@@ -6,4 +6,5 @@ from harness.denoc.loops.address import address
 
 
 def loops() -> None:
+    """The dynamics of closed mechanisms."""
     address()

@@ -26,7 +26,9 @@ OPEN = 1e-6
 
 
 class Closed(Denoc):
-    """Equations of motion of a mechanism with loops, in the coordinates of its tree; what ``Denoc`` says holds, with
+    """Equations of motion of a mechanism with loops, in the coordinates of its tree.
+
+    What ``Denoc`` says holds, with
 
     M q̈ + C q̇ + g = τ + passive forces + Jᵀ λ,  J q̈ = γ,
 

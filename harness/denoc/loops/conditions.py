@@ -42,26 +42,31 @@ Triple = tuple[float, float, float]
 
 @inlined
 def cross(a: Triple, b: Triple) -> Triple:
+    """The vector product a × b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @inlined
 def dot3(a: Triple, b: Triple) -> float:
+    """The scalar product a · b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def plus(a: Triple, b: Triple) -> Triple:
+    """a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @inlined
 def minus(a: Triple, b: Triple) -> Triple:
+    """a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inlined
 def triple(x: Numbers, at: int) -> Triple:
+    """The vector at x[at:]."""
     return x[at], x[at + 1], x[at + 2]
 
 
@@ -73,6 +78,7 @@ def column(x: Numbers, at: int, k: int) -> Triple:
 
 @inlined
 def put(x: Numbers, at: int, a: Triple) -> None:
+    """Write a vector to x[at:]."""
     x[at], x[at + 1], x[at + 2] = a
 
 

@@ -33,6 +33,7 @@ _ROUNDING = 1e-14
 
 @internal
 def dot(x: Numbers, a: int, b: int, n: int) -> float:
+    """The scalar product of the n numbers at x[a:] and at x[b:]."""
     total = 0.0
     for i in range(n):
         total += x[a + i] * x[b + i]

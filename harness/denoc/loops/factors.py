@@ -15,7 +15,7 @@ from harness.denoc.compiling.compiled import internal
 from harness.denoc.loops import places as at_
 from harness.denoc.loops.conditions import cross, evaluate, minus, place_frames, plus, triple
 from harness.denoc.loops.tables import CONDITIONS, COUPLED, FIRST, HEAD, KIND, OF, ORIGIN, SECOND, N
-from harness.denoc.recursion.rigid import advance_origin
+from harness.denoc.recursion.rigid import advance_origin, move_joint, put_motion
 from harness.denoc.recursion.rows import COLUMN, FORCE, PARENT, PIVOT, POSITION, REACH, REVOLUTE, TURN
 from harness.denoc.recursion.rows import KIND as JOINT
 
@@ -118,10 +118,5 @@ def add(places: Places, x: Numbers, d: Rows, t: Topology, z: int, out: Vector) -
         along += d[i, COLUMN + 3] * ax + d[i, COLUMN + 4] * ay + d[i, COLUMN + 5] * az
         change = np.sqrt(d[i, PIVOT]) * x[z + i - 1] - d[i, PIVOT] * along
         out[i - 1] += change
-        zx, zy, zz = d[i, TURN + 2], d[i, TURN + 5], d[i, TURN + 8]
-        if t[i, JOINT] == REVOLUTE:
-            wx, wy, wz = wx + zx * change, wy + zy * change, wz + zz * change
-        else:
-            ax, ay, az = ax + zx * change, ay + zy * change, az + zz * change
-        d[i, FORCE], d[i, FORCE + 1], d[i, FORCE + 2] = wx, wy, wz
-        d[i, FORCE + 3], d[i, FORCE + 4], d[i, FORCE + 5] = ax, ay, az
+        wx, wy, wz, ax, ay, az = move_joint(d, t, i, change, wx, wy, wz, ax, ay, az)
+        put_motion(d, i, FORCE, wx, wy, wz, ax, ay, az)

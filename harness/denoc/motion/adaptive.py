@@ -136,15 +136,12 @@ def sort_resting(
 def interpolate(dense: Matrix, y0: Vector, x: float, out: Vector) -> None:
     """State at share x of the step."""
     for i in range(len(out)):
-        value = 0.0
-        for r in range(7):
-            value += dense[6 - r, i]
-            value *= x if r % 2 == 0 else 1.0 - x
-        out[i] = value + y0[i]
+        out[i] = number_at(dense, y0, x, i)
 
 
 @internal
-def velocity_at(dense: Matrix, y0: Vector, x: float, i: int) -> float:
+def number_at(dense: Matrix, y0: Vector, x: float, i: int) -> float:
+    """Number i of the state at share x of the step."""
     value = 0.0
     for r in range(7):
         value += dense[6 - r, i]
@@ -231,14 +228,10 @@ def dormand_prince8(
             step, lands = end - now, True
         # Twelve stages and the first of the next step.
         for s in range(1, STAGES + 1):
-            for i in range(n2):
-                value = 0.0
-                for r in range(s):
-                    value += A[s, r] * stages[r, i]
-                new[i] = y[i] + step * value
-            if driven:
-                force_at(tau, linear, interval, (now + C[s] * step - time[interval]) / width, applied)
-            status = rates(function, model, rows, row_of, mode, limit, new, applied, force, stages[s])
+            status = _stage(
+                function, model, rows, row_of, mode, limit, y, tau, linear, interval,
+                now, step, time[interval], width, applied, force, s, new, stages,
+            )  # fmt: skip
             if status != 0:
                 break
         if status != 0:
@@ -269,14 +262,10 @@ def dormand_prince8(
         wanted = friction or (sample <= last_sample and time[sample] < after)
         if wanted:
             for s in range(STAGES + 1, 16):
-                for i in range(n2):
-                    value = 0.0
-                    for r in range(s):
-                        value += A[s, r] * stages[r, i]
-                    probe[i] = y[i] + step * value
-                if driven:
-                    force_at(tau, linear, interval, (now + C[s] * step - time[interval]) / width, applied)
-                status = rates(function, model, rows, row_of, mode, limit, probe, applied, force, stages[s])
+                status = _stage(
+                    function, model, rows, row_of, mode, limit, y, tau, linear, interval,
+                    now, step, time[interval], width, applied, force, s, probe, stages,
+                )  # fmt: skip
                 if status != 0:
                     break
             if status != 0:
@@ -366,6 +355,38 @@ def dormand_prince8(
 
 
 @internal
+def _stage(
+    function: int,
+    model: int,
+    rows: Matrix,
+    row_of: Vector,
+    mode: Vector,
+    limit: Vector,
+    y: Vector,
+    tau: Matrix,
+    linear: bool,
+    interval: int,
+    now: float,
+    step: float,
+    begin: float,
+    width: float,
+    applied: Vector,
+    force: Vector,
+    s: int,
+    at: Vector,
+    stages: Matrix,
+) -> int:
+    """Rates of stage s, to ``stages``, at the state that those before it lead to, which is left in ``at``."""
+    for i in range(len(y)):
+        value = 0.0
+        for r in range(s):
+            value += A[s, r] * stages[r, i]
+        at[i] = y[i] + step * value
+    force_at(tau, linear, interval, (now + C[s] * step - begin) / width, applied)
+    return rates(function, model, rows, row_of, mode, limit, at, applied, force, stages[s])
+
+
+@internal
 def _stalled(mode: Vector, y: Vector, stages: Matrix) -> bool:
     """Bring to rest the joints that have come to a stop within rounding and are still slowing down."""
     n = len(mode)
@@ -450,14 +471,14 @@ def _first_event(
         low = -1.0
         for k in range(_PARTS + 1):
             here = k / _PARTS
-            v = y[nq + i] if k == 0 else new[nq + i] if k == _PARTS else velocity_at(dense, y, here, nq + i)
+            v = y[nq + i] if k == 0 else new[nq + i] if k == _PARTS else number_at(dense, y, here, nq + i)
             if v * direction > 0.0:
                 low = here
             elif low >= 0.0:
                 high = here
                 for _ in range(60):
                     middle = 0.5 * (low + high)
-                    if velocity_at(dense, y, middle, nq + i) * direction > 0.0:
+                    if number_at(dense, y, middle, nq + i) * direction > 0.0:
                         low = middle
                     else:
                         high = middle

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -236,6 +237,25 @@ def _friction(model: Mechanism) -> tuple[Array, Any, Array]:
     return friction, row_of, armature
 
 
+@dataclass(frozen=True)
+class _OfState:
+    """An event as SciPy's driver takes it: of the state (q, qd), q of n numbers, with what the event says of itself."""
+
+    event: Event
+    n: int
+
+    @property
+    def terminal(self) -> bool | int:
+        return getattr(self.event, "terminal", False)
+
+    @property
+    def direction(self) -> float:
+        return getattr(self.event, "direction", 0.0)
+
+    def __call__(self, t: float, y: Array) -> float:
+        return self.event(t, y[: self.n], y[self.n :])
+
+
 def _with_events(
     model: Mechanism,
     times: Array,
@@ -258,14 +278,6 @@ def _with_events(
             force = forces[k] + share * (forces[k + 1] - forces[k])
         return np.concatenate([model.position_rates(y[:n], y[n:]), model.forward_dynamics(y[:n], y[n:], force)])
 
-    def wrap(event: Event) -> Any:
-        def function(t: float, y: Array) -> float:
-            return event(t, y[:n], y[n:])
-
-        function.terminal = getattr(event, "terminal", False)  # type: ignore[attr-defined]
-        function.direction = getattr(event, "direction", 0.0)  # type: ignore[attr-defined]
-        return function
-
     longest = float(np.diff(times).min()) if len(forces) else np.inf
     result = solve_ivp(
         rates,
@@ -273,7 +285,7 @@ def _with_events(
         np.concatenate([position[0], velocity[0]]),
         method="DOP853",
         t_eval=times,
-        events=[wrap(event) for event in events],
+        events=[_OfState(event, n) for event in events],
         rtol=max(rtol, 3e-14),
         atol=atol,
         max_step=longest,

@@ -105,36 +105,43 @@ def vector_data(reference: Any, header: Any) -> int:
 
 @compiled
 def header_at(address: int) -> Any:
+    """A model's header, (HEADER_SIZE,), at its address."""
     return carray(_words(address), HEADER_SIZE)
 
 
 @compiled
 def rows_of(header: Any) -> Any:
+    """The bodies' rows, (bodies + 1, WIDTH); see ``rows``."""
     return carray(_floats(header[ROWS]), (header[BODIES] + 1, WIDTH))
 
 
 @compiled
 def topology_of(header: Any) -> Any:
+    """The bodies' integers, (bodies + 1, COLUMNS); see ``rows``."""
     return carray(_words(header[TOPOLOGY]), (header[BODIES] + 1, COLUMNS))
 
 
 @compiled
 def elastic_of(header: Any) -> Any:
+    """The packed beams; see ``elastic``."""
     return carray(_floats(header[ELASTIC]), header[ELASTIC_SIZE])
 
 
 @compiled
 def words_at(address: int, n: int) -> Any:
+    """Integers at an address, (n,)."""
     return carray(_words(address), n)
 
 
 @compiled
 def vector_at(address: int, n: int) -> Any:
+    """Numbers at an address, (n,)."""
     return carray(_floats(address), n)
 
 
 @compiled
 def matrix_at(address: int, rows: int, columns: int) -> Any:
+    """Numbers at an address by rows, (rows, columns)."""
     return carray(_floats(address), (rows, columns))
 
 

@@ -19,10 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.denoc.compiling.compiled import compiled, internal
+from harness.denoc.compiling.compiled import compiled, inlined, internal
 from harness.denoc.recursion.dynamics_call import call
 from harness.denoc.recursion.elastic import AXES, HAS_TIP_INERTIA, HEAD, POLAR, TIP_INERTIA
-from harness.denoc.recursion.rigid import add_shifted_inertia, turn_inertia
+from harness.denoc.recursion.rigid import add_shifted_inertia, add_shifted_wrench, orient_on, turn_inertia
+from harness.denoc.recursion.rigid import place as place_rigidly
 from harness.denoc.recursion.rows import (
     ACCELERATION,
     ARMATURE,
@@ -37,10 +38,8 @@ from harness.denoc.recursion.rows import (
     FORCE,
     KIND,
     MODES,
-    OFFSET,
     PARENT,
     PIVOT,
-    PLACE,
     POINTS,
     POSITION,
     PRISMATIC,
@@ -68,6 +67,7 @@ Triple = tuple[float, float, float]
 
 @internal
 def cross(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Triple:
+    """The vector product a × b."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
@@ -112,16 +112,10 @@ def bent_place(
 
 
 @internal
-def ride_on_section(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vector) -> None:
-    """Pose, spin and velocity-product acceleration of body i whose joint sits on a section of its flexible parent."""
-    p = t[i, PARENT]
-    at = t[i, STATION]
-    m = t[p, MODES]
-    first = t[p, FIRST] + (1 if t[p, KIND] != FIXED else 0)
-    scratch = t[p, EXTENDED] + m * m + 14 * m
-    hub = d[p, TURN : TURN + 9]
-    axes = e[t[p, BEAM] + AXES : t[p, BEAM] + AXES + 9]
-    # f, h, n in base axes.
+def beam_axes(d: Rows, e: Beams, i: int, beam: int) -> tuple[float, ...]:
+    """f, h and n of body i's beam in base axes."""
+    hub = d[i, TURN : TURN + 9]
+    axes = e[beam + AXES : beam + AXES + 9]
     fx = hub[0] * axes[0] + hub[1] * axes[3] + hub[2] * axes[6]
     fy = hub[3] * axes[0] + hub[4] * axes[3] + hub[5] * axes[6]
     fz = hub[6] * axes[0] + hub[7] * axes[3] + hub[8] * axes[6]
@@ -129,6 +123,19 @@ def ride_on_section(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vecto
     hy = hub[3] * axes[1] + hub[4] * axes[4] + hub[5] * axes[7]
     hz = hub[6] * axes[1] + hub[7] * axes[4] + hub[8] * axes[7]
     nx, ny, nz = cross(fx, fy, fz, hx, hy, hz)
+    return fx, fy, fz, hx, hy, hz, nx, ny, nz
+
+
+@internal
+def ride_on_section(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vector) -> None:
+    """Pose, spin and velocity-product acceleration of body i whose joint sits on a section of its flexible parent."""
+    p = t[i, PARENT]
+    at = t[i, STATION]
+    m = t[p, MODES]
+    first = t[p, FIRST] + (1 if t[p, KIND] != FIXED else 0)
+    scratch = t[p, EXTENDED] + m * m + 14 * m
+    axes = e[t[p, BEAM] + AXES : t[p, BEAM] + AXES + 9]
+    fx, fy, fz, hx, hy, hz, nx, ny, nz = beam_axes(d, e, p, t[p, BEAM])
     a, u, w, ad, ud, wd, add = bent_place(e, at, m, q, qd, first, scratch)
     one, two, twist, one_rate, two_rate, twist_rate = tilt(e, at, m, q, qd, first)
     s1, c1 = sincos(one)
@@ -168,40 +175,13 @@ def ride_on_section(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vecto
     tx, ty, tz = cross(ox, oy, oz, ax3 * twist_rate, ay3 * twist_rate, az3 * twist_rate)
     bx, by, bz = bx + tx, by + ty, bz + tz
     ox, oy, oz = ox + ax3 * twist_rate, oy + ay3 * twist_rate, oz + az3 * twist_rate
-    # Joint axes and offset on the turned section.
-    place = d[i, PLACE : PLACE + 9]
-    z0 = r0 * place[2] + r1 * place[5] + r2 * place[8]
-    z1 = r3 * place[2] + r4 * place[5] + r5 * place[8]
-    z2 = r6 * place[2] + r7 * place[5] + r8 * place[8]
-    x0 = r0 * place[0] + r1 * place[3] + r2 * place[6]
-    x1 = r3 * place[0] + r4 * place[3] + r5 * place[6]
-    x2 = r6 * place[0] + r7 * place[3] + r8 * place[6]
-    y0 = r0 * place[1] + r1 * place[4] + r2 * place[7]
-    y1 = r3 * place[1] + r4 * place[4] + r5 * place[7]
-    y2 = r6 * place[1] + r7 * place[4] + r8 * place[7]
-    px = r0 * d[i, OFFSET] + r1 * d[i, OFFSET + 1] + r2 * d[i, OFFSET + 2]
-    py = r3 * d[i, OFFSET] + r4 * d[i, OFFSET + 1] + r5 * d[i, OFFSET + 2]
-    pz = r6 * d[i, OFFSET] + r7 * d[i, OFFSET + 1] + r8 * d[i, OFFSET + 2]
-    slide = 0.0
-    spin = 0.0
+    # The joint on the turned section; a welded one stands at zero.
     own = t[i, FIRST]
-    if t[i, KIND] == PRISMATIC:
-        slide = qd[own]
-        px, py, pz = px + z0 * q[own], py + z1 * q[own], pz + z2 * q[own]
-    elif t[i, KIND] == REVOLUTE:
-        spin = qd[own]
-        s, c = sincos(q[own])
-        x0, x1, x2, y0, y1, y2 = (
-            x0 * c + y0 * s,
-            x1 * c + y1 * s,
-            x2 * c + y2 * s,
-            y0 * c - x0 * s,
-            y1 * c - x1 * s,
-            y2 * c - x2 * s,
-        )
-    d[i, TURN], d[i, TURN + 1], d[i, TURN + 2] = x0, y0, z0
-    d[i, TURN + 3], d[i, TURN + 4], d[i, TURN + 5] = x1, y1, z1
-    d[i, TURN + 6], d[i, TURN + 7], d[i, TURN + 8] = x2, y2, z2
+    moves = t[i, KIND] != FIXED
+    angle, rate = (q[own], qd[own]) if moves else (0.0, 0.0)
+    px, py, pz, z0, z1, z2 = orient_on(d, t, i, angle, (r0, r1, r2, r3, r4, r5, r6, r7, r8))
+    slide = rate if t[i, KIND] == PRISMATIC else 0.0
+    spin = rate if t[i, KIND] == REVOLUTE else 0.0
     # Section's point against the hub: ρ, its rate in the hub's axes, and ω×(ω×ρ + 2 ρ̇) + f ä.
     qx, qy, qz = fx * a + hx * u + nx * w, fy * a + hy * u + ny * w, fz * a + hz * u + nz * w
     ex, ey, ez = fx * ad + hx * ud + nx * wd, fy * ad + hy * ud + ny * wd, fz * ad + hz * ud + nz * wd
@@ -234,59 +214,14 @@ def ride_on_section(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vecto
 
 
 @internal
-def ride_rigidly(d: Rows, t: Topology, i: int, q: Vector, qd: Vector) -> None:
-    """Pose, spin and velocity-product acceleration of body i whose joint sits rigidly in its parent's frame."""
-    p = t[i, PARENT]
-    own = t[i, FIRST]
-    a = d[p, TURN : TURN + 9]
-    place = d[i, PLACE : PLACE + 9]
-    wx, wy, wz = d[p, SPIN], d[p, SPIN + 1], d[p, SPIN + 2]
-    x, y, z = d[i, OFFSET], d[i, OFFSET + 1], d[i, OFFSET + 2]
-    rx, ry, rz = a[0] * x + a[1] * y + a[2] * z, a[3] * x + a[4] * y + a[5] * z, a[6] * x + a[7] * y + a[8] * z
-    x0 = a[0] * place[0] + a[1] * place[3] + a[2] * place[6]
-    x1 = a[3] * place[0] + a[4] * place[3] + a[5] * place[6]
-    x2 = a[6] * place[0] + a[7] * place[3] + a[8] * place[6]
-    y0 = a[0] * place[1] + a[1] * place[4] + a[2] * place[7]
-    y1 = a[3] * place[1] + a[4] * place[4] + a[5] * place[7]
-    y2 = a[6] * place[1] + a[7] * place[4] + a[8] * place[7]
-    z0 = a[0] * place[2] + a[1] * place[5] + a[2] * place[8]
-    z1 = a[3] * place[2] + a[4] * place[5] + a[5] * place[8]
-    z2 = a[6] * place[2] + a[7] * place[5] + a[8] * place[8]
-    slide = 0.0
-    spin = 0.0
-    if t[i, KIND] == PRISMATIC:
-        slide = qd[own]
-        rx, ry, rz = rx + z0 * q[own], ry + z1 * q[own], rz + z2 * q[own]
-    elif t[i, KIND] == REVOLUTE:
-        spin = qd[own]
-        s, c = sincos(q[own])
-        x0, x1, x2, y0, y1, y2 = (
-            x0 * c + y0 * s,
-            x1 * c + y1 * s,
-            x2 * c + y2 * s,
-            y0 * c - x0 * s,
-            y1 * c - x1 * s,
-            y2 * c - x2 * s,
-        )
-    d[i, TURN], d[i, TURN + 1], d[i, TURN + 2] = x0, y0, z0
-    d[i, TURN + 3], d[i, TURN + 4], d[i, TURN + 5] = x1, y1, z1
-    d[i, TURN + 6], d[i, TURN + 7], d[i, TURN + 8] = x2, y2, z2
-    tx, ty, tz = cross(wx, wy, wz, rx, ry, rz)
-    tx, ty, tz = cross(wx, wy, wz, tx + 2.0 * slide * z0, ty + 2.0 * slide * z1, tz + 2.0 * slide * z2)
-    d[i, BIAS + 3], d[i, BIAS + 4], d[i, BIAS + 5] = tx, ty, tz
-    tx, ty, tz = cross(wx, wy, wz, z0 * spin, z1 * spin, z2 * spin)
-    d[i, BIAS], d[i, BIAS + 1], d[i, BIAS + 2] = tx, ty, tz
-    d[i, SPIN], d[i, SPIN + 1], d[i, SPIN + 2] = wx + z0 * spin, wy + z1 * spin, wz + z2 * spin
-    d[i, REACH], d[i, REACH + 1], d[i, REACH + 2] = rx, ry, rz
-
-
-@internal
 def place(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vector) -> None:
     """Pose, spin and velocity-product acceleration of body i from its parent's."""
     if t[i, STATION] >= 0:
         ride_on_section(d, t, e, i, q, qd)
     else:
-        ride_rigidly(d, t, i, q, qd)
+        own = t[i, FIRST]
+        moves = t[i, KIND] != FIXED
+        place_rigidly(d, t, i, q[own] if moves else 0.0, qd[own] if moves else 0.0)
 
 
 @internal
@@ -302,15 +237,7 @@ def bend(d: Rows, t: Topology, e: Beams, i: int, b: Vector, bd: Vector) -> None:
     a_at = n_at + 6 * m
     p_at = a_at + m * m
     hb = n_at + m * m + 14 * m
-    hub = d[i, TURN : TURN + 9]
-    axes = e[beam + AXES : beam + AXES + 9]
-    fx = hub[0] * axes[0] + hub[1] * axes[3] + hub[2] * axes[6]
-    fy = hub[3] * axes[0] + hub[4] * axes[3] + hub[5] * axes[6]
-    fz = hub[6] * axes[0] + hub[7] * axes[3] + hub[8] * axes[6]
-    hx = hub[0] * axes[1] + hub[1] * axes[4] + hub[2] * axes[7]
-    hy = hub[3] * axes[1] + hub[4] * axes[4] + hub[5] * axes[7]
-    hz = hub[6] * axes[1] + hub[7] * axes[4] + hub[8] * axes[7]
-    nx, ny, nz = cross(fx, fy, fz, hx, hy, hz)
+    fx, fy, fz, hx, hy, hz, nx, ny, nz = beam_axes(d, e, i, beam)
     wx, wy, wz = d[i, SPIN], d[i, SPIN + 1], d[i, SPIN + 2]
     w1, w2, w3 = wx * fx + wy * fy + wz * fz, wx * hx + wy * hy + wz * hz, wx * nx + wy * ny + wz * nz
     for k in range(6 * m + m * m + m):
@@ -525,10 +452,7 @@ def forward_dynamics(
                 a -= d[i, COLUMN + k] * d[i, ACCELERATION + k]
             a *= d[i, PIVOT]
             qdd[own] = a
-            o = ACCELERATION if t[i, KIND] == REVOLUTE else ACCELERATION + 3
-            d[i, o] += d[i, TURN + 2] * a
-            d[i, o + 1] += d[i, TURN + 5] * a
-            d[i, o + 2] += d[i, TURN + 8] * a
+            accelerate_joint(d, t, i, a)
             own += 1
         m = t[i, MODES]
         x_at = t[i, EXTENDED] + 7 * m + m * m
@@ -588,12 +512,7 @@ def eliminate_modes(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vecto
         x3, x4, x5 = e[x_at + 6 * k + 3], e[x_at + 6 * k + 4], e[x_at + 6 * k + 5]
         y = e[y_at + k]
         subtract_square(d, i, x0, x1, x2, x3, x4, x5, 1.0)
-        d[i, FORCE] += x0 * y
-        d[i, FORCE + 1] += x1 * y
-        d[i, FORCE + 2] += x2 * y
-        d[i, FORCE + 3] += x3 * y
-        d[i, FORCE + 4] += x4 * y
-        d[i, FORCE + 5] += x5 * y
+        add_wrench(d, i, x0 * y, x1 * y, x2 * y, x3 * y, x4 * y, x5 * y)
     # Back substitution: A⁻¹ N and A⁻¹ y, for the way outwards.
     for k in range(m - 1, -1, -1):
         for c in range(6):
@@ -606,6 +525,17 @@ def eliminate_modes(d: Rows, t: Topology, e: Beams, i: int, q: Vector, qd: Vecto
             value -= e[a_at + l * m + k] * e[y_at + l]
         e[y_at + k] = value * e[a_at + k * m + k]
     return sound
+
+
+@inlined
+def add_wrench(d: Rows, i: int, w0: float, w1: float, w2: float, w3: float, w4: float, w5: float) -> None:
+    """Add a wrench at body i's origin to its bias."""
+    d[i, FORCE] += w0
+    d[i, FORCE + 1] += w1
+    d[i, FORCE + 2] += w2
+    d[i, FORCE + 3] += w3
+    d[i, FORCE + 4] += w4
+    d[i, FORCE + 5] += w5
 
 
 @internal
@@ -679,12 +609,7 @@ def eliminate_joint(d: Rows, t: Topology, i: int, u: float) -> bool:
     d[i, PIVOT], d[i, DRIVE] = inverse, u
     subtract_square(d, i, u0, u1, u2, u3, u4, u5, inverse)
     scale = u * inverse
-    d[i, FORCE] += u0 * scale
-    d[i, FORCE + 1] += u1 * scale
-    d[i, FORCE + 2] += u2 * scale
-    d[i, FORCE + 3] += u3 * scale
-    d[i, FORCE + 4] += u4 * scale
-    d[i, FORCE + 5] += u5 * scale
+    add_wrench(d, i, u0 * scale, u1 * scale, u2 * scale, u3 * scale, u4 * scale, u5 * scale)
     return pivot > 0.0
 
 
@@ -741,12 +666,7 @@ def hand_on_wrench(
     """Add a wrench at body i's origin to its parent's bias, and to the parent's modal bias if it rides on a section."""
     p = t[i, PARENT]
     rx, ry, rz = d[i, REACH], d[i, REACH + 1], d[i, REACH + 2]
-    d[p, FORCE] += w0 + ry * w5 - rz * w4
-    d[p, FORCE + 1] += w1 + rz * w3 - rx * w5
-    d[p, FORCE + 2] += w2 + rx * w4 - ry * w3
-    d[p, FORCE + 3] += w3
-    d[p, FORCE + 4] += w4
-    d[p, FORCE + 5] += w5
+    add_shifted_wrench(d, p, rx, ry, rz, w0, w1, w2, w3, w4, w5)
     if t[i, STATION] >= 0:
         m = t[p, MODES]
         p_at = t[p, EXTENDED] + 6 * m + m * m
@@ -795,6 +715,15 @@ def accelerate(d: Rows, t: Topology, e: Beams, i: int, qdd: Vector) -> None:
                 d[i, ACCELERATION + c] += e[o + c] * qdd[first + k]
 
 
+@inlined
+def accelerate_joint(d: Rows, t: Topology, i: int, a: float) -> None:
+    """Add the acceleration a of body i's joint to the body's."""
+    o = ACCELERATION if t[i, KIND] == REVOLUTE else ACCELERATION + 3
+    d[i, o] += d[i, TURN + 2] * a
+    d[i, o + 1] += d[i, TURN + 5] * a
+    d[i, o + 2] += d[i, TURN + 8] * a
+
+
 @internal
 def inverse_dynamics(
     bodies: int, d: Rows, t: Topology, e: Beams, q: Vector, qd: Vector, qdd: Vector, tau: Vector
@@ -805,18 +734,10 @@ def inverse_dynamics(
         accelerate(d, t, e, i, qdd)
         own = t[i, FIRST]
         if t[i, KIND] != FIXED:
-            o = ACCELERATION if t[i, KIND] == REVOLUTE else ACCELERATION + 3
-            d[i, o] += d[i, TURN + 2] * qdd[own]
-            d[i, o + 1] += d[i, TURN + 5] * qdd[own]
-            d[i, o + 2] += d[i, TURN + 8] * qdd[own]
+            accelerate_joint(d, t, i, qdd[own])
             own += 1
         w0, w1, w2, w3, w4, w5 = times_inertia(d, i, d[i], ACCELERATION)
-        d[i, FORCE] += w0
-        d[i, FORCE + 1] += w1
-        d[i, FORCE + 2] += w2
-        d[i, FORCE + 3] += w3
-        d[i, FORCE + 4] += w4
-        d[i, FORCE + 5] += w5
+        add_wrench(d, i, w0, w1, w2, w3, w4, w5)
         m = t[i, MODES]
         n_at = t[i, EXTENDED]
         a_at = n_at + 6 * m

@@ -49,13 +49,24 @@ Vector = Any
 Matrix = Any
 
 
+Six = tuple[float, float, float, float, float, float]
+Nine = tuple[float, float, float, float, float, float, float, float, float]
+
+
 @inlined
-def orient(d: Rows, t: Topology, i: int, q: float) -> tuple[float, float, float, float, float, float]:
+def orient(d: Rows, t: Topology, i: int, q: float) -> Six:
     """Rotation R and reach r of body i from its parent's, to its row; returns r and the joint's axis z."""
     p = t[i, PARENT]
     a0, a1, a2 = d[p, TURN], d[p, TURN + 1], d[p, TURN + 2]
     a3, a4, a5 = d[p, TURN + 3], d[p, TURN + 4], d[p, TURN + 5]
     a6, a7, a8 = d[p, TURN + 6], d[p, TURN + 7], d[p, TURN + 8]
+    return orient_on(d, t, i, q, (a0, a1, a2, a3, a4, a5, a6, a7, a8))
+
+
+@inlined
+def orient_on(d: Rows, t: Topology, i: int, q: float, carrier: Nine) -> Six:
+    """As ``orient``, on a carrier of that rotation, by rows; r from where the joint's offset is counted."""
+    a0, a1, a2, a3, a4, a5, a6, a7, a8 = carrier
     x, y, z = d[i, OFFSET], d[i, OFFSET + 1], d[i, OFFSET + 2]
     rx = a0 * x + a1 * y + a2 * z
     ry = a3 * x + a4 * y + a5 * z
@@ -200,6 +211,19 @@ def add_shifted_inertia(
     d[p, M + 5] += m5
 
 
+@inlined
+def add_shifted_wrench(
+    d: Rows, p: int, rx: float, ry: float, rz: float, nx: float, ny: float, nz: float, fx: float, fy: float, fz: float
+) -> None:
+    """Add a wrench, moment and force at distance r from body p's origin, to body p's."""
+    d[p, FORCE] += nx + ry * fz - rz * fy
+    d[p, FORCE + 1] += ny + rz * fx - rx * fz
+    d[p, FORCE + 2] += nz + rx * fy - ry * fx
+    d[p, FORCE + 3] += fx
+    d[p, FORCE + 4] += fy
+    d[p, FORCE + 5] += fz
+
+
 @internal
 def forward_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, tau: Vector, qdd: Vector) -> int:
     """Accelerations by the articulated-body recursion; 0, or the row of the outermost body with D <= 0."""
@@ -261,16 +285,10 @@ def forward_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, tau: V
                 (b0, b1, b2, b3, b4, b5, b6, b7, b8),
                 (m0, m1, m2, m3, m4, m5),
             )
-            d[p, FORCE] += nx + ry * fz - rz * fy
-            d[p, FORCE + 1] += ny + rz * fx - rx * fz
-            d[p, FORCE + 2] += nz + rx * fy - ry * fx
-            d[p, FORCE + 3] += fx
-            d[p, FORCE + 4] += fy
-            d[p, FORCE + 5] += fz
+            add_shifted_wrench(d, p, rx, ry, rz, nx, ny, nz, fx, fy, fz)
     for i in range(1, n + 1):
         p = t[i, PARENT]
         wx, wy, wz, ax, ay, az = ride(d, i, p)
-        zx, zy, zz = d[i, TURN + 2], d[i, TURN + 5], d[i, TURN + 8]
         a = d[i, PIVOT] * (
             d[i, DRIVE]
             - d[i, COLUMN] * wx
@@ -281,12 +299,8 @@ def forward_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, tau: V
             - d[i, COLUMN + 5] * az
         )
         qdd[i - 1] = a
-        if t[i, KIND] == REVOLUTE:
-            wx, wy, wz = wx + zx * a, wy + zy * a, wz + zz * a
-        else:
-            ax, ay, az = ax + zx * a, ay + zy * a, az + zz * a
-        d[i, ACCELERATION], d[i, ACCELERATION + 1], d[i, ACCELERATION + 2] = wx, wy, wz
-        d[i, ACCELERATION + 3], d[i, ACCELERATION + 4], d[i, ACCELERATION + 5] = ax, ay, az
+        wx, wy, wz, ax, ay, az = move_joint(d, t, i, a, wx, wy, wz, ax, ay, az)
+        put_motion(d, i, ACCELERATION, wx, wy, wz, ax, ay, az)
     return singular
 
 
@@ -301,6 +315,26 @@ def ride(d: Rows, i: int, p: int) -> tuple[float, float, float, float, float, fl
     return wx + d[i, BIAS], wy + d[i, BIAS + 1], wz + d[i, BIAS + 2], ax, ay, az
 
 
+@inlined
+def move_joint(
+    d: Rows, t: Topology, i: int, a: float, wx: float, wy: float, wz: float, vx: float, vy: float, vz: float
+) -> Six:
+    """A motion of body i, angular and linear, with its joint's own on top, which moves by a."""
+    zx, zy, zz = d[i, TURN + 2], d[i, TURN + 5], d[i, TURN + 8]
+    if t[i, KIND] == REVOLUTE:
+        wx, wy, wz = wx + zx * a, wy + zy * a, wz + zz * a
+    else:
+        vx, vy, vz = vx + zx * a, vy + zy * a, vz + zz * a
+    return wx, wy, wz, vx, vy, vz
+
+
+@inlined
+def put_motion(d: Rows, i: int, at: int, wx: float, wy: float, wz: float, vx: float, vy: float, vz: float) -> None:
+    """Write a motion, angular and linear, to body i's row."""
+    d[i, at], d[i, at + 1], d[i, at + 2] = wx, wy, wz
+    d[i, at + 3], d[i, at + 4], d[i, at + 5] = vx, vy, vz
+
+
 @internal
 def inverse_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, qdd: Vector, tau: Vector) -> None:
     """Generalized forces without passive ones: twists outwards, wrenches inwards (Newton-Euler, N_dᵀ N_lᵀ w)."""
@@ -309,14 +343,9 @@ def inverse_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, qdd: V
         place(d, t, i, q[i - 1], qd[i - 1])
         turn_inertia(d, i)
         wx, wy, wz, ax, ay, az = ride(d, i, p)
-        zx, zy, zz = d[i, TURN + 2], d[i, TURN + 5], d[i, TURN + 8]
         a = qdd[i - 1]
-        if t[i, KIND] == REVOLUTE:
-            wx, wy, wz = wx + zx * a, wy + zy * a, wz + zz * a
-        else:
-            ax, ay, az = ax + zx * a, ay + zy * a, az + zz * a
-        d[i, ACCELERATION], d[i, ACCELERATION + 1], d[i, ACCELERATION + 2] = wx, wy, wz
-        d[i, ACCELERATION + 3], d[i, ACCELERATION + 4], d[i, ACCELERATION + 5] = ax, ay, az
+        wx, wy, wz, ax, ay, az = move_joint(d, t, i, a, wx, wy, wz, ax, ay, az)
+        put_motion(d, i, ACCELERATION, wx, wy, wz, ax, ay, az)
         # J α + mc × a, and m a + α × mc; B = [mc].
         cx, cy, cz, m = d[i, B + 7], d[i, B + 2], d[i, B + 3], d[i, M]
         d[i, FORCE] += d[i, J] * wx + d[i, J + 1] * wy + d[i, J + 2] * wz + cy * az - cz * ay
@@ -335,12 +364,7 @@ def inverse_dynamics(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, qdd: V
             along = zx * fx + zy * fy + zz * fz
         tau[i - 1] = along + d[i, ARMATURE] * qdd[i - 1]
         rx, ry, rz = d[i, REACH], d[i, REACH + 1], d[i, REACH + 2]
-        d[p, FORCE] += d[i, FORCE] + ry * fz - rz * fy
-        d[p, FORCE + 1] += d[i, FORCE + 1] + rz * fx - rx * fz
-        d[p, FORCE + 2] += d[i, FORCE + 2] + rx * fy - ry * fx
-        d[p, FORCE + 3] += fx
-        d[p, FORCE + 4] += fy
-        d[p, FORCE + 5] += fz
+        add_shifted_wrench(d, p, rx, ry, rz, d[i, FORCE], d[i, FORCE + 1], d[i, FORCE + 2], fx, fy, fz)
 
 
 @internal
@@ -463,12 +487,7 @@ def coriolis_matrix(n: int, d: Rows, t: Topology, q: Vector, qd: Vector, c: Matr
                 c[i - 1, j - 1] = d[i, TURN + 2] * fx + d[i, TURN + 5] * fy + d[i, TURN + 8] * fz
             if p > 0:
                 rx, ry, rz = d[i, REACH], d[i, REACH + 1], d[i, REACH + 2]
-                d[p, FORCE] += d[i, FORCE] + ry * fz - rz * fy
-                d[p, FORCE + 1] += d[i, FORCE + 1] + rz * fx - rx * fz
-                d[p, FORCE + 2] += d[i, FORCE + 2] + rx * fy - ry * fx
-                d[p, FORCE + 3] += fx
-                d[p, FORCE + 4] += fy
-                d[p, FORCE + 5] += fz
+                add_shifted_wrench(d, p, rx, ry, rz, d[i, FORCE], d[i, FORCE + 1], d[i, FORCE + 2], fx, fy, fz)
 
 
 @compiled

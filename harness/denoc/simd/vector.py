@@ -40,6 +40,8 @@ _INTEGERS = ir.VectorType(ir.IntType(64), LANES)
 _ONLY_KERNELS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": Part}
 inner: Any = njit(error_model="numpy", _nrt=False, **_ONLY_KERNELS)
 in_place: Any = njit(error_model="numpy", _nrt=False, forceinline=True, **_ONLY_KERNELS)
+# As ``inner``, for what makes arrays.
+allocating: Any = njit(error_model="numpy", **_ONLY_KERNELS)
 # Kernels that are called from Python, by several threads at once. Those that step in time have only loops too short to unroll;
 # those of batches make no arrays.
 ENTRY: Any = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True, "nogil": True}
@@ -366,7 +368,7 @@ def aligned(count: int) -> NDArray[np.float64]:
     return room[skip : skip + count]
 
 
-@njit(error_model="numpy", **_ONLY_KERNELS)
+@allocating
 def vectors(count: int) -> Any:
     """Zeros for vectors of eight lanes that begin where a cache line does: one that lies across two costs twice as much."""
     room = np.zeros((count + 1) * 8)

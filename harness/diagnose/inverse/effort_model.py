@@ -13,6 +13,7 @@ from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.hypothesis import Hypothesis, Nominal, nominal_quantities, scaled
 from harness.effects.attach import input_chain, sensor_chain
+from harness.effects.effect import Effect
 from harness.engines.expressed import express
 from harness.system import Attachment, System
 
@@ -96,12 +97,13 @@ class EffortModel:
                 continue
 
             def arrives(
-                effort: Array, chain: tuple[tuple[object, Attachment], ...] = chain, run: EffortRun = run
+                effort: Array, chain: tuple[tuple[Effect, Attachment], ...] = chain, run: EffortRun = run
             ) -> Array:
                 out = effort[None]
                 for effect, attachment in chain:
-                    values = effect.values(attachment.parameters)[None]  # type: ignore[attr-defined]
-                    out = effect.input.apply(out.copy(), run.time, values)  # type: ignore[attr-defined]
+                    assert effect.input is not None
+                    values = effect.values(attachment.parameters)[None]
+                    out = effect.input.apply(out.copy(), run.time, values)
                 return np.asarray(out[0])
 
             probe = PROBE * float(np.std(run.raw[:, j])) + 1e-12

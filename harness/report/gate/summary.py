@@ -55,12 +55,12 @@ def _verdict(results: Results, judgement: Judgement) -> list[str]:
         lines.append("")
     elif not judgement.reference:
         lines += [f"**Open**: all {len(judgement.rows)} rows hold.", ""]
-    moved = [row for row in judgement.rows if row.ok and row.row is not None and _moved(row)]
+    moved = [(judged, share) for judged in judgement.rows if judged.ok and (share := _moved(judged)) is not None]
     if moved:
         lines += [f"<details><summary>{len(moved)} rows moved within what is allowed</summary>", ""]
         lines += [line(("case", "quantity", "engines", "accepted", "now", "allowed")), line(["---"] * 6)]
-        for judged in sorted(moved, key=lambda row: -abs(row.change or 0.0) / (row.row.allowed or 1.0))[:30]:  # type: ignore[union-attr]
-            lines.append(line((*_cells(judged)[:5], words.figure(judged.row.allowed))))  # type: ignore[union-attr]
+        for judged, _ in sorted(moved, key=lambda pair: -pair[1])[:30]:
+            lines.append(line((*_cells(judged)[:5], words.figure(judged.row.allowed if judged.row else None))))
         lines += ["", "</details>", ""]
     changed = [f"{name} {a} → {b}" for name, (a, b) in judgement.versions_changed.items()]
     if changed:
@@ -68,10 +68,12 @@ def _verdict(results: Results, judgement: Judgement) -> list[str]:
     return lines
 
 
-def _moved(judged: Judged) -> bool:
-    """By more than a tenth of what is allowed: less is rounding of another processor."""
-    row = judged.row
-    return row is not None and row.allowed is not None and abs(judged.change or 0.0) > 0.1 * row.allowed > 0.0
+def _moved(judged: Judged) -> float | None:
+    """By which share of what is allowed, if by more than a tenth: less is rounding of another processor."""
+    if judged.row is None or not judged.row.allowed:
+        return None
+    share = abs(judged.change or 0.0) / judged.row.allowed
+    return share if share > 0.1 else None
 
 
 def _cells(judged: Judged) -> tuple[str, ...]:
