@@ -2,9 +2,9 @@
 
 Every number of the description is tried in turn, joint by joint and link by link: moved (as a group: the three of a centre of
 mass, the six of an inertia) until the trusted engine's inverse dynamics are the other's, by Gauss-Newton. The smallest group
-that does it wholly is named, with its place and by how much; beside it, what of bodies that turn together does it with
-as few directions (the inertia of a first link beside the armature of its joint). Inverse dynamics at random velocities and accelerations see all
-that is in the equations of motion: inertia, frames, armature, damping, springs, gravity.
+that does it wholly is named, with its place and by how much; beside it, what of bodies that turn together does it with as few
+directions (the inertia of a first link beside the armature of its joint). Inverse dynamics at random velocities and accelerations
+see all that is in the equations of motion: inertia, frames, armature, damping, springs, gravity.
 """
 
 from __future__ import annotations
