@@ -169,7 +169,8 @@ def _fit(group: Group, residual: Callable[[Group, Array], Array], whole: float) 
                 break
             slopes = np.column_stack([(here - residual(group, by + step * unit)) / step for unit in np.eye(group.size)])
             # Along an axis itself nothing changes; differences of a millionth leave a millionth of noise there.
-            change, _, directions, _ = np.linalg.lstsq(slopes, here, rcond=1e-4)
+            change, _, rank, _ = np.linalg.lstsq(slopes, here, rcond=1e-4)
+            directions = int(rank)
             # Linear ones are done at once; where the first step explains nothing, the others will not either.
             after = float(np.linalg.norm(residual(group, by + change))) / whole
             if not after < max(0.7 * left, 1e-12):
@@ -177,4 +178,4 @@ def _fit(group: Group, residual: Callable[[Group, Array], Array], whole: float) 
             by, left = by + change, after
     except (InputError, np.linalg.LinAlgError, ValueError, RuntimeError):
         return None
-    return Explanation(group, by, left, int(directions)) if left <= LEFT else None
+    return Explanation(group, by, left, directions) if left <= LEFT else None
