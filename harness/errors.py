@@ -1,5 +1,6 @@
 """Failures that a user can mend: one line that names the place, what is wrong and the mend."""
 
+import errno
 import re
 from pathlib import Path
 
@@ -93,6 +94,13 @@ def missing_package(error: ImportError) -> MissingPackageError | None:
     """The same for a failed import, None if the module is of no extra."""
     package = (error.name or "").partition(".")[0]
     return MissingPackageError(package, EXTRAS[package]) if package in EXTRAS else None
+
+
+def unwritable(place: str | Path, error: OSError) -> InputError:
+    """What is said of a file or folder that cannot be written."""
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    mend = "make room, or name another place" if full else "check the path and its permissions"
+    return InputError(f"cannot be written: {error.strerror or error}", mend=mend, source=place)
 
 
 class EngineUnavailableError(RuntimeError):

@@ -51,6 +51,21 @@ def _cache_of(function: Any) -> Any:
     return kept
 
 
+def place() -> str:
+    """Where compiled kernels are kept, or why they are not, in words."""
+    wanted = config.CACHE_DIR
+    try:
+        kept = Kept(forgive)  # a function like any of this package
+    except (RuntimeError, OSError):
+        return "nowhere: no folder can be written to, so every run compiles them anew"
+    if wanted and kept.cache_path.startswith(wanted):
+        return str(wanted)
+    used = "__pycache__ beside the modules"
+    if not kept.cache_path.endswith("__pycache__"):
+        used = str(kept.cache_path)
+    return f"{used} ({wanted} cannot be written to)" if wanted else f"{used} (NUMBA_CACHE_DIR moves them)"
+
+
 @cache
 def _tell(what: str) -> None:
     """Once for each thing that is said, however many kernels there are."""

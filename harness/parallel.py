@@ -124,6 +124,17 @@ def _interrupts_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
+def _end_without(parent: int) -> None:
+    """Let this worker end as soon as its parent has: one that was killed could not stop it, and nobody waits for its result."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    threading.Thread(target=watch, name="parent", daemon=True).start()
+
+
 def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) -> Iterator[tuple[int, R]]:
     from concurrent.futures import FIRST_COMPLETED, wait
 
@@ -135,7 +146,9 @@ def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) ->
     running: set[Future[tuple[int, R]]] = set()
     # Only what the workers can hold is handed out: a pool that is stopped with a queue of work stumbles over it.
     with _interrupts_ignored():
-        executor = get_reusable_executor(max_workers=count, env=_ONE_THREAD, timeout=120)
+        executor = get_reusable_executor(
+            max_workers=count, env=_ONE_THREAD, timeout=120, initializer=_end_without, initargs=(os.getpid(),)
+        )
         for index, item in islice(waiting, count + 1):
             running.add(executor.submit(_indexed, function, index, item))
     try:

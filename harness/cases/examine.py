@@ -89,6 +89,8 @@ def surroundings() -> dict[str, str]:
     """Python, cores, threads, and where compiled kernels are kept."""
     import numba
 
+    from harness import kept_kernels
+
     return {
         "python": f"{platform.python_version()} ({sys.executable})",
         "platform": platform.platform(),
@@ -96,5 +98,5 @@ def surroundings() -> dict[str, str]:
         "threads of numba": str(numba.config.NUMBA_NUM_THREADS),
         "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "not set"),
         "numba": numba.__version__,
-        "compiled kernels": numba.config.CACHE_DIR or "__pycache__ beside the modules (NUMBA_CACHE_DIR moves them)",
+        "compiled kernels": kept_kernels.place(),
     }

@@ -206,6 +206,8 @@ def _results(
             engines=engines or None,
             workers=workers,
             dask=dask,
+            # Each is held against what was recorded of it; robots guarded together need not be one robot described twice.
+            separate=True,
             allow=allow,
             progress=step,
             journal=journal,

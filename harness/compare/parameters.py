@@ -2,8 +2,9 @@
 
 Every number of the description is tried in turn, joint by joint and link by link: moved (as a group: the three of a centre of
 mass, the six of an inertia) until the trusted engine's inverse dynamics are the other's, by Gauss-Newton. The smallest group
-that does it wholly is named, with its place and by how much. Inverse dynamics at random velocities and accelerations see all
-that is in the equations of motion: inertia, frames, armature, damping, springs, gravity.
+that does it wholly is named, with its place and by how much; beside it, what of bodies that turn together does it with as few
+directions (the inertia of a first link beside the armature of its joint). Inverse dynamics at random velocities and accelerations
+see all that is in the equations of motion: inertia, frames, armature, damping, springs, gravity.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from harness.engines.protocol import EngineModel
 from harness.errors import InputError
 from harness.system import Joint, Link, System
-from harness.system.description import constant
+from harness.system.description import JointType, constant
 
 Array = NDArray[np.float64]
 Build = Callable[[System], EngineModel]
@@ -42,11 +43,15 @@ class Group:
 
 @dataclass(frozen=True)
 class Explanation:
-    """A group and by how much it is off, in SI units (rad for rotations); left: share of the difference that stays."""
+    """A group and by how much it is off, in SI units (rad for rotations).
+
+    left: share of the difference that stays. directions: how many of the group's numbers, or sums of them, the forces hang on.
+    """
 
     group: Group
     off: Array
     left: float
+    directions: int
 
     @property
     def place(self) -> dict[str, object]:
@@ -130,18 +135,31 @@ def explain(build: Build, system: System, other: EngineModel, q: Array, qd: Arra
 
     found: list[Explanation] = []
     for group in groups(system):
-        if found and group.size > found[0].group.size:
-            break
+        larger = bool(found) and group.size > found[0].group.size
+        if larger and not any(_turn_together(system, one.group, group) for one in found):
+            continue
         explained = _fit(group, residual, whole)
-        if explained is not None:
+        if explained is not None and not (larger and explained.directions > found[0].directions):
             found.append(explained)
     best = min((one.left for one in found), default=0.0)
     return sorted((one for one in found if one.left <= 100.0 * max(best, 1e-9)), key=lambda one: one.left)
 
 
+def _turn_together(system: System, one: Group, other: Group) -> bool:
+    """Whether two groups are of bodies that nothing turns against each other, or of the joints that carry these."""
+
+    def turned(group: Group) -> str:
+        carrier = system.joint(group.name) if group.owner == "joint" else system.carrier(group.name)
+        while carrier.type in (JointType.PRISMATIC, JointType.FIXED) and carrier.parent != system.base:
+            carrier = system.carrier(carrier.parent)
+        return carrier.name
+
+    return "base" not in (one.owner, other.owner) and turned(one) == turned(other)
+
+
 def _fit(group: Group, residual: Callable[[Group, Array], Array], whole: float) -> Explanation | None:
     by = np.zeros(group.size)
-    left = 1.0
+    left, directions = 1.0, group.size
     step = 1e-6
     try:
         for _ in range(STEPS):
@@ -151,7 +169,8 @@ def _fit(group: Group, residual: Callable[[Group, Array], Array], whole: float) 
                 break
             slopes = np.column_stack([(here - residual(group, by + step * unit)) / step for unit in np.eye(group.size)])
             # Along an axis itself nothing changes; differences of a millionth leave a millionth of noise there.
-            change = np.linalg.lstsq(slopes, here, rcond=1e-4)[0]
+            change, _, rank, _ = np.linalg.lstsq(slopes, here, rcond=1e-4)
+            directions = int(rank)
             # Linear ones are done at once; where the first step explains nothing, the others will not either.
             after = float(np.linalg.norm(residual(group, by + change))) / whole
             if not after < max(0.7 * left, 1e-12):
@@ -159,4 +178,4 @@ def _fit(group: Group, residual: Callable[[Group, Array], Array], whole: float) 
             by, left = by + change, after
     except (InputError, np.linalg.LinAlgError, ValueError, RuntimeError):
         return None
-    return Explanation(group, by, left) if left <= LEFT else None
+    return Explanation(group, by, left, directions) if left <= LEFT else None

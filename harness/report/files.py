@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from harness.errors import InputError
+from harness.errors import InputError, unwritable
 
 
 def write_whole(path: str | Path, content: str | bytes) -> Path:
@@ -44,9 +44,7 @@ def staged(path: str | Path) -> Iterator[Path]:
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(path)
     except OSError as error:
-        raise InputError(
-            f"cannot be written: {error.strerror or error}", source=path, mend="check the path and its permissions"
-        ) from error
+        raise unwritable(path, error) from error
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
@@ -65,9 +63,7 @@ def write_folder(folder: str | Path, files: Mapping[str, str | bytes]) -> list[P
                 (Path(staging) / name).write_bytes(data)
             return [(Path(staging) / name).replace(folder / name) for name in files]
     except OSError as error:
-        raise InputError(
-            f"cannot be written: {error.strerror or error}", source=folder, mend="check the path and its permissions"
-        ) from error
+        raise unwritable(folder, error) from error
 
 
 def _umask() -> int:

@@ -11,9 +11,16 @@ from harness.errors import InputError
 from harness.system.audit_findings import Finding
 from harness.system.description import Link, System
 from harness.system.load import load
+from harness.system.magnitudes import LEAST_LENGTH, LEAST_MASS, LENGTH, MASS, NUMBER
 from harness.system.read_toml import parse_toml, read_toml
 
 LENGTHS = ("length", "width", "thickness")
+# The least and the most that is taken of each [SI], zero beside: what undoing slips makes of them must not overflow.
+_TAKEN = {
+    **dict.fromkeys(LENGTHS, (LEAST_LENGTH, LENGTH)),
+    **dict.fromkeys(("mass", "payload"), (LEAST_MASS, MASS)),
+    **dict.fromkeys(("density", "youngs_modulus", "hub_inertia"), (1.0 / NUMBER, NUMBER)),
+}
 
 
 def gather(
@@ -90,9 +97,16 @@ def _raw_tables(raw: Mapping[str, Any], source: Path | None = None) -> dict[str,
             "payload": link.get("payload", 0.0),
         }
         for key, value in values.items():
-            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value) or value < 0.0:
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
                 raise InputError(
                     f"link {name!r}: {key} is {value!r}", mend="an audit needs a positive number", source=source
+                )
+            least, most = _TAKEN[key]
+            if value and not least <= value <= most:
+                raise InputError(
+                    f"link {name!r}: {key} of {float(value):.3g} is beyond any mechanism",
+                    mend=f"check the number and its unit; {least:g} to {most:g} is taken",
+                    source=source,
                 )
         table = _positive({key: float(value) for key, value in values.items()})
         missing = [key for key in (*LENGTHS, "youngs_modulus") if key not in table]

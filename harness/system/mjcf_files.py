@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import InputError
+from harness.system.magnitudes import NUMBER
 from harness.system.xml_source import parse_xml
 
 _FOLDERS = ("meshdir", "texturedir", "assetdir")
 # Elements whose file MuJoCo opens only when it compiles, so that they can be taken out before.
 _SHAPES = ("mesh", "texture", "hfield", "skin")
 _MOST_NAMED = 4
+# Where things are and how they are turned: of numbers whose squares overflow MuJoCo makes no direction, and says nothing.
+_FRAMES = ("pos", "axis", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto", "ref")
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,10 @@ class Places:
 
 
 def places(root: Any, source: Path | None, allow: Sequence[Path] = ()) -> Places:
-    """Folders that matter to a document; InputError for an include or model that lies outside those allowed."""
+    """Folders that matter to a document.
+
+    Raises InputError for an include or model that lies outside those allowed, and for places and directions beyond any mechanism.
+    """
     folder = (source.parent if source is not None else Path.cwd()).resolve()
     allowed = (folder, *(path.resolve() for path in allow))
     meant_from: set[Path] = set()
@@ -56,7 +62,10 @@ def _walk(
                 around |= {(place / compiler.get(key)).resolve() for place in tuple(around)}
     meant_from |= around
     for element in root.iter():
-        if not isinstance(element.tag, str) or element.tag in _SHAPES:
+        if not isinstance(element.tag, str):
+            continue
+        _refuse_boundless(element, source)
+        if element.tag in _SHAPES:
             continue
         named = [value for key, value in element.attrib.items() if key.startswith("file") and value]
         for target in ((place / name).resolve() for name in named for place in around):
@@ -71,6 +80,23 @@ def _walk(
             if element.tag in ("include", "model") and target.is_file() and target not in seen:
                 seen.add(target)
                 _walk(parse_xml(target.read_bytes(), target), target, target.parent, allowed, meant_from, seen)
+
+
+def _refuse_boundless(element: Any, source: Path | None) -> None:
+    """Refuse a place or a direction of numbers beyond any mechanism."""
+    for key in _FRAMES:
+        for word in element.get(key, "").split():
+            try:
+                number = float(word)
+            except ValueError:  # MuJoCo says so
+                continue
+            if abs(number) > NUMBER:
+                raise InputError(
+                    f"<{element.tag}>: {key} of {number:.3g} is beyond any mechanism",
+                    mend="check the number and its unit",
+                    source=source,
+                    line=element.sourceline,
+                )
 
 
 def take_out_shapes(mujoco: Any, spec: Any, known: Places, source: Path | None) -> list[str]:

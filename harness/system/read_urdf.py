@@ -12,6 +12,7 @@ import numpy as np
 from harness.errors import InputError, UnsupportedError
 from harness.system.check import check_bodies, check_dynamics, check_mimics
 from harness.system.description import Array, Joint, JointType, Link, Mimic, System, constant
+from harness.system.magnitudes import NUMBER
 from harness.system.rotation import from_quaternion, from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.topology import arrange
@@ -161,6 +162,11 @@ class _Reader:
             self.refuse(element, f"{owner}: {key}={text!r} has {len(values)} value(s)", f"give {size}")
         if not all(math.isfinite(value) for value in values):
             self.refuse(element, f"{owner}: {key}={text!r} is not finite", "give a finite number")
+        # Limits may be without end; of a place or a direction the square must not overflow.
+        if size > 1 and any(abs(value) > NUMBER for value in values):
+            self.refuse(
+                element, f"{owner}: {key}={text!r} is beyond any mechanism", "check the numbers and their units"
+            )
         return constant(values)
 
     def number(self, element: Any, key: str, default: float | None, owner: str) -> float:

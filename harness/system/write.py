@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
-from harness.errors import InputError
+from harness.errors import InputError, unwritable
 from harness.system.description import System
 from harness.system.write_mjcf import to_mjcf
 from harness.system.write_toml import to_toml
@@ -42,7 +42,5 @@ def write(system: System, path: str | Path) -> tuple[str, ...]:
     except OSError as error:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
-        raise InputError(
-            f"cannot be written: {error.strerror}", mend="check the folder and its permissions", source=target
-        ) from None
+        raise unwritable(target, error) from None
     return left_out

@@ -110,6 +110,18 @@ def test_the_robot_that_was_accepted_holds(accepted, tmp_path):
     assert all(row["seconds"] > 0.0 for row in answer["rows"] if "recorded" not in row["engines"])
 
 
+def test_two_robots_are_guarded_together(tmp_path):
+    """They are two robots, and not one of which two descriptions differ: a chain of one and a tree of two."""
+    arm, rod, reference = tmp_path / "arm.urdf", tmp_path / "rod.urdf", tmp_path / "both.json"
+    arm.write_text(ROBOT, encoding="utf-8")
+    rod.write_text((Path(__file__).parents[2] / "models" / "urdf" / "rigid_pendulum.urdf").read_text("utf-8"))
+    options = ("--reference", reference, "--engine", "mujoco", "--workers", 1)
+    assert gate(arm, rod, *options, "--accept", "--new", "--why", "as delivered") == 0
+    assert gate(arm, rod, *options) == 0
+    arm.write_text(ROBOT.replace('damping="0.05"', 'damping="0.06"'), encoding="utf-8")
+    assert gate(arm, rod, *options) == 1
+
+
 def test_a_robot_with_dry_friction_can_be_accepted(tmp_path):
     """MuJoCo's friction turns over two steps late, which adds up to more than a fixed step errs by."""
     robot, reference = tmp_path / "arm.urdf", tmp_path / "arm.accepted.json"

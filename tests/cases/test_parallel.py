@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -119,3 +122,44 @@ def test_floating_point_warnings_are_taken_meanwhile_as_they_are_here():
         waiting = meanwhile(2, np.square, np.array([1e300]))
     with pytest.raises(FloatingPointError):
         waiting()
+
+
+KILLED = """
+import sys, time
+sys.path[:0] = [{folder!r}]
+from harness.parallel import parallel_map
+from test_parallel import tells_and_sleeps
+parallel_map(tells_and_sleeps, [{folder_of_pids!r}] * 2, workers=2)
+"""
+
+
+def tells_and_sleeps(folder: str) -> None:
+    """Write its own number, and do nothing for longer than anybody waits."""
+    Path(folder, str(os.getpid())).touch()
+    time.sleep(600.0)
+
+
+def gone(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return True
+    # Nobody may wait for what lost its parent, where there is no init: it is dead all the same.
+    status = Path(f"/proc/{pid}/stat")
+    return status.exists() and status.read_text().rpartition(")")[2].split()[0] == "Z"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+def test_workers_end_with_a_parent_that_was_killed(tmp_path):
+    script = KILLED.format(folder=str(Path(__file__).parent), folder_of_pids=str(tmp_path))
+    parent = subprocess.Popen([sys.executable, "-c", script])
+    until = time.monotonic() + 120.0
+    while len(list(tmp_path.iterdir())) < 2:
+        assert parent.poll() is None and time.monotonic() < until
+        time.sleep(0.05)
+    parent.kill()
+    parent.wait()
+    workers = [int(path.name) for path in tmp_path.iterdir()]
+    while not all(map(gone, workers)):
+        assert time.monotonic() < until, "a worker goes on without its parent"
+        time.sleep(0.05)

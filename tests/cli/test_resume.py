@@ -137,7 +137,7 @@ def test_a_full_disk_is_one_line(
     told = capsys.readouterr().err
     assert status == 2
     assert told.count("\n") == 1
-    assert "No space left on device" in told
+    assert "No space left on device (make room, or name another place)" in told
     assert "defect" not in told
     assert sorted(tmp_path.rglob("*")) == before  # whole or not at all
 

@@ -33,6 +33,26 @@ def test_every_number_is_found_and_by_how_much(group):
     assert right.place == {group.owner: group.name, "value": group.member}
 
 
+@pytest.mark.parametrize("seed", [2, 21])
+def test_the_inertia_of_a_first_link_is_told_beside_the_armature_of_its_joint(seed):
+    """Nothing turns the first joint's axis: of the first link's inertia only the one about it counts, as armature does."""
+    system = random_chain(3, seed=seed, prismatic=0.0, armature=True)
+    group = Group("link", system.links[0].name, "inertia", 6)
+    wrong = BUILD(moved(system, group, np.array([1e-3, 2e-3, 1.5e-3, 1e-4, -2e-4, 3e-4])))
+    found = explain(BUILD, system, wrong, *states(3))
+    assert {one.group.said() for one in found} == {"armature of joint 'joint1'", "inertia of link 'link1'"}
+    assert {one.directions for one in found} == {1}
+
+
+def test_so_is_that_of_a_link_that_slides_on_it():
+    system = random_tree(5, seed=23, prismatic=0.3, armature=True, damping=True)
+    wrong = BUILD(
+        moved(system, Group("link", "link4", "inertia", 6), np.array([1e-3, 2e-3, 1.5e-3, 1e-4, -2e-4, 3e-4]))
+    )
+    said = {one.group.said() for one in explain(BUILD, system, wrong, *states(5))}
+    assert {"armature of joint 'joint1'", "inertia of link 'link1'", "inertia of link 'link4'"} <= said
+
+
 def test_what_is_right_needs_no_explanation():
     assert explain(BUILD, CHAIN, BUILD(CHAIN), *states(3)) == []
 

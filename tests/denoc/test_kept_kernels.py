@@ -84,6 +84,17 @@ def test_a_folder_that_is_none_is_told(tmp_path: Path) -> None:
     assert "cannot be written to, so compiled kernels are kept elsewhere" in run.stderr
 
 
+PLACE = "from harness.kept_kernels import place; print(place())"
+
+
+def test_doctor_tells_where_they_are_and_not_where_they_should_be(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    file, folder = str(tmp_path / "file"), str(tmp_path / "folder")
+    assert ran(tmp_path, "", PLACE, NUMBA_CACHE_DIR=folder).stdout == f"{folder}\n"
+    assert ran(tmp_path, "", PLACE, NUMBA_CACHE_DIR=file).stdout.endswith(f"({file} cannot be written to)\n")
+    assert ran(tmp_path, NOWHERE, PLACE, NUMBA_CACHE_DIR=file).stdout.startswith("nowhere: ")
+
+
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 def test_damaged_kernels_are_compiled_anew(tmp_path: Path, kind: str) -> None:
     place = tmp_path / "kept"

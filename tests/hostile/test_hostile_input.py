@@ -18,6 +18,7 @@ from harness.errors import InputError
 from harness.recording import read_recording
 from harness.recording.formats import apart, reader_process
 from harness.recording.units import factor_to_si
+from harness.system import audit
 
 MANY = 60
 
@@ -171,6 +172,39 @@ def test_other_formats_refuse_them_as_well(tmp_path: Path, mass: str, height: st
     file.write_text(URDF.format(mass, height))
     with pytest.raises(InputError, match="beyond any mechanism"):
         harness.load(file)
+
+
+MJCF = '<mujoco><worldbody><body quat="{}"><joint type="hinge" axis="{}"/><geom size="0.1" mass="1"/></body></worldbody></mujoco>'
+TURNED = (
+    '<robot name="r" version="1.1"><link name="base"/><link name="l"><inertial><mass value="1"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="j" type="continuous">'
+    '<parent link="base"/><child link="l"/><origin quat_xyzw="{}"/><axis xyz="{}"/></joint></robot>'
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "keys"), [("m.xml", MJCF, ("quat", "axis")), ("m.urdf", TURNED, ("quat_xyzw", "xyz"))]
+)
+def test_directions_whose_squares_overflow_are_refused(
+    tmp_path: Path, name: str, text: str, keys: tuple[str, ...]
+) -> None:
+    """MuJoCo makes a quaternion of zeros of one such, and an axis of zeros of the other, and says nothing."""
+    file = tmp_path / name
+    for turn, axis, said in (("1 0 0 1e300", "0 1 0", keys[0]), ("1 0 0 0", "0 -1e300 1", keys[1])):
+        file.write_text(text.format(turn, axis))
+        with pytest.raises(InputError, match=f"{said}.*beyond any mechanism"):
+            harness.load(file)
+
+
+@pytest.mark.parametrize(
+    ("length", "width", "thickness"), [("1", "1e300", "1"), ("1", "1", "1e-300"), ("1e-200", "1", "1")]
+)
+def test_an_audit_refuses_what_overflows(tmp_path: Path, length: str, width: str, thickness: str) -> None:
+    """It reads tables that no system is made of, and undoes slips of a billion on top."""
+    file = tmp_path / "model.toml"
+    file.write_text(BEAM.format(length, width, thickness))
+    with pytest.raises(InputError, match=r"link 'l': .* is beyond any mechanism"):
+        audit(file)
 
 
 def written(path: Path, time_: np.ndarray, angle: np.ndarray) -> Path:

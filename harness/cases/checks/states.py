@@ -149,7 +149,7 @@ def blamed(
     if culprit.term != "solution":
         explained = _explained(bench, name, q, qd, tau)
         if explained:
-            said.append(" or ".join(one.sentence() for one in explained[:3]))
+            said.append(" or ".join(one.sentence() for one in explained))
             place |= explained[0].place
     said.append(f"{NATIVE} against {name}: {found.sentence()}")
     return "; ".join(said), place

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from harness.cases.gate import Accepted, Judged, Judgement, SelfTest
 from harness.cases.results import Results
-from harness.errors import InputError
+from harness.errors import unwritable
 from harness.report import words
 from harness.report.gate.screen import why
 from harness.report.markdown import line, plain
@@ -96,6 +96,4 @@ def append_summary(path: str | Path, text: str) -> None:
         with Path(path).open("a", encoding="utf-8", newline="\n") as file:
             file.write(text)
     except OSError as error:
-        raise InputError(
-            f"cannot be written: {error.strerror}", source=path, mend="check the path and its permissions"
-        ) from error
+        raise unwritable(path, error) from error
