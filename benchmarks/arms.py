@@ -207,7 +207,14 @@ def record(folder: Path, name: str, rng: np.random.Generator, effect: str, *, jo
         q = q + ENCODER * rng.standard_normal(q.shape)
         tau = tau + TORQUE * load_ * rng.standard_normal(tau.shape)
         heads = ["time", *(f"{n}.position" for n in system.joint_names), *(f"{n}.effort" for n in system.joint_names)]
-        np.savetxt(folder / f"run{k + 1}.csv", np.column_stack([times, q, tau]), "%.8g", ",", header=",".join(heads), comments="")
+        np.savetxt(
+            folder / f"run{k + 1}.csv",
+            np.column_stack([times, q, tau]),
+            "%.8g",
+            ",",
+            header=",".join(heads),
+            comments="",
+        )
     return hidden
 
 
@@ -220,7 +227,9 @@ def draw(out: Path, seed: int, count: int) -> None:
         case = f"{k:02d}-{name}"
         hidden = record(out / "cases" / case, name, rng, effect)
         site = load(out / "cases" / case / "model.urdf", physical=False).joint_names[hidden.joint]
-        text = json.dumps({"salt": secrets.token_hex(16), "effect": hidden.effect, "site": site, "parameters": hidden.parameters})
+        text = json.dumps(
+            {"salt": secrets.token_hex(16), "effect": hidden.effect, "site": site, "parameters": hidden.parameters}
+        )
         (out / "sealed").mkdir(parents=True, exist_ok=True)
         (out / "sealed" / f"{case}.json").write_text(text, encoding="utf-8")
         digests[case] = digest(text)
@@ -231,7 +240,18 @@ def draw(out: Path, seed: int, count: int) -> None:
 def asked(folder: Path, options: tuple[str, ...], file: Path) -> dict[str, Any]:
     """A diagnosis in a process of its own, as a user runs it; wall-clock and processor seconds."""
     runs = sorted(map(str, folder.glob("run*.csv")))
-    command = [sys.executable, "-m", "harness", "diagnose", *runs, "--model", str(folder / "model.urdf"), *options, "--json", str(file)]
+    command = [
+        sys.executable,
+        "-m",
+        "harness",
+        "diagnose",
+        *runs,
+        "--model",
+        str(folder / "model.urdf"),
+        *options,
+        "--json",
+        str(file),
+    ]
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     seconds, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -269,7 +289,7 @@ def scored(out: Path, way: str) -> list[dict[str, Any]]:
         findings = [f for f in told.get("found", {}).get("findings", []) if f.get("grade") != "possible"]
         key = (answer["effect"], answer["site"])
         mine = [f for f in findings if (f["effect"], f["site"]) == key]
-        rivals = [f for f in findings if key[0] in f["indistinguishable_from"] and f["site"] == key[1]
+        rivals = [f for f in findings if (key[0] in f["indistinguishable_from"] and f["site"] == key[1])
                   or "@".join(key) in f["indistinguishable_from"]]  # fmt: skip
         first = next(iter(answer["parameters"]))
         rows.append({
@@ -296,7 +316,15 @@ def grow(out: Path) -> None:
             folder = out / f"grow-{what}-{value:g}"
             record(folder, "panda", np.random.default_rng(5), "viscous_damping", **options)
             told = asked(folder, WAYS["fit-effort"], out / ".grow.partial")
-            rows.append({"what": what, "value": value, "seconds": told["seconds"], "cpu": told["cpu"], "error": told.get("error")})
+            rows.append(
+                {
+                    "what": what,
+                    "value": value,
+                    "seconds": told["seconds"],
+                    "cpu": told["cpu"],
+                    "error": told.get("error"),
+                }
+            )
             kept.write_text(json.dumps(rows, indent=1), encoding="utf-8")
             print(rows[-1], flush=True)
 
@@ -322,13 +350,17 @@ def table(out: Path) -> None:
 def lines(document: dict[str, Any]) -> list[str]:
     """The tables in Markdown."""
     words = {"fit-effort": "`--fit-effort`", "motion": f"motion, `--time-limit {LIMIT:g}`"}
-    out = ["| way | right effect at the right joint | only among what it cannot be told from | claimed beside it | wall clock, median (longest) [s] "
-           "| processor, median (longest) [s] |", "| -- | -- | -- | -- | -- | -- |"]  # fmt: skip
+    out = ["| way | right effect at the right joint | only among what it cannot be told from | claimed beside it "
+           "| wall clock, median (longest) [s] | processor, median (longest) [s] |", "| -- | -- | -- | -- | -- | -- |"]  # fmt: skip
     for way, rows in document["cases"].items():
         if not rows:
             continue
         wall, cpu = ([row[key] for row in rows] for key in ("seconds", "cpu"))
-        counts = [sum(row["named"] for row in rows), sum(row["as_rival"] for row in rows), sum(bool(row["beside"]) for row in rows)]
+        counts = [
+            sum(row["named"] for row in rows),
+            sum(row["as_rival"] for row in rows),
+            sum(bool(row["beside"]) for row in rows),
+        ]
         out.append(f"| {words[way]} | " + " | ".join(f"{count} of {len(rows)}" for count in counts)
                    + "".join(f" | {np.median(x):.1f} ({max(x):.1f})" for x in (wall, cpu)) + " |")  # fmt: skip
     if document["growth"]:

@@ -234,7 +234,8 @@ def _on_cluster(
             f"no Dask scheduler answers at {address}", mend="start one with `dask scheduler`, or check the address"
         ) from error
     gone = InputError(
-        f"the Dask scheduler at {address} is gone", mend="start it again, and give the same command: what is kept is not done twice"
+        f"the Dask scheduler at {address} is gone",
+        mend="start it again, and give the same command: what is kept is not done twice",
     )
     waiting = iter(range(len(items)))
     indices: dict[Any, int] = {}

@@ -143,7 +143,12 @@ def diagnose(
     if fleet is not None:
         from harness.cli.fleet import diagnose_all
 
-        apart: dict[str, Any] = {"--holdout": holdout, "--compare": compare, "--transfer": published, "--engine": engine}
+        apart: dict[str, Any] = {
+            "--holdout": holdout,
+            "--compare": compare,
+            "--transfer": published,
+            "--engine": engine,
+        }
         _refuse(apart, "does not go with --fleet", "leave it out, or diagnose one unit by itself")
         if recordings or len(models) > 1:
             what = "recordings are given" if recordings else f"{len(models)} models are given"

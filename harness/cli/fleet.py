@@ -43,5 +43,7 @@ def diagnose_all(
     for path in write_fleet(found, out):
         screen.print(f"wrote {path}", markup=False)
     write_json(json_text(document), json_file)
-    unexplained = sum(count for verdict, count in document["verdicts"].items() if verdict not in ("consistent", "explained"))
+    unexplained = sum(
+        count for verdict, count in document["verdicts"].items() if verdict not in ("consistent", "explained")
+    )
     return 1 if document["failed"] or (strict and unexplained) else 0

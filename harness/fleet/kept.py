@@ -60,7 +60,14 @@ def keep(
     folder: Path, name: str, files: Any, *, diagnosis: Any = None, failed: str | None = None, again: bool = False
 ) -> None:
     """Keep a unit's answer (``denoc.unit/1``). files: what it is made from; again: whether the next run is to try once more."""
-    document = {"schema": SCHEMA, "unit": name, "files": files, "failed": failed, "again": again, "diagnosis": diagnosis}
+    document = {
+        "schema": SCHEMA,
+        "unit": name,
+        "files": files,
+        "failed": failed,
+        "again": again,
+        "diagnosis": diagnosis,
+    }
     write(answer_file(folder, name), document)
 
 

@@ -24,8 +24,8 @@ METHOD = (
     "Numbers are of effects graded established or likely. mean, between: random effects, the standard deviation between units by "
     "Paule and Mandel (1982), its 95 % interval by the Q-profile (Viechtbauer 2007); chance: Cochran's Q. outliers: distance "
     "from the median in robust standard deviations (median absolute deviation with each unit's own uncertainty), by Student's "
-    f"distribution with {EFFICIENCY:g} (k - 1) degrees of freedom, adjusted over all numbers of the fleet together (Benjamini and Hochberg "
-    f"1995) at {FALSE:g}; numbers of fewer than {FEWEST} units are not judged."
+    f"distribution with {EFFICIENCY:g} (k - 1) degrees of freedom, adjusted over all numbers of the fleet together (Benjamini and "
+    f"Hochberg 1995) at {FALSE:g}; numbers of fewer than {FEWEST} units are not judged."
 )
 
 
@@ -122,9 +122,10 @@ class Table:
             row: dict[str, Any] = {
                 "effect": key[0], "site": key[1], "parameter": key[2], "unit": numbers.unit, "number": len(values),
                 "with_interval": int(known.sum()), "median": None if turning else float(np.median(values)),
-                "quantiles": None if turning else dict(zip(map(str, QUANTILES), np.quantile(values, QUANTILES).tolist(), strict=True)),
+                "quantiles": None if turning else _quantiles(values),
                 "within": float(np.median(stds[known])) if known.any() else None,
-                "mean": {"value": None, "std": None}, "between": {"value": None, "ci95": None, "robust": None, "chance": None},
+                "mean": {"value": None, "std": None},
+                "between": {"value": None, "ci95": None, "robust": None, "chance": None},
                 "histogram": None if turning else _histogram(values), "outliers": None,
             }  # fmt: skip
             rows.append(row)
@@ -150,6 +151,10 @@ class Table:
                 for k in apart
             ]  # fmt: skip
         return rows, sorted(outliers, key=lambda row: -abs(row["z"]))
+
+
+def _quantiles(values: NDArray[np.float64]) -> dict[str, float]:
+    return dict(zip(map(str, QUANTILES), np.quantile(values, QUANTILES).tolist(), strict=True))
 
 
 def _histogram(values: NDArray[np.float64]) -> dict[str, list[float]] | None:

@@ -35,7 +35,7 @@ def units_in(folder: str | Path, *, but: str | Path | None = None) -> tuple[list
     """The units of a fleet's folder by name, and the names of what else lies there.
 
     A subfolder is a unit with the recordings in it, in the order of their names, and its own model if it holds ``model.toml``,
-    ``model.urdf`` or ``model.xml``; a recording that lies in the folder itself is a unit of one recording. but: a path that is none.
+    ``model.urdf`` or ``model.xml``; a recording in the folder itself is a unit of one recording. but: a path that is none.
     Raises InputError where there is no such folder, or no unit in it.
     """
     home = Path(folder)

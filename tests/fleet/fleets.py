@@ -32,7 +32,9 @@ def model(path: Path) -> Path:
     return path
 
 
-def answer(torque: float, *, std: float = 1e-4, grade: str = "established", effect: str = "coulomb_friction") -> dict[str, Any]:
+def answer(
+    torque: float, *, std: float = 1e-4, grade: str = "established", effect: str = "coulomb_friction"
+) -> dict[str, Any]:
     """What is kept of a unit with one effect."""
     number = {"value": torque, "std": std, "ci95": [torque - 2 * std, torque + 2 * std], "unit": "N*m"}
     finding = {"effect": effect, "site": "pivot", "grade": grade, "parameters": {"torque": number},

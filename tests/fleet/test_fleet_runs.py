@@ -42,14 +42,19 @@ def test_a_fleet_is_resumed_and_its_table_told(tmp_path, capfd):
     assert low == high == pytest.approx(0.004, rel=0.1)
     assert [row["unit"] for row in found.failed] == ["bare", "broken.csv"]
     jsonschema = pytest.importorskip("jsonschema")
-    for name, document in (("fleet", found.to_json()), ("unit", json.loads(answer_file(out, "rough").read_text("utf-8")))):
+    for name, document in (
+        ("fleet", found.to_json()),
+        ("unit", json.loads(answer_file(out, "rough").read_text("utf-8"))),
+    ):
         published = json.loads((ROOT / "docs" / "schemas" / f"denoc.{name}-1.json").read_text(encoding="utf-8"))
         jsonschema.Draft202012Validator(published).validate(json.loads(json.dumps(document)))
     before = stamps(out)
     assert len(before) == 4
     # The command goes on with the same folder: only what changed since is asked again.
     pendulum(home / "clean.csv", 5)
-    assert status_of(["diagnose", "--fleet", str(home), "--model", str(nominal), "--out", str(out), "--workers", "1"]) == 1
+    assert (
+        status_of(["diagnose", "--fleet", str(home), "--model", str(nominal), "--out", str(out), "--workers", "1"]) == 1
+    )
     assert {name for name, when in stamps(out).items() if when != before[name]} == {"clean.csv.json"}
     said = capfd.readouterr().out
     assert "2 of 4 units diagnosed" in said and "holds no recording" in said
@@ -66,7 +71,9 @@ def cluster(folder: Path) -> Iterator[tuple[subprocess.Popen, str]]:
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": environment, "cwd": folder}
     processes = [
-        subprocess.Popen([*dask, "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", *common], **quiet)
+        subprocess.Popen(
+            [*dask, "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", *common], **quiet
+        )
     ]
     try:
         while not file.exists():
@@ -86,7 +93,18 @@ def test_a_killed_scheduler_loses_nothing_that_was_done(tmp_path):
     for k in range(4):
         pendulum(home / f"unit{k}.csv", k)
     nominal = model(tmp_path / "model.toml")
-    command = [sys.executable, "-m", "harness", "diagnose", "--fleet", str(home), "--model", str(nominal), "--out", str(out)]
+    command = [
+        sys.executable,
+        "-m",
+        "harness",
+        "diagnose",
+        "--fleet",
+        str(home),
+        "--model",
+        str(nominal),
+        "--out",
+        str(out),
+    ]
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True,
                "env": {**os.environ, "PYTHONPATH": str(ROOT)}}  # fmt: skip
     with cluster(tmp_path) as (scheduler, address):

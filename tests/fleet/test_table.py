@@ -37,7 +37,11 @@ def test_numbers_are_spread_as_they_were_drawn():
     assert (found["units"], found["diagnosed"], found["verdicts"]) == (405, 403, {"explained": 403})
     assert [row["unit"] for row in found["failed"]] == ["broken", "missing"]
     friction = found["effects"][0]
-    assert (friction["effect"], len(friction["established"]), friction["possible"]) == ("coulomb_friction", 401, ["guess"])
+    assert (friction["effect"], len(friction["established"]), friction["possible"]) == (
+        "coulomb_friction",
+        401,
+        ["guess"],
+    )
     number = found["parameters"][0]
     assert (number["number"], number["outliers"]) == (401, 1)
     # Standard errors of a median, and of a standard deviation, from 400 draws: 6 % and 3.5 % of the spread.
@@ -52,7 +56,12 @@ def test_a_phase_has_no_median():
     table = Table()
     for k in range(12):
         told = answer(0.01)
-        told["diagnosis"]["findings"][0]["parameters"]["phase"] = {"value": 3.1 * (-1) ** k, "std": 0.1, "ci95": None, "unit": "rad"}
+        told["diagnosis"]["findings"][0]["parameters"]["phase"] = {
+            "value": 3.1 * (-1) ** k,
+            "std": 0.1,
+            "ci95": None,
+            "unit": "rad",
+        }
         table.add(str(k), told)
     phase = next(row for row in table.document()["parameters"] if row["parameter"] == "phase")
     assert (phase["number"], phase["median"], phase["outliers"]) == (12, None, None)

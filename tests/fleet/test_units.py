@@ -38,7 +38,9 @@ def test_files_and_folders_are_units(tmp_path):
     assert others == ["README.txt", "photo.png"]
 
 
-@pytest.mark.parametrize(("name", "what"), [("nowhere", "no such folder"), ("file.csv", "is a file"), ("bare", "no unit")])
+@pytest.mark.parametrize(
+    ("name", "what"), [("nowhere", "no such folder"), ("file.csv", "is a file"), ("bare", "no unit")]
+)
 def test_a_folder_without_units_is_said_in_a_line(tmp_path, name, what):
     put(tmp_path / "file.csv")
     (tmp_path / "bare").mkdir()

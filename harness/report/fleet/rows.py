@@ -37,7 +37,18 @@ def effects(document: Document) -> Shown:
 
 def parameters(document: Document) -> Shown:
     """How numbers are spread."""
-    heads = ("effect", "at", "parameter", "number of units", "median", "within a unit", "between units", "95 %", "outliers", "unit")
+    heads = (
+        "effect",
+        "at",
+        "parameter",
+        "number of units",
+        "median",
+        "within a unit",
+        "between units",
+        "95 %",
+        "outliers",
+        "unit",
+    )
     lines = []
     for row in document["parameters"]:
         between, width = row["between"], row["within"]
