@@ -94,8 +94,7 @@ def arm(name: str, joints: int | None = None) -> System:
     held = {"type": JointType.FIXED, "damping": 0.0, "friction": 0.0, "mimic": None}
     free = {"lower": -np.inf, "upper": np.inf}
     parts = [
-        j if j.type is JointType.FIXED else replace(j, **(free if j.name in moving else held))  # type: ignore[arg-type]
-        for j in system.joints
+        j if j.type is JointType.FIXED else replace(j, **(free if j.name in moving else held)) for j in system.joints
     ]
     return replace(system, joints=tuple(parts), name=name)
 

@@ -17,7 +17,9 @@ WORDS = ("effect", "at", "parameter", "unit", "units", "e.g.", "what", "verdict"
 
 def verdicts(document: Document) -> Shown:
     """How many units have which verdict."""
-    lines = [(verdict.replace("_", " "), str(count)) for verdict, count in document["verdicts"].items()]
+    lines: list[tuple[str, ...]] = [
+        (verdict.replace("_", " "), str(count)) for verdict, count in document["verdicts"].items()
+    ]
     if document["failed"]:
         lines.append(("failed", str(len(document["failed"]))))
     return ("verdict", "number of units"), lines
@@ -26,7 +28,7 @@ def verdicts(document: Document) -> Shown:
 def effects(document: Document) -> Shown:
     """How many units have which effect, by grade."""
     heads = ("effect", "at", "established", "likely", "possible", "of the fleet", "e.g.")
-    lines = []
+    lines: list[tuple[str, ...]] = []
     for row in document["effects"]:
         claimed = [*row["established"], *row["likely"]]
         share = f"{100.0 * len(claimed) / max(document['diagnosed'], 1):.3g} %"
@@ -49,7 +51,7 @@ def parameters(document: Document) -> Shown:
         "outliers",
         "unit",
     )
-    lines = []
+    lines: list[tuple[str, ...]] = []
     for row in document["parameters"]:
         between, width = row["between"], row["within"]
         low, high = between["ci95"] or (None, None)
@@ -67,7 +69,7 @@ def parameters(document: Document) -> Shown:
 def outliers(document: Document) -> Shown:
     """Units apart from the others."""
     heads = ("units", "effect", "at", "parameter", "value", "median", "unit", "robust deviations", "chance, adjusted")
-    lines = [
+    lines: list[tuple[str, ...]] = [
         (
             row["unit"], row["effect"], row["site"], row["parameter"], resolved(row["value"], row["std"]),
             resolved(row["median"], row["std"]), written(row["si"]), f"{row['z']:+.1f}", f"{row['chance']:.1e}",
