@@ -13,16 +13,18 @@ _HOME = {
     "load": "harness.system",
     "Denoc": "harness.denoc",
     "diagnose": "harness.diagnose",
+    "diagnose_fleet": "harness.fleet",
     "validate": "harness.cases",
     "InputError": "harness.errors",
 }
-__all__ = ["Denoc", "InputError", "System", "__version__", "diagnose", "load", "validate"]
+__all__ = ["Denoc", "InputError", "System", "__version__", "diagnose", "diagnose_fleet", "load", "validate"]
 
 if TYPE_CHECKING:
     from harness.cases import validate
     from harness.denoc import Denoc
     from harness.diagnose import diagnose
     from harness.errors import InputError
+    from harness.fleet import diagnose_fleet
     from harness.system import System, load
 
 

@@ -5,13 +5,15 @@ Results are in the order of the items and identical either way; what a task does
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import threading
 import time
 import warnings
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import copy_context
 from functools import lru_cache
@@ -83,24 +85,37 @@ def parallel_map(
     Raises what the function raises; InputError if the address cannot be reached. Ctrl-C stops the workers.
     """
     results: dict[int, R] = {}
-    for index, result in _stream(function, items, workers, dask):
+    for index, result in stream(function, items, workers=workers, dask=dask):
         results[index] = result
         if done is not None:
             done(index, result)
     return [results[index] for index in range(len(items))]
 
 
-def _stream(
-    function: Callable[[T], R], items: Sequence[T], workers: int | None, dask: str | None
+Lost = Callable[[int, str], R]
+
+
+def stream(
+    function: Callable[[T], R],
+    items: Sequence[T],
+    *,
+    workers: int | None = None,
+    dask: str | None = None,
+    lost: Lost[R] | None = None,
 ) -> Iterator[tuple[int, R]]:
+    """(index, result) as the results of a parallel map arrive; no more is handed out or kept than the workers can hold.
+
+    lost: what stands for an item whose worker ended each time it was tried (a crash, out of memory), called with its index and a
+    line that says so; without it that is an error. Everything else as in ``parallel_map``.
+    """
     if dask is not None:
-        return _on_cluster(function, items, dask)
+        return _on_cluster(function, items, dask, lost)
     count = default_workers() if workers is None else workers
     if count < 1:
         raise InputError(f"{count} workers", mend="give a number of at least 1")
     if count == 1 or len(items) <= 1:
         return ((index, function(item)) for index, item in enumerate(items))
-    return _on_processes(function, items, min(count, len(items)))
+    return _on_processes(function, items, min(count, len(items)), lost)
 
 
 def _indexed(function: Callable[[Any], Any], index: int, item: Any) -> tuple[int, Any]:
@@ -135,29 +150,63 @@ def _end_without(parent: int) -> None:
     threading.Thread(target=watch, name="parent", daemon=True).start()
 
 
-def _on_processes(function: Callable[[T], R], items: Sequence[T], count: int) -> Iterator[tuple[int, R]]:
+def _on_processes(
+    function: Callable[[T], R], items: Sequence[T], count: int, lost: Lost[R] | None
+) -> Iterator[tuple[int, R]]:
+    from concurrent.futures.process import BrokenProcessPool
+
+    waiting = deque(range(len(items)))
+    while waiting:
+        # What has been handed out and not come back.
+        out: set[int] = set()
+        try:
+            yield from _of_a_pool(function, items, count, waiting, out)
+        except BrokenProcessPool:
+            if lost is None:
+                raise
+            # A worker that ends takes its pool along: which item that was shows when each is tried by itself.
+            for index in sorted(out):
+                try:
+                    yield from _of_a_pool(function, items, 1, deque([index]), set())
+                except BrokenProcessPool:
+                    yield index, lost(index, WORKER_ENDED)
+
+
+WORKER_ENDED = "its worker ended each time: it crashed, or was out of memory"
+
+
+def _of_a_pool(
+    function: Callable[[T], R], items: Sequence[T], count: int, waiting: deque[int], out: set[int]
+) -> Iterator[tuple[int, R]]:
+    """Results of one pool of processes. waiting: what is still to be handed out; out: what is, and not back."""
     from concurrent.futures import FIRST_COMPLETED, wait
 
     from joblib.externals.loky import get_reusable_executor
 
     # A worker whose memory has grown is replaced by a fresh one; nothing is lost by that, and nobody needs to be warned.
     warnings.filterwarnings("ignore", message="A worker stopped while some jobs", category=UserWarning)
-    waiting = enumerate(items)
     running: set[Future[tuple[int, R]]] = set()
+
+    def hand_out(most: int) -> None:
+        for _ in range(min(most, len(waiting))):
+            index = waiting.popleft()
+            out.add(index)
+            running.add(executor.submit(_indexed, function, index, items[index]))
+
     # Only what the workers can hold is handed out: a pool that is stopped with a queue of work stumbles over it.
     with _interrupts_ignored():
         executor = get_reusable_executor(
             max_workers=count, env=_ONE_THREAD, timeout=120, initializer=_end_without, initargs=(os.getpid(),)
         )
-        for index, item in islice(waiting, count + 1):
-            running.add(executor.submit(_indexed, function, index, item))
+        hand_out(count + 1)
     try:
         while running:
             done, running = wait(running, return_when=FIRST_COMPLETED)
-            for index, item in islice(waiting, len(done)):
-                running.add(executor.submit(_indexed, function, index, item))
+            hand_out(len(done))
             for future in done:
-                yield future.result()
+                index, result = future.result()
+                out.discard(index)
+                yield index, result
     except BaseException:
         # Whatever went wrong (Ctrl-C included), no worker goes on computing for nobody.
         try:
@@ -177,9 +226,15 @@ def _passed_on(calls: Collection[Future[Any]], patience: float = 2.0) -> None:
         time.sleep(1e-3)
 
 
-def _on_cluster(function: Callable[[T], R], items: Sequence[T], address: str) -> Iterator[tuple[int, R]]:
+AHEAD = 2  # tasks for each thread of a cluster: one to run, one to go on with
+COUNTED = 5.0  # s, after which the threads of a cluster are counted again: workers come and go
+
+
+def _on_cluster(
+    function: Callable[[T], R], items: Sequence[T], address: str, lost: Lost[R] | None
+) -> Iterator[tuple[int, R]]:
     try:
-        from distributed import Client, as_completed
+        from distributed import Client, KilledWorker, as_completed
     except ImportError as error:
         raise InputError(
             "a Dask address was given, but the package distributed is missing",
@@ -191,13 +246,65 @@ def _on_cluster(function: Callable[[T], R], items: Sequence[T], address: str) ->
         raise InputError(
             f"no Dask scheduler answers at {address}", mend="start one with `dask scheduler`, or check the address"
         ) from error
-    with client:
-        # pure=False: two equal items are two tasks, as on local processes.
-        futures = client.map(_indexed, [function] * len(items), range(len(items)), items, pure=False)
+    gone = InputError(
+        f"the Dask scheduler at {address} is gone",
+        mend="start it again, and give the same command: what is kept is not done twice",
+    )
+    waiting = iter(range(len(items)))
+    indices: dict[Any, int] = {}
+    with _nothing_logged("distributed"), client:
+        arriving = as_completed(loop=client.loop)
+
+        def hand_out(most: int) -> None:
+            for index in islice(waiting, most):
+                # pure=False: two equal items are two tasks, as on local processes.
+                future = client.submit(_indexed, function, index, items[index], pure=False)
+                indices[future] = index
+                arriving.add(future)
+
         try:
-            for future in as_completed(futures, loop=client.loop):
-                yield future.result()
+            counted, room = time.monotonic(), _room(client)
+            hand_out(room)
+            for future in arriving:
+                index = indices.pop(future)
+                try:
+                    yield future.result()
+                except KilledWorker:
+                    if lost is None:
+                        raise
+                    yield index, lost(index, WORKER_ENDED)
                 future.release()
+                if time.monotonic() - counted > COUNTED:
+                    counted, room = time.monotonic(), _room(client, room)
+                hand_out(room - len(indices))
+        except CancelledError as error:
+            # Nobody here cancels: a client does, once it has waited in vain for its scheduler to come back.
+            raise gone from error
         except BaseException:
-            client.cancel(futures)
+            client.cancel(list(indices))
             raise
+
+
+@contextmanager
+def _nothing_logged(package: str) -> Iterator[None]:
+    """Inside, the package's own handlers print nothing: what of it matters is raised, and said in one line."""
+    handlers = list(logging.getLogger(package).handlers)
+
+    def nothing(_: logging.LogRecord) -> bool:
+        return False
+
+    for handler in handlers:
+        handler.addFilter(nothing)
+    try:
+        yield
+    finally:
+        for handler in handlers:
+            handler.removeFilter(nothing)
+
+
+def _room(client: Any, before: int = AHEAD) -> int:
+    """Tasks that a cluster can be given to hold, a few where it has no worker yet; as before where it does not answer now."""
+    try:
+        return max(AHEAD * sum(client.nthreads().values()), AHEAD)
+    except (OSError, TimeoutError):
+        return before

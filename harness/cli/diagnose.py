@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.interrupt import answers_to_interrupt
-from harness.cli.options import allow_option, console, output_options, progress, say_notes, write_json
+from harness.cli.options import (
+    allow_option,
+    console,
+    output_options,
+    progress,
+    say_notes,
+    wide_options,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from harness.diagnose.problem.deadline import Deadline
@@ -20,7 +28,7 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 
 
 @click.command()
-@click.argument("recordings", nargs=-1, required=True, metavar="RECORDING …")
+@click.argument("recordings", nargs=-1, metavar="RECORDING …")
 @click.option(
     "--model",
     "models",
@@ -82,9 +90,17 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     help="Whether the MJCF's limits act, as soft constraints, where a recording meets them.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 1 unless the verdict is consistent or explained.")
-@output_options(
-    "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page."
+@click.option(
+    "--fleet",
+    metavar="DIR",
+    help="Diagnose every unit of a fleet, in place of recordings: each file in DIR is one, and each folder of recordings, with its "
+    "own model.toml if it has one. --time-limit is for each unit; the same command goes on where it was stopped.",
 )
+@output_options(
+    "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page; of --fleet "
+    "one JSON a unit as they come, and fleet.json, fleet.csv, report.html (default: denoc-fleet)."
+)
+@wide_options
 def diagnose(
     recordings: tuple[str, ...],
     models: tuple[str, ...],
@@ -101,8 +117,11 @@ def diagnose(
     actuators: bool,
     limits: bool,
     strict: bool,
+    fleet: str | None,
     out: Path | None,
     json_file: str | None,
+    workers: int | None,
+    dask: str | None,
 ) -> int:
     """Locate where a model leaves the recordings, name the physics it left out, fit it, and judge on data held out.
 
@@ -114,12 +133,34 @@ def diagnose(
       denoc diagnose run*.csv --compare toolbox_a.urdf toolbox_b.urdf --out compared
       denoc diagnose run*.csv --transfer published.urdf
       denoc diagnose ancf.csv --model examples/paper/one_mode.toml --engine as_printed
+      denoc diagnose --fleet recordings --model rig.urdf --out fleet --dask tcp://head:8786
 
     --compare and --transfer ask for no search and need no --model; with one, the diagnosis comes first.
     """
     from harness.cli.held_against import held_against, tell
     from harness.errors import InputError
 
+    if fleet is not None:
+        from harness.cli.fleet import diagnose_all
+
+        apart: dict[str, Any] = {
+            "--holdout": holdout,
+            "--compare": compare,
+            "--transfer": published,
+            "--engine": engine,
+        }
+        _refuse(apart, "does not go with --fleet", "leave it out, or diagnose one unit by itself")
+        if recordings or len(models) > 1:
+            what = "recordings are given" if recordings else f"{len(models)} models are given"
+            raise InputError(f"{what} beside --fleet", mend="put them into the fleet's folder, a folder for each unit")
+        return diagnose_all(
+            fleet, models[0] if models else None, out or Path("denoc-fleet"), json_file, strict=strict, mapping=mapping,
+            tolerance=tolerance, fit_effort=fit_effort, effects=effects_files, time_limit=time_limit, actuators=actuators,
+            limits=limits, allow=allow, workers=workers, dask=dask,
+        )  # fmt: skip
+    _refuse({"--workers": workers, "--dask": dask}, "is for --fleet", "leave it out: one diagnosis runs in one process")
+    if not recordings:
+        raise InputError("no recording given", mend="name the recordings of one rig, or --fleet DIR")
     if engine is not None:
         from harness.cli.balance import diagnose_engine
 

@@ -34,10 +34,11 @@ def table_csv(results: Results) -> str:
         values["engines"] = "+".join(row.engines)
         if row.first_divergence:
             values["first_divergence"] = json.dumps(dict(row.first_divergence), ensure_ascii=False)
-        writer.writerow({key: _tame(value) for key, value in values.items()})
+        writer.writerow({key: tame(value) for key, value in values.items()})
     return text.getvalue()
 
 
-def _tame(value: object) -> object:
+def tame(value: object) -> object:
+    """The value as a cell that no spreadsheet runs."""
     # A spreadsheet would run text that starts like a formula.
     return "'" + value if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") else value

@@ -7,13 +7,14 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.errors import InputError
-from harness.parallel import meanwhile, parallel_map
+from harness.parallel import meanwhile, parallel_map, stream
 
 
 def square(x: int) -> int:
@@ -163,3 +164,65 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path):
     while not all(map(gone, workers)):
         assert time.monotonic() < until, "a worker goes on without its parent"
         time.sleep(0.05)
+
+
+def ends(x: int) -> int:
+    if x == 3:
+        os._exit(9)  # as a crash or the system's hand on a process out of memory does
+    return x * x
+
+
+@pytest.mark.parametrize("where", ["processes", "cluster"])
+def test_an_item_that_ends_its_worker_is_told_and_the_others_come(where):
+    def lost(index: int, why: str) -> int:
+        assert "worker ended" in why
+        return -index
+
+    if where == "processes":
+        found = dict(stream(ends, ITEMS, workers=2, lost=lost))
+    else:
+        dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
+        # Not tried again: a worker that ends as soon as it is back is not started once more by its nanny.
+        with (
+            dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+            distributed.LocalCluster(
+                n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None, protocol="tcp"
+            ) as cluster,
+        ):
+            found = dict(stream(ends, ITEMS, dask=cluster.scheduler_address, lost=lost))
+    assert found == {k: -1 if x == 3 else x * x for k, x in enumerate(ITEMS)}
+
+
+class Watched(Sequence[int]):
+    """Items that count how many of them were asked for."""
+
+    def __init__(self, count: int) -> None:
+        self.count, self.asked = count, 0
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __getitem__(self, index):
+        self.asked += 1
+        return index
+
+
+@pytest.mark.parametrize("where", ["processes", "cluster"])
+def test_no_more_is_handed_out_than_the_workers_can_hold(where):
+    """A map over ten thousand items holds a few of them: two for each thread of a cluster, one more than processes here."""
+    items = Watched(10_000)
+    if where == "processes":
+        arriving = stream(square, items, workers=2)
+        next(arriving)
+        assert items.asked <= 3 + 2
+        arriving.close()
+        return
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, protocol="tcp"
+    ) as cluster:
+        arriving = stream(square, items, dask=cluster.scheduler_address)
+        for _ in range(20):
+            next(arriving)
+        assert items.asked <= 20 + 2
+        arriving.close()

@@ -8,14 +8,14 @@ noise profiled out: cost = N log(S/N) + the nominal quantities' prior.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_toeplitz
 from scipy.optimize import least_squares
 
-from harness.diagnose.inverse.effort_model import EffortModel
+from harness.diagnose.inverse.effort_model import LAWS, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.problem.hypothesis import Hypothesis
 
@@ -25,6 +25,12 @@ APART = 0.55  # periods of the cutoff between samples that are compared
 MEMORY = 3  # lags of the autoregression, at most
 CLUSTERS = 3  # stretches a parameter, from which on the scatter between stretches is trusted
 ROUNDS = 3  # of noise and parameters in turn
+SIGMA = 1e-3  # of a nominal quantity's σ, by which its slope is read off
+SHARE = 1e-5  # of a parameter's typical size, the same
+# How far a fit may go before the slopes of nominal quantities are read off again: torques are linear in most of them, so that half
+# a per cent of a quantity (half a σ of one per cent) changes slopes by as much at most.
+STALE = 0.5  # σ
+MOVED = 0.02  # of the typical size of parameters that those slopes depend on
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +117,33 @@ class EffortData:
     model: EffortModel
     grids: tuple[Grid, ...]
     noises: tuple[EffortNoise, ...]
+    _slopes: dict[frozenset[str], tuple[Array, Array]] = field(default_factory=dict)
+
+    def nominal_slopes(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """Slopes of the whitened rows over the nominal quantities near x, (rows, nominal).
+
+        They are those of all hypotheses with the same effects other than laws of joints, which only add to the torque.
+        """
+        model = self.model
+        nominal = len(model.nominal)
+        bent = [
+            (member, span)
+            for member, span in zip(hypothesis.members, model.spans(hypothesis), strict=True)
+            if member.effect.name not in LAWS
+        ]
+        key = frozenset(member.key for member, _ in bent)
+        order = sorted(bent, key=lambda pair: pair[0].key)
+        at = np.concatenate([x[:nominal] / STALE, *(x[span] / (MOVED * member.scales) for member, span in order)])
+        if key in self._slopes and np.all(np.abs(at - self._slopes[key][0]) <= 1.0):
+            return self._slopes[key][1]
+        here, _ = self.rows(model.residuals(hypothesis, x))
+        slopes = np.empty((len(here), nominal))
+        for k in range(nominal):
+            there = x.copy()
+            there[k] += SIGMA
+            slopes[:, k] = (self.rows(model.residuals(hypothesis, there))[0] - here) / SIGMA
+        self._slopes[key] = at, slopes
+        return slopes
 
     @property
     def joints(self) -> list[int]:
@@ -169,12 +202,26 @@ def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen
         rows, _ = data.rows(model.residuals(hypothesis, whole))
         return np.concatenate([rows / size, whole[:nominal]])
 
+    def slopes(part: Array) -> Array:
+        whole = full(part)
+        here, _ = data.rows(model.residuals(hypothesis, whole))
+        out = np.zeros((len(here) + nominal, len(whole)))
+        if free[:nominal].any():
+            out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole) / size
+        out[len(here) :, :nominal] = np.eye(nominal)
+        for k in np.flatnonzero(free[nominal:]) + nominal:
+            step = SHARE * scale[k] * (1.0 if whole[k] + SHARE * scale[k] <= upper[k] else -1.0)
+            there = whole.copy()
+            there[k] += step
+            out[: len(here), k] = (data.rows(model.residuals(hypothesis, there))[0] - here) / (step * size)
+        return out[:, free]
+
     jacobian = np.zeros((0, len(start)))
     for _ in range(ROUNDS):
         if free.any():
             inside = np.clip(x[free], lower[free] + 1e-9 * scale[free], upper[free] - 1e-9 * scale[free])
             found = least_squares(
-                misfit, inside, bounds=(lower[free], upper[free]), x_scale=scale[free], diff_step=None, max_nfev=25
+                misfit, inside, slopes, bounds=(lower[free], upper[free]), x_scale=scale[free], max_nfev=25
             )
             x = full(found.x)
             jacobian = np.zeros((len(found.fun), len(start)))

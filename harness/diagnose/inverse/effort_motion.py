@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,11 +148,22 @@ def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) ->
 
     White noise of the position: ∫₀^f (2πf)^(2k) S df with S = 2 σ² Δt.
     """
-    channel = recording.channel(f"{joint}.position")
-    found = estimate_noise(recording.time, channel.values, unit=channel.unit, channel=channel.name)
-    density = 2.0 * found.std**2 * recording.interval
+    density = 2.0 * _reading_noise(recording, joint) ** 2 * recording.interval
     power = 2 * order + 1
     return float(np.sqrt((2.0 * np.pi) ** (2 * order) * density * cutoff**power / power))
+
+
+# Every cutoff that is tried asks for the same noise again.
+_KNOWN: WeakKeyDictionary[Recording, dict[str, float]] = WeakKeyDictionary()
+
+
+def _reading_noise(recording: Recording, joint: str) -> float:
+    """Standard deviation of the noise of a joint's position."""
+    known = _KNOWN.setdefault(recording, {})
+    if joint not in known:
+        channel = recording.channel(f"{joint}.position")
+        known[joint] = estimate_noise(recording.time, channel.values, unit=channel.unit, channel=channel.name).std
+    return known[joint]
 
 
 def cutoff_for(system: System, recording: Recording, swing: float) -> float:

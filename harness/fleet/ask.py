@@ -1,0 +1,65 @@
+"""One unit's diagnosis, on whichever machine it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.diagnose.diagnose import diagnose
+from harness.errors import InputError, one_line
+from harness.fleet.kept import keep
+from harness.fleet.question import Question
+from harness.fleet.units import Unit
+from harness.journal import code_digest
+from harness.system import load
+
+
+@dataclass(frozen=True)
+class Told:
+    """That a unit's answer is kept. verdict: "failed" where there is none; code: of who gave it."""
+
+    unit: str
+    verdict: str
+    code: str
+
+
+def ask(unit: Unit, question: Question, folder: Path) -> Told:
+    """Diagnose a unit and keep its answer in the fleet's folder, before anybody else has to be there to take it.
+
+    What the recordings or the model are to blame for is an answer too; what else goes wrong is tried again by the next run.
+    """
+    files: list[list[str | int]] = []
+    try:
+        files = unit.files()
+        document = _diagnosed(unit, question)
+    except InputError as error:
+        keep(folder, unit.name, files, failed=str(error))
+        return Told(unit.name, "failed", code_digest())
+    except MemoryError:
+        return not_done(folder, unit, "not enough memory (fewer samples or more memory for each worker will do)")
+    except Exception as error:
+        return not_done(folder, unit, f"a defect in denoc: {type(error).__name__}: {error}")
+    keep(folder, unit.name, files, diagnosis=document)
+    return Told(unit.name, document["verdict"], code_digest())
+
+
+def not_done(folder: Path, unit: Unit, why: str) -> Told:
+    """Keep why a unit has no answer this time."""
+    keep(folder, unit.name, [], failed=one_line(f"{unit.name}: {why}"), again=True)
+    return Told(unit.name, "failed", code_digest())
+
+
+def _diagnosed(unit: Unit, question: Question) -> dict[str, Any]:
+    model = unit.model or question.model
+    if model is None:
+        raise InputError(
+            "has no model of its own", source=unit.name, mend="give --model, or put model.toml into each unit's folder"
+        )
+    if not unit.recordings:
+        raise InputError("holds no recording", source=unit.name, mend="put recordings there, such as run1.csv")
+    return diagnose(
+        list(unit.recordings), load(model, physical=False, allow=question.allow), mapping=question.mapping,
+        tolerance=question.tolerance, fit_effort=question.fit_effort, effects=question.effects,
+        time_limit=question.time_limit, actuators=question.actuators, limits=question.limits,
+    ).to_json()  # fmt: skip
