@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -197,12 +198,12 @@ class Watched(Sequence[int]):
     """Items that count how many of them were asked for."""
 
     def __init__(self, count: int) -> None:
-        self.count, self.asked = count, 0
+        self.size, self.asked = count, 0
 
     def __len__(self) -> int:
-        return self.count
+        return self.size
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Any:
         self.asked += 1
         return index
 
