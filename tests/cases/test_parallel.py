@@ -173,24 +173,12 @@ def ends(x: int) -> int:
     return x * x
 
 
-@pytest.mark.parametrize("where", ["processes", "cluster"])
-def test_an_item_that_ends_its_worker_is_told_and_the_others_come(where):
+def test_an_item_that_ends_its_worker_is_told_and_the_others_come():
     def lost(index: int, why: str) -> int:
         assert "worker ended" in why
         return -index
 
-    if where == "processes":
-        found = dict(stream(ends, ITEMS, workers=2, lost=lost))
-    else:
-        dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
-        # Not tried again: a worker that ends as soon as it is back is not started once more by its nanny.
-        with (
-            dask.config.set({"distributed.scheduler.allowed-failures": 0}),
-            distributed.LocalCluster(
-                n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None, protocol="tcp"
-            ) as cluster,
-        ):
-            found = dict(stream(ends, ITEMS, dask=cluster.scheduler_address, lost=lost))
+    found = dict(stream(ends, ITEMS, workers=2, lost=lost))
     assert found == {k: -1 if x == 3 else x * x for k, x in enumerate(ITEMS)}
 
 
