@@ -4,6 +4,8 @@ Likelihoods from SciPy's multivariate normal; recordings by SciPy's integration 
 the model does not have and a force that no law of the catalogue is.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -49,17 +51,6 @@ def test_how_likely_residuals_are_is_that_of_one_gaussian_over_all_recordings(tw
     assert difference == pytest.approx(dense(one) - dense(two), rel=1e-9)
 
 
-def test_as_many_readings_are_independent_as_their_covariance_says(two_windows):
-    force, windows, free = two_windows
-    sums = force.sums(windows, free)
-    nothing = Force(np.full(2, 1e-7), np.ones(2), np.ones(2))
-    # White noise alone: each of 60 readings of a channel by itself.
-    assert force.independent(sums, nothing) == pytest.approx([60.0, 60.0], rel=1e-6)
-    # A force of far more than the noise at one node of each joint and no other: as many directions as it has, at most.
-    loud = Force(np.full(2, 1e6), np.full(2, 1e3), np.ones(2))
-    assert np.all(force.independent(sums, loud) < 2.5)
-
-
 ARM = """
 name = "arm"
 gravity = [0.0, 0.0, -9.81]
@@ -81,13 +72,15 @@ inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
 end = [0.0, 0.0, -0.15]
 """
 ADDED = 0.3  # kg at the end
+ONE_HEIGHT = (-1.4, -1.4, -1.4, -1.4)  # rad
+HEIGHTS = (-1.4, -0.6, -1.0, -1.2)
 
 
 LEFT_OUT = 0.03  # N·m, standard deviation
 
 
-def drops(count: int, added: float) -> list[Recording]:
-    """Free drops from about one angle, with an added weight [kg], the stated friction, and a smooth force over angle and speed.
+def drops(starts: Sequence[float], added: float) -> list[Recording]:
+    """Free drops from about these angles [rad], with an added weight [kg], the stated friction, and a force over angle and speed.
 
     It is the same in all of them, a draw of random waves (Rahimi and Recht, NIPS 20 (2007) 1177).
     """
@@ -102,9 +95,9 @@ def drops(count: int, added: float) -> list[Recording]:
         return qd, (-weight * np.sin(q) - 0.05 * qd - 0.02 * np.tanh(qd / 0.01) + left_out) / about
 
     out = []
-    for k in range(count):
+    for k, angle in enumerate(starts):
         time = np.arange(0.0, 2.5, 0.01)
-        start = -1.4 + 0.01 * random.normal()
+        start = angle + 0.01 * random.normal()
         found = solve_ivp(slope, (0.0, 2.5), (start, 0.0), t_eval=time, rtol=1e-8, atol=1e-10)
         read = found.y[0] + 1e-3 * random.normal(size=len(time))
         channel = Channel("servo.position", "servo", "position", "rad", constant(read))
@@ -115,7 +108,7 @@ def drops(count: int, added: float) -> list[Recording]:
 def test_a_weight_is_told_beside_a_force_that_no_law_describes_and_nothing_curious_is(tmp_path):
     model = tmp_path / "arm.toml"
     model.write_text(ARM)
-    found = harness.diagnose(drops(4, ADDED), model)
+    found = harness.diagnose(drops(HEIGHTS, ADDED), model)
     told = {f["effect"]: f for f in found.findings if f["grade"] != "possible"}
     assert "payload_mass" in told
     low, high = told["payload_mass"]["parameters"]["mass"]["ci95"]
@@ -124,9 +117,28 @@ def test_a_weight_is_told_beside_a_force_that_no_law_describes_and_nothing_curio
     assert found.verdict == "partly_explained"
 
 
+def test_drops_from_one_height_may_not_tell_for_certain_and_tell_nothing_else(tmp_path):
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    (found,) = harness.diagnose(drops(ONE_HEIGHT, ADDED), model).findings
+    low, high = found["parameters"]["mass"]["ci95"]
+    assert found["effect"] == "payload_mass" and low < ADDED < high
+
+
 def test_beside_such_a_force_alone_nothing_is_told_for_certain(tmp_path):
     model = tmp_path / "arm.toml"
     model.write_text(ARM)
-    found = harness.diagnose(drops(4, 0.0), model)
+    found = harness.diagnose(drops(ONE_HEIGHT, 0.0), model)
     assert [f["effect"] for f in found.findings if f["grade"] != "possible"] == []
     assert found.verdict in ("partly_explained", "unexplained")
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="what is constant of the force is told as a tilt of the base",
+)
+def test_nor_is_it_from_several_heights(tmp_path):
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    found = harness.diagnose(drops(HEIGHTS, 0.0), model)
+    assert [f["effect"] for f in found.findings if f["grade"] != "possible"] == []
