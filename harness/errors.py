@@ -103,6 +103,19 @@ def unwritable(place: str | Path, error: OSError) -> InputError:
     return InputError(f"cannot be written: {error.strerror or error}", mend=mend, source=place)
 
 
+def unforeseen(error: Exception) -> str:
+    """One line of an error that is none of the input's: of a missing package, of the machine, or a defect."""
+    absent = missing_package(error) if isinstance(error, ImportError) else None
+    if absent is not None:
+        return str(absent)
+    if isinstance(error, OSError) and error.errno is not None:
+        # Of the machine, not of the code: a full disk, rights, too many open files.
+        where = "" if error.filename is None else f"{error.filename}: "
+        return one_line(f"{where}{error.strerror} (make room, or name another place)")
+    text = one_line(str(error)) or "no message"
+    return f"a defect in denoc: {type(error).__name__}: {text} (DENOC_TRACEBACK=1 shows where)"
+
+
 class EngineUnavailableError(RuntimeError):
     """An engine is not installed or cannot be loaded; the message says how to get it."""
 

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 import click
 
 from harness.cli.interrupt import Interrupted, hear_at_once, swallowed
-from harness.errors import EngineUnavailableError, InputError, missing_package, one_line
+from harness.errors import EngineUnavailableError, InputError, one_line, unforeseen
 
 # Verb to its one line of help; the verb's own module is imported when it is run.
 VERBS = {
@@ -124,15 +124,7 @@ def status_of(arguments: list[str] | None = None) -> int:
             return _say(STOPPED, INTERRUPTED)
         if os.environ.get("DENOC_TRACEBACK"):
             raise
-        absent = missing_package(error) if isinstance(error, ImportError) else None
-        if absent is not None:
-            return _say(str(absent), UNUSABLE)
-        if isinstance(error, OSError) and error.errno is not None:
-            # Of the machine, not of the code: a full disk, rights, too many open files.
-            where = "" if error.filename is None else f"{error.filename}: "
-            return _say(one_line(f"{where}{error.strerror} (make room, or name another place)"), UNUSABLE)
-        text = one_line(str(error)) or "no message"
-        return _say(f"a defect in denoc: {type(error).__name__}: {text} (DENOC_TRACEBACK=1 shows where)", UNUSABLE)
+        return _say(unforeseen(error), UNUSABLE)
 
 
 def _say(text: str, status: int) -> int:

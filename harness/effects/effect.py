@@ -45,6 +45,11 @@ class SiteKind(StrEnum):
     BASE = "base"
 
 
+def cauchy_surprise(away: Any) -> Any:
+    """−2 log of a Cauchy density, less its greatest value, so many of its scales away."""
+    return 2.0 * np.log1p(away**2)
+
+
 @dataclass(frozen=True)
 class Plausible:
     """How far from absence a number usually is, and why: the scale of a Cauchy prior, whose tails rule nothing out.
@@ -63,7 +68,7 @@ class Plausible:
         neutral: at which the effect is absent.
         """
         away = 1.0 / max(abs(value), 1e-300) if self.inverse else value - neutral
-        return float(2.0 * np.log1p((away / self.size(references)) ** 2))
+        return float(cauchy_surprise(away / self.size(references)))
 
 
 @dataclass(frozen=True)
@@ -80,7 +85,7 @@ class PlausibleTogether:
 
     def surprise(self, values: Mapping[str, float], references: References) -> float:
         """−2 log of the prior's density, less its greatest value."""
-        return float(2.0 * np.log1p((self.of(values, references) / self.size) ** 2))
+        return float(cauchy_surprise(self.of(values, references) / self.size))
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from harness.diagnose.diagnose import diagnose
-from harness.errors import InputError, one_line
+from harness.errors import InputError, one_line, unforeseen
 from harness.fleet.kept import keep
 from harness.fleet.question import Question
 from harness.fleet.units import Unit
@@ -39,7 +40,10 @@ def ask(unit: Unit, question: Question, folder: Path) -> Told:
     except MemoryError:
         return not_done(folder, unit, "not enough memory (fewer samples or more memory for each worker will do)")
     except Exception as error:
-        return not_done(folder, unit, f"a defect in denoc: {type(error).__name__}: {error}")
+        # One unit must not end thousands of others: it is told as failed, and asked again by the next run.
+        if os.environ.get("DENOC_TRACEBACK"):
+            raise
+        return not_done(folder, unit, unforeseen(error))
     keep(folder, unit.name, files, diagnosis=document)
     return Told(unit.name, document["verdict"], code_digest())
 

@@ -61,7 +61,10 @@ def diagnose_fleet(
     if progress is not None:
         progress(count, len(units), "")
     asking = partial(ask, question=question, folder=kept)
-    lost: Callable[[int, str], Told] = lambda index, why: not_done(kept, left[index], why)  # noqa: E731
+
+    def lost(index: int, why: str) -> Told:
+        return not_done(kept, left[index], why)
+
     for _, told in stream(asking, left, workers=workers, dask=dask, lost=lost):
         if told.code != code_digest():
             raise InputError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +47,8 @@ class Place:
 
 def left_force(outcome: Outcome, fitted: Fit, force: Discrepancy) -> list[LeftForce]:
     """The likeliest course of the force given what a fit leaves (the mean of a Gaussian process given its response)."""
-    study = outcome.study
-    objective = study.objective(fitted.hypothesis).on(fitted.windows)
     seen = force.responses.probe.likelihood
-    ((_, residuals),) = replace(objective, likelihood=seen).residuals([(fitted.x, fitted.states)])
-    # The force acts along the motion of another fit, which may have more coordinates than this one, or fewer.
-    names = outcome.predictor.mechanism(force.responses.probe.fitted.hypothesis).names
+    ((_, residuals),) = outcome.study.objective_under(seen, fitted).residuals([(fitted.x, fitted.states)])
     out = []
     for window, white in zip(fitted.windows, residuals, strict=True):
         residual = white / np.sqrt(force.louder)
@@ -64,8 +60,9 @@ def left_force(outcome: Outcome, fitted: Fit, force: Discrepancy) -> list[LeftFo
         own_axes = vectors.T @ (forced.q.T @ residual) / (1.0 + np.maximum(values, 0.0))
         # Residuals are prediction − measurement: what pushes the measurement is what the prediction lacks.
         course = -spread @ forced.r.T @ (vectors @ own_axes)
-        for joint, own in zip(force.joints, np.split(course, len(force.joints)), strict=True):
-            k = names.index(joint)
+        # The motion is that of another fit, which may have more coordinates than this one, or fewer.
+        each = zip(force.joints, force.responses.places, np.split(course, len(force.joints)), strict=True)
+        for joint, k, own in each:
             size = force.scale * np.interp(motion.time, forced.knots, own)
             start = outcome.problem.runs[window.run].time[window.first]
             out.append(LeftForce(joint, window.run, motion.time + start, motion.q[:, k], motion.qd[:, k], size))

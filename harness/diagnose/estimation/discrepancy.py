@@ -80,6 +80,19 @@ class Responses:
         names = self.probe.predictor.mechanism(self.probe.fitted.hypothesis).names
         return tuple(name for name in names if name in self.probe.predictor.problem.system.joint_names)
 
+    @property
+    def places(self) -> list[int]:
+        """Where the joints stand among the coordinates of the motions."""
+        names = self.probe.predictor.mechanism(self.probe.fitted.hypothesis).names
+        return [names.index(joint) for joint in self.joints]
+
+    def moved(self, motion: Response, place: int, histories: Array) -> Array:
+        """What the whitened channels make of force histories (k, G), in natural torques, at a coordinate: (M, k)."""
+        return channels_moved(
+            self.probe.predictor, self.probe.likelihood, self.probe.fitted, motion,
+            partial(motion.by_force, place), len(histories), lambda own: self.torque * histories[own],
+        ).T  # fmt: skip
+
     def of(self, window: Window) -> Forced:
         """The answer in a window or in a piece of one; nothing where the fit has no motion."""
         if window not in self._known:
@@ -91,20 +104,12 @@ class Responses:
         channels = len(self.probe.predictor.problem.channels)
         if motion is None:
             return Forced(np.zeros((channels * window.size, 0)), np.zeros((0, 0)), np.zeros(0))
-        names = self.probe.predictor.mechanism(self.probe.fitted.hypothesis).names
-        places = [names.index(joint) for joint in self.joints]
+        places = self.places
         span = float(motion.time[-1])
         count = int(np.clip(np.ceil(span * FINEST / self.period), 2, max(MOST_KNOTS // len(places), 2)))
         knots = np.linspace(0.0, span, count + 1)
-        hats = np.maximum(1.0 - np.abs(motion.time - knots[:, None]) / (knots[1] - knots[0]), 0.0)
-        columns = [
-            channels_moved(
-                self.probe.predictor, self.probe.likelihood, self.probe.fitted, motion,
-                partial(motion.by_force, place), len(hats),
-                lambda own: self.torque * hats[own],
-            ).T
-            for place in places
-        ]  # fmt: skip
+        hats = hat_functions(knots, motion.time)
+        columns = [self.moved(motion, place, hats) for place in places]
         q, r = qr(np.nan_to_num(np.hstack(columns)), mode="economic", check_finite=False)
         return Forced(q, r, knots)
 
@@ -145,6 +150,11 @@ def responses(
         return None
     motions = {window: respond(predictor, fitted, window, torque) for window in fitted.windows}
     return Responses(Whitening(predictor, likelihood.of_sensors, fitted), motions, torque, period)
+
+
+def hat_functions(knots: Array, values: Array) -> Array:
+    """Piecewise linear functions (k, G), one at each of k evenly spaced knots and none at the others."""
+    return np.asarray(np.maximum(1.0 - np.abs(values - knots[:, None]) / (knots[1] - knots[0]), 0.0))
 
 
 def covariance_at(knots: Array, sizes: Array, memory: float) -> Array:

@@ -13,17 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, cholesky
 from scipy.optimize import minimize
 
-from harness.diagnose.estimation.discrepancy import LARGEST, LOUDEST, SMALLEST, Profiled, Responses
+from harness.diagnose.estimation.discrepancy import LARGEST, LOUDEST, SMALLEST, Profiled, Responses, hat_functions
 from harness.diagnose.estimation.effective_samples import hanging_together
-from harness.diagnose.estimation.linear_response import channels_moved
 from harness.diagnose.problem.windows import Window
+from harness.effects.effect import cauchy_surprise
 
 Array = NDArray[np.float64]
 
@@ -107,7 +106,7 @@ class StateForce:
         """−2 log of how likely residuals are with the force integrated out, up to a constant of the recordings, and of how usual
         its size is."""
         weights = 1.0 / (force.louder * self.together)
-        own = 2.0 * float(np.sum(np.log1p((force.sizes / USUAL) ** 2)))
+        own = float(np.sum(cauchy_surprise(force.sizes / USUAL)))
         own += float(np.sum(sums.counts / self.together * np.log(force.louder)) + np.sum(weights * sums.left))
         root = self.prior_root(force)
         inside, seen = self._seen(sums, weights, root)
@@ -159,26 +158,13 @@ class StateForce:
             out.append(own.residual - (answers - own.states @ (own.states.T @ answers)) @ forces)
         return out
 
-    def independent(self, sums: Sums, force: Force) -> Array:
-        """As how many readings every channel (C,) counts: (tr Σ)² / tr Σ² with Σ the covariance of what is left (Bartlett's)."""
-        root = self.prior_root(force)
-        out = np.zeros(self.channels)
-        for c in range(self.channels):
-            own = np.linalg.eigvalsh(root.T @ sums.squares[c] @ root)
-            loud, count = force.louder[c], sums.counts[c]
-            total = float(np.sum(own)) + loud * count
-            square = float(np.sum(own**2)) + 2.0 * loud * float(np.sum(own)) + loud**2 * count * self.together[c]
-            out[c] = total**2 / square
-        return out
-
 
 def over_the_state(found: Responses, windows: Sequence[Window], free: Sequence[Profiled]) -> StateForce | None:
     """The forces over the state along the fit of ``found``, with their shape as a reference leaves it; None without motion.
 
     windows, free: of the reference, the plainest explanation at hand: a test is calibrated by what it holds to be true.
     """
-    names = found.probe.predictor.mechanism(found.probe.fitted.hypothesis).names
-    places = [names.index(joint) for joint in found.joints]
+    places = found.places
     motions = {w: found.motion(w) for w in windows}
     moving = {w: m for w, m in motions.items() if m is not None}
     if not moving or not places:
@@ -202,12 +188,7 @@ def over_the_state(found: Responses, windows: Sequence[Window], free: Sequence[P
             if w not in moving:
                 pieces[w].append(np.zeros((channels * w.size, int(visited.sum()))))
                 continue
-            histories = found.torque * hats[w][visited]
-            moved = channels_moved(
-                found.probe.predictor, found.probe.likelihood, found.probe.fitted, moving[w],
-                partial(moving[w].by_force, place), len(histories), histories.__getitem__,
-            )  # fmt: skip
-            pieces[w].append(np.nan_to_num(moved.T))
+            pieces[w].append(np.nan_to_num(found.moved(moving[w], place, hats[w][visited])))
     answers = {w: np.hstack(own) for w, own in pieces.items()}
     force = StateForce(np.array(joint, dtype=np.intp), np.vstack(at), answers, channels, np.ones(channels))
     sums = force.sums(windows, free)
@@ -226,8 +207,5 @@ def _axis(values: Array, count: int) -> Array:
 
 def _hats(axes: Sequence[Array], position: Array, velocity: Array) -> Array:
     """Bilinear hat functions of the nodes (k, G) along a motion."""
-    along = []
-    for axis, values in zip(axes, (position, velocity), strict=True):
-        step = axis[1] - axis[0]
-        along.append(np.maximum(1.0 - np.abs(values - axis[:, None]) / step, 0.0))
-    return np.asarray((along[0][:, None] * along[1][None]).reshape(-1, len(position)))
+    along, across = hat_functions(axes[0], position), hat_functions(axes[1], velocity)
+    return np.asarray((along[:, None] * across[None]).reshape(-1, len(position)))

@@ -22,9 +22,8 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
-# Effects that inverse dynamics along a measured motion can express; the others have a memory or coordinates of their own, which
-# need a free run.
-KNOWN = (
+# Effects whose torque is a function of their own joint's motion and adds to what the mechanism needs; see ``_law``.
+LAWS = (
     "viscous_damping",
     "coulomb_friction",
     "stribeck_friction",
@@ -33,6 +32,11 @@ KNOWN = (
     "cubic_stiffness",
     "constant_torque",
     "cogging_torque",
+)
+# Effects that inverse dynamics along a measured motion can express; the others have a memory or coordinates of their own, which
+# need a free run.
+KNOWN = (
+    *LAWS,
     "payload_mass",
     "added_inertia",
     "com_offset",
@@ -45,17 +49,6 @@ KNOWN = (
     "actuator_gain",
     "actuator_delay",
     "actuator_deadzone",
-)
-# Effects whose torque is a function of their own joint's motion and adds to what the mechanism needs; see ``_law``.
-LAWS = (
-    "viscous_damping",
-    "coulomb_friction",
-    "stribeck_friction",
-    "quadratic_drag",
-    "joint_stiffness",
-    "cubic_stiffness",
-    "constant_torque",
-    "cogging_torque",
 )
 KEPT = 64  # mechanisms whose smoothed torque is kept: a search asks for the same ones again and again
 PROBE = 0.05  # of the efforts' size, by which the slope of the input chain is read off

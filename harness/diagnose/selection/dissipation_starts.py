@@ -41,17 +41,11 @@ def with_one_change(study: Study, near: Fit) -> list[Fit]:
 
     A weight, a centre of mass, a rotor: what a bench is changed by first. near: a fit whose initial states are begun from.
     """
-    rubbing = Hypothesis()
-    for candidate in study.candidates:
-        if candidate.effect.name in SETS[0] and compatible(rubbing, candidate):
-            rubbing = rubbing.with_(candidate)
+    rubbing = _together(study.candidates, SETS[0])
     changes = [c for c in study.candidates if c.effect.name in CHANGES and compatible(rubbing, c)]
     found = [_fitted(study, rubbing.members, near)] if rubbing.members else []
     for change in changes:
         hypothesis = rubbing.with_(change)
-        if hypothesis.identity in study.fits:
-            found.append(study.fits[hypothesis.identity])
-            continue
         # At each of its usual sizes: one of them is on the right side of a wrong valley.
         sizes = [
             to_internal(change, np.array([v])) for v in change.effect.parameters[0].start_values(change.references)
@@ -61,7 +55,8 @@ def with_one_change(study: Study, near: Fit) -> list[Fit]:
             for start in _starts(study, hypothesis, near)
             for size in sizes
         ]
-        found.append(study.fit(hypothesis, starts, near, most_steps=25))
+        known = study.fits.get(hypothesis.identity)
+        found.append(known or study.fit(hypothesis, starts, near, most_steps=25))
     return sorted(found, key=study.criterion)
 
 
@@ -84,9 +79,14 @@ def everywhere(study: Study, near: Fit) -> Fit | None:
 
 def plain_set(candidates: Sequence[Candidate], zero: str) -> Hypothesis:
     """Ordinary dissipation at every joint, a rotor's inertia and a zero, as far as they are among candidates and go together."""
+    return _together(candidates, (*SETS[-1], ROTOR, zero))
+
+
+def _together(candidates: Sequence[Candidate], names: Sequence[str]) -> Hypothesis:
+    """All candidates of these effects that go together."""
     hypothesis = Hypothesis()
     for candidate in candidates:
-        if candidate.effect.name in (*SETS[-1], ROTOR, zero) and compatible(hypothesis, candidate):
+        if candidate.effect.name in names and compatible(hypothesis, candidate):
             hypothesis = hypothesis.with_(candidate)
     return hypothesis
 

@@ -423,7 +423,7 @@ def as_read(outcome: Outcome, fitted: Fit) -> Fit:
         return fitted
     known = outcome.read.get(id(fitted))
     if known is None:
-        objective = replace(outcome.study.objective(fitted.hypothesis).on(fitted.windows), likelihood=sensors)
+        objective = outcome.study.objective_under(sensors, fitted)
         every = np.ones(len(fitted.x), dtype=bool)
         known = outcome.read[id(fitted)] = fitted, fit(objective, fitted.x, fitted.states, fixed=every)
     return known[1]

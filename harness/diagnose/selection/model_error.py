@@ -18,14 +18,12 @@ from harness.diagnose.estimation.discrepancy import (
     Discrepancy,
     Responses,
     estimate,
-    profiled,
     responses,
 )
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
-from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.estimation.misfit import Misfit, misfit, squares
-from harness.diagnose.estimation.objective import LOST, Objective
+from harness.diagnose.estimation.objective import LOST
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -69,9 +67,7 @@ def weighed(study: Study, ways: Sequence[Responses], fitted: Fit) -> Weighed:
     rows = []
     for found in ways:
         sensors = found.probe.likelihood
-        # Initial states were fitted under another likelihood: they are profiled out under this one.
-        frozen = np.ones(len(fitted.x), dtype=bool)
-        free = profiled(linearise(_under(sensors, study, fitted), fitted.x, fitted.states, fixed=frozen))
+        free = study.profiled_under(sensors, fitted)
         cost = sum(float(own.residual @ own.residual) for own in free)
         force = estimate(found, fitted.windows, free, found.joints)
         gain = 0.0 if force is None else force.gain - 2.0 * (len(found.joints) + 1)
@@ -121,15 +117,10 @@ def begun_ordinary(
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = _as_scattered(study)
-    after = _under(rough, study, usual).residuals([(usual.x, usual.states)])[0][0]
+    after = study.objective_under(rough, usual).residuals([(usual.x, usual.states)])[0][0]
     if after < LOUD**2 * rough.samples(study.windows):
         return None
     return under_model_error(study, [usual, study.empty()], period, effort, progress, structure, reached, early=True)
-
-
-def _under(likelihood: Likelihood, study: Study, fitted: Fit) -> Objective:
-    """What a fit makes small in its windows, under another likelihood."""
-    return replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=likelihood)
 
 
 def under_model_error(
@@ -177,8 +168,8 @@ def under_model_error(
                 fits = polish(wider, fits, effort, progress)
             if drawn:
                 evidence = evidence_over_the_state(wider, rough, min(fits, key=lambda f: f.score), drawn[0])
-        near = [*sorted(fits, key=wider.criterion)[:COMPARED], *(drawn if search else [])]
-        best = least(wider, rough, taken.together, near, progress, evidence)
+        asked = [*sorted(fits, key=wider.criterion)[:COMPARED], *(drawn if search else [])]
+        best = least(wider, rough, taken.together, asked, progress, evidence)
         ranked = [best, *(f for f in fits if f is not best)]
         found = weighed(wider, ways, best)
         if found.force is None:
@@ -238,7 +229,7 @@ def _as_scattered(study: Study) -> Likelihood:
 
 def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy, evidence: Evidence | None = None) -> Misfit:
     """What a set leaves of what the sensors read."""
-    _, residuals = _under(rough, study, fitted).residuals([(fitted.x, fitted.states)])[0]
+    _, residuals = study.objective_under(rough, fitted).residuals([(fitted.x, fitted.states)])[0]
     state = None if evidence is None else evidence.force
     return replace(misfit(rough, fitted.windows, residuals, force), state=state)
 
@@ -313,7 +304,7 @@ def least(
         return own
 
     def _by_variance(fitted: Fit) -> float:
-        _, residuals = _under(sensors, study, fitted).residuals([(fitted.x, fitted.states)])[0]
+        _, residuals = study.objective_under(sensors, fitted).residuals([(fitted.x, fitted.states)])[0]
         left, sizes = squares(sensors, fitted.windows, residuals)
         # −2 log L with the variance of every channel at its likeliest, one of the sensors' at least.
         variance = np.maximum(left / sizes, 1.0)

@@ -7,16 +7,15 @@ those that are not parted so the plainest is taken: what nobody would look for f
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from harness.diagnose.estimation.discrepancy import profiled, responses
+from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
-from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.estimation.objective import LOST
-from harness.diagnose.estimation.state_force import Profiled, StateForce, over_the_state
+from harness.diagnose.estimation.state_force import StateForce, over_the_state
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate
 from harness.diagnose.selection.scans.catalogue import scanned
 from harness.diagnose.selection.study import Study
@@ -39,7 +38,9 @@ class Evidence:
         if known is None:
             value = np.inf
             if fitted.score < LOST:
-                value, _ = self.force.likeliest(self.force.sums(fitted.windows, _free(study, self.rough, fitted)))
+                value, _ = self.force.likeliest(
+                    self.force.sums(fitted.windows, study.profiled_under(self.rough, fitted))
+                )
             known = self._known[id(fitted)] = fitted, float(value)
         return known[1]
 
@@ -60,7 +61,7 @@ def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, referen
     found = responses(study.predictor, rough, along, pull(study.problem.system), study.swing)
     if found is None or reference.score >= LOST:
         return None
-    force = over_the_state(found, reference.windows, _free(study, rough, reference))
+    force = over_the_state(found, reference.windows, study.profiled_under(rough, reference))
     return None if force is None else Evidence(force, rough)
 
 
@@ -102,9 +103,3 @@ def _odds(study: Study, member: Candidate) -> float:
 def _curious(fitted: Fit) -> int:
     """How many members are no plain laws."""
     return sum(not member.effect.plain for member in fitted.hypothesis.members)
-
-
-def _free(study: Study, rough: Likelihood, fitted: Fit) -> list[Profiled]:
-    """The residuals of a fit under the noise of the sensors alone, initial states profiled out."""
-    objective = replace(study.objective(fitted.hypothesis).on(fitted.windows), likelihood=rough)
-    return profiled(linearise(objective, fitted.x, fitted.states, fixed=np.ones(len(fitted.x), dtype=bool)))

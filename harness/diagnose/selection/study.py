@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.estimation.discrepancy import Profiled, profiled
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
-from harness.diagnose.estimation.linearisation import sharply
+from harness.diagnose.estimation.linearisation import linearise, sharply
 from harness.diagnose.estimation.objective import Objective
 from harness.diagnose.estimation.window_states import SHORTLY, measured_state
 from harness.diagnose.prediction.coordinates import is_logarithmic
@@ -105,6 +106,15 @@ class Study:
     def objective(self, hypothesis: Hypothesis) -> Objective:
         """What a fit of a hypothesis makes small here."""
         return Objective(self.predictor, self.likelihood, hypothesis, self.windows)
+
+    def objective_under(self, likelihood: Likelihood, fitted: Fit) -> Objective:
+        """What a fit makes small in its own windows, under another likelihood."""
+        return replace(self.objective(fitted.hypothesis).on(fitted.windows), likelihood=likelihood)
+
+    def profiled_under(self, likelihood: Likelihood, fitted: Fit) -> list[Profiled]:
+        """Residuals of a fit under another likelihood, initial states, which were fitted under this one, profiled out."""
+        frozen = np.ones(len(fitted.x), dtype=bool)
+        return profiled(linearise(self.objective_under(likelihood, fitted), fitted.x, fitted.states, fixed=frozen))
 
     def criterion(self, fitted: Fit) -> float:
         """Extended Bayesian information criterion: cost, prior, parameters, and the number of sets to choose among.

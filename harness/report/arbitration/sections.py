@@ -13,6 +13,7 @@ from harness.report.arbitration import rows
 from harness.report.arbitration.rows import WORDS
 from harness.report.figures.canvas import FAINT, INK, canvas
 from harness.report.plots.plot import Line, Plot
+from harness.report.sections.comparison import TEMPLATE, comparison
 
 Document = Mapping[str, Any]
 Curves = Sequence[Mapping[str, Any]]
@@ -38,18 +39,11 @@ class Table:
     title: str
     rows: Any
     words: str
-    template: str = "comparison_table.html"
+    template: str = TEMPLATE
 
     def content(self, document: Document) -> Mapping[str, Any] | None:
-        heads, lines = self.rows(document)
-        if not lines:
-            return None
-        plain = (*WORDS, "made of")
-        return {
-            "words": self.words.format(counted=document["counted_by"]),
-            "heads": [(head, "" if head in plain else "number") for head in heads],
-            "lines": lines,
-        }
+        words = self.words.format(counted=document["counted_by"])
+        return comparison(self.rows(document), words, (*WORDS, "made of"))
 
 
 @dataclass(frozen=True)

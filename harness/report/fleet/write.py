@@ -18,6 +18,7 @@ from harness.report.fleet.rows import WORDS, Document, Shown
 from harness.report.fleet.terminal import extent
 from harness.report.html import page
 from harness.report.json_text import json_text
+from harness.report.sections.comparison import TEMPLATE, comparison
 from harness.report.sections.section import Section
 from harness.report.table_csv import tame
 
@@ -63,17 +64,10 @@ class Lines:
     title: str
     rows: Callable[[Document], Shown]
     words: Callable[[Document], str]
-    template: str = "comparison_table.html"
+    template: str = TEMPLATE
 
     def content(self, document: Document) -> Mapping[str, Any] | None:
-        heads, lines = self.rows(document)
-        if not lines:
-            return None
-        return {
-            "words": self.words(document),
-            "heads": [(head, "" if head in WORDS else "number") for head in heads],
-            "lines": lines,
-        }
+        return comparison(self.rows(document), self.words(document), WORDS)
 
 
 @dataclass(frozen=True)
