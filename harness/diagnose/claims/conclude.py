@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
+from harness.diagnose.claims.posterior import posterior_probabilities
 from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
 from harness.diagnose.criticism.check import LEVEL, Asked, left_by
 from harness.diagnose.criticism.checks.held_out_misfit import WORSE
@@ -26,7 +27,7 @@ from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, trained, training_gain
 from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.starts import FOLLOWS
-from harness.diagnose.selection.state_evidence import UNPARTED, placed
+from harness.diagnose.selection.state_evidence import UNPARTED
 from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
 
 Array = NDArray[np.float64]
@@ -196,27 +197,6 @@ def settle(outcome: Outcome, best: Fit) -> Fit:
         fitted = study.reduce(fitted, worst)
         good, worst = _passes(outcome, fitted)
     return fitted
-
-
-def _probabilities(outcome: Outcome) -> dict[str, float]:
-    """Posterior probability of every effect, summed over the sets fitted; with a force over the state, where there is one.
-
-    Laws that were chosen among many places are then pieces of that force, and sets with them are none of their own.
-    """
-    study, evidence = outcome.study, outcome.evidence
-    fits = list(study.fits.values())
-    if evidence is not None:
-        fits = [f for f in fits if not any(map(placed, f.hypothesis.members))]
-    if not fits:
-        return {}  # the time was up before any set was weighed under the last likelihood
-    values = np.array([study.criterion(f) if evidence is None else evidence.criterion(study, f) for f in fits])
-    weights = np.exp(-0.5 * (values - values.min()))
-    weights /= weights.sum()
-    out: dict[str, float] = {}
-    for f, w in zip(fits, weights, strict=True):
-        for key in f.hypothesis.keys:
-            out[key] = out.get(key, 0.0) + float(w)
-    return out
 
 
 def _pays(study: Study, best: Fit, k: int) -> bool:
@@ -392,7 +372,7 @@ def _level(outcome: Outcome, held: Fit) -> float:
 def _claims(outcome: Outcome, best: Fit, remains: Remains | None) -> tuple[Claim, ...]:
     """What is claimed of a set. remains: what it leaves; None to look for nothing further that could stand in a member's place."""
     study = outcome.study
-    probabilities = _probabilities(outcome)
+    probabilities = posterior_probabilities(outcome, best)
     claims = []
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)

@@ -89,11 +89,8 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     time = grid.own
     row = predictor.row_in(fitted.hypothesis, fitted.x, window.run)
     state = fitted.states[window]
-    run = predictor.runs[window.run]
-    offset = run.date(window.first)
-    tau = None
-    if run.effort is not None:
-        tau = predictor.efforts(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], time)
+    offset = predictor.runs[window.run].date(window.first)
+    tau = predictor.acting(fitted.hypothesis, fitted.x[None, :], mechanism, [(0, window, state)], time)
     amplitude = model.slot("base", "excitation_amplitude")
     start = offset if row[amplitude] != 0.0 else 0.0
     q, qd, qdd = predictor.motions(mechanism, row[None, :], state[None], time + start, tau, np.zeros(1))

@@ -12,15 +12,26 @@ force could replace gains no more than its own shape deserves.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, cholesky
+from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.optimize import minimize
 
-from harness.diagnose.estimation.discrepancy import LARGEST, LOUDEST, SMALLEST, Profiled, Responses, hat_functions
-from harness.diagnose.estimation.effective_samples import hanging_together
+from harness.diagnose.estimation.discrepancy import (
+    LARGEST,
+    LOUDEST,
+    SMALLEST,
+    Profiled,
+    Responses,
+    hat_functions,
+    responses,
+)
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.linear_response import Response
+from harness.diagnose.prediction.predictor import Predictor, Push
 from harness.diagnose.problem.windows import Window
 from harness.effects.effect import cauchy_surprise
 
@@ -30,6 +41,7 @@ MOST_NODES = 240  # of the grids over the state, all joints together: bounds the
 FEWEST_A_SIDE, MOST_A_SIDE = 5, 11
 SHORTEST, LONGEST = 0.15, 5.0  # over which the force changes, in standard deviations of position and velocity
 USUAL = 0.01  # of the natural torque: what a model that is right leaves of the forces that it has; the scale of a Cauchy prior
+SMOOTHED = 1e-6  # of their mean square, added to nodes that few readings tell
 JITTER = 1e-6  # of the variance, so that covariances of long lengths can be factorised
 
 
@@ -48,21 +60,48 @@ class Force:
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """What residuals say of the forces at the nodes, channel by channel: squares ZᵀZ, products Zᵀr, rᵀr, and how many count."""
+    """What residuals say of the forces at the nodes and of a set's own numbers, channel by channel, initial states projected out.
+
+    squares: ZᵀZ (C, k + P, k + P) with Z the answers to the forces and, less than nothing, to the numbers; products: Zᵀr; left:
+    rᵀr; counts: readings. stiff: how stiffly the numbers are held where they stand; deviations: of the nominal ones, (P,).
+    """
 
     squares: Array
     products: Array
     left: Array
     counts: Array
+    stiff: Array
+    deviations: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """A set's own numbers: what the channels make of each, (M, P) by window; how stiffly each is held where it stands, and by how
+    much those with a unit normal prior deviate from what is stated, (P,)."""
+
+    shared: Sequence[Array]
+    stiff: Array
+    deviations: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Likeliest:
+    """The likeliest size and shape of a force: its surprise, the forces at the nodes (k,), how far the numbers move (P,)."""
+
+    value: float
+    force: Force
+    nodes: Array
+    step: Array
 
 
 @dataclass(eq=False)
 class StateForce:
     """Forces at the nodes of grids over the joints' states, and what the whitened channels answer to them.
 
-    places: joint (k,) and position and velocity (k, 2) of every node, in standard deviations. answers: (M, k) by window.
-    together: samples of every channel that err together beside the force. shape: of the force that the reference leaves, where
-    the search for that of others begins.
+    joint: (k,) of every node, and where it stands, position and velocity (k, 2), in standard deviations of these. answers: (M, k)
+    by window. motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the
+    joints; torque: natural force that nodes are in. together: samples of every channel that err together beside the force. shape:
+    of the force that the reference leaves, where the search for that of others begins.
     """
 
     joint: NDArray[np.intp]
@@ -71,6 +110,11 @@ class StateForce:
     channels: int
     together: Array
     shape: Force | None = None
+    motions: Mapping[Window, Response] = field(default_factory=dict)
+    shares: Mapping[Window, Array] = field(default_factory=dict)
+    coordinates: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    torque: float = 1.0
 
     @property
     def joints(self) -> int:
@@ -78,93 +122,183 @@ class StateForce:
 
     def prior_root(self, force: Force) -> Array:
         """L with L Lᵀ the prior covariance of the forces at the nodes, in natural torques."""
-        away = np.sum(((self.at[:, None] - self.at[None]) / force.lengths) ** 2, axis=2)
-        same = self.joint[:, None] == self.joint
-        covariance = np.exp(-0.5 * away) * same
-        covariance[np.diag_indices(len(covariance))] += JITTER
-        return np.asarray(force.sizes[self.joint, None] * cholesky(covariance, lower=True, check_finite=False))
+        return np.asarray(
+            force.sizes[self.joint, None] * cholesky(self._correlation(force), lower=True, check_finite=False)
+        )
 
-    def sums(self, windows: Sequence[Window], free: Sequence[Profiled]) -> Sums:
-        """What the residuals of windows say, initial states projected out."""
-        k, count = len(self.joint), self.channels
+    def _correlation(self, force: Force) -> Array:
+        away = np.sum(((self.at[:, None] - self.at[None]) / force.lengths) ** 2, axis=2)
+        correlation = np.exp(-0.5 * away) * (self.joint[:, None] == self.joint)
+        correlation[np.diag_indices(len(correlation))] += JITTER
+        return np.asarray(correlation)
+
+    def pushes(self, nodes: Array) -> dict[Window, Push]:
+        """Forces at the nodes (k,), in natural torques, as they act along every window."""
+        out = {}
+        for window, shares in self.shares.items():
+            acting = self.torque * nodes[:, None] * shares
+            forces = {name: acting[self.joint == number].sum(axis=0) for number, name in enumerate(self.names)}
+            out[window] = Push(self.motions[window].time, forces)
+        return out
+
+    def over(self, forces: Mapping[Window, Array]) -> Array:
+        """The forces at the nodes (k,) nearest to those in every step of the motions, joint by joint (G − 1, joints)."""
+        out = np.zeros(len(self.joint))
+        for number in range(self.joints):
+            own = self.joint == number
+            shares = [self.shares[w][own] for w in forces]
+            columns = np.hstack([0.5 * (s[:, 1:] + s[:, :-1]) for s in shares])
+            values = np.concatenate([f[:, number] for f in forces.values()]) / self.torque
+            square = columns @ columns.T
+            square[np.diag_indices(len(square))] += SMOOTHED * np.trace(square) / len(square)
+            out[own] = np.linalg.solve(square, columns @ values)
+        return out
+
+    def along(self, predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> StateForce:
+        """The same forces as another motion answers to them: that of a fit, what pushes it included."""
+        found = responses(predictor, likelihood, fitted, self.torque, 0.0)
+        if found is None:
+            return self
+        answers = {}
+        for window, shares in self.shares.items():
+            motion = found.motion(window)
+            assert motion is not None  # a fit has one in each of its windows
+            own = [found.moved(motion, place, shares[self.joint == k]) for k, place in enumerate(found.places)]
+            answers[window] = np.nan_to_num(np.hstack(own))
+        return replace(self, answers={**self.answers, **answers})
+
+    def sums(
+        self,
+        windows: Sequence[Window],
+        free: Sequence[Profiled],
+        nodes: Array | None = None,
+        numbers: Numbers | None = None,
+    ) -> Sums:
+        """What the residuals of windows say, initial states projected out. nodes: forces that are pushed already; numbers: of the
+        set, where they move too."""
+        size = 0 if numbers is None else len(numbers.stiff)
+        k, count = len(self.joint) + size, self.channels
         squares, products = np.zeros((count, k, k)), np.zeros((count, k))
         left, counts = np.zeros(count), np.zeros(count)
-        for window, own in zip(windows, free, strict=True):
+        for number, (window, own) in enumerate(zip(windows, free, strict=True)):
             answers = self.answers[window]
-            seen = answers - own.states @ (own.states.T @ answers)
+            both = answers if numbers is None else np.hstack([answers, -numbers.shared[number]])
+            seen = both - own.states @ (own.states.T @ both)
+            residual = own.residual if nodes is None else own.residual + seen[:, : len(nodes)] @ nodes
             for c in range(count):
                 rows = slice(c * window.size, (c + 1) * window.size)
-                z, r = seen[rows], own.residual[rows]
+                z, r = seen[rows], residual[rows]
                 squares[c] += z.T @ z
                 products[c] += z.T @ r
                 left[c] += float(r @ r)
-                counts[c] += np.count_nonzero(r)
+                counts[c] += np.count_nonzero(own.residual[rows])
             counts -= own.states.shape[1] / count
-        return Sums(squares, products, left, np.maximum(counts, 1.0))
+        stiff, deviations = (np.ones(0), np.zeros(0)) if numbers is None else (numbers.stiff, numbers.deviations)
+        return Sums(squares, products, left, np.maximum(counts, 1.0), stiff, deviations)
 
     def surprise(self, sums: Sums, force: Force) -> float:
         """−2 log of how likely residuals are with the force integrated out, up to a constant of the recordings, and of how usual
-        its size is."""
+        its size is; the set's own numbers at their likeliest."""
+        return self._at(sums, force)[0].value
+
+    def held(self, sums: Sums, nodes: Array, force: Force) -> float:
+        """The same where these forces at the nodes are the likeliest, and residuals are what a run with them leaves."""
         weights = 1.0 / (force.louder * self.together)
-        own = float(np.sum(cauchy_surprise(force.sizes / USUAL)))
-        own += float(np.sum(sums.counts / self.together * np.log(force.louder)) + np.sum(weights * sums.left))
         root = self.prior_root(force)
-        inside, seen = self._seen(sums, weights, root)
-        factor = cho_factor(inside, lower=True, check_finite=False)
-        explained = float(seen @ cho_solve(factor, seen, check_finite=False))
-        return own - explained + 2.0 * float(np.sum(np.log(np.diag(factor[0]))))
+        k = len(root)
+        inside = root.T @ np.einsum("c,cij->ij", weights, sums.squares[:, :k, :k]) @ root
+        inside[np.diag_indices(k)] += 1.0
+        scaled = solve_triangular(root, nodes, lower=True, check_finite=False)
+        value = self._noise(sums, force, float(weights @ sums.left)) + float(scaled @ scaled)
+        return value + float(np.sum(sums.deviations**2)) + float(np.linalg.slogdet(inside)[1])
 
-    def _seen(self, sums: Sums, weights: Array, root: Array) -> tuple[Array, Array]:
-        inside = root.T @ np.einsum("c,cij->ij", weights, sums.squares) @ root
-        inside[np.diag_indices(len(inside))] += 1.0
-        return inside, root.T @ (weights @ sums.products)
+    def without(self, sums: Sums) -> float:
+        """The same with no force at all."""
+        louder = np.maximum(sums.left / sums.counts, 1.0)
+        none = Force(np.full(self.joints, SMALLEST), np.ones(2), louder)
+        return self._noise(sums, none, float(np.sum(sums.left / louder / self.together))) + float(
+            np.sum(sums.deviations**2)
+        )
 
-    def likeliest(self, sums: Sums) -> tuple[float, Force]:
-        """The least surprise over size, shape and loudness, and the force that has it."""
+    def _noise(self, sums: Sums, force: Force, left: float) -> float:
+        usual = float(np.sum(cauchy_surprise(force.sizes / USUAL)))
+        return usual + float(np.sum(sums.counts / self.together * np.log(force.louder))) + float(left)
+
+    def _at(self, sums: Sums, force: Force) -> tuple[Likeliest, Array]:
+        """What one size and shape say, and the slope of its surprise in the logarithms of sizes, loudness and lengths."""
+        weights = 1.0 / (force.louder * self.together)
+        root = self.prior_root(force)
+        k, count = len(root), len(sums.products[0])
+        scale = np.zeros((count, count))
+        scale[:k, :k], scale[k:, k:] = root, np.eye(count - k)
+        measured = np.einsum("c,cij->ij", weights, sums.squares)
+        inside = scale.T @ measured @ scale
+        inside[np.diag_indices(count)] += np.concatenate([np.ones(k), sums.stiff])
+        seen = scale.T @ (weights @ sums.products)
+        seen[k:] -= sums.deviations
+        # A weak prior keeps numbers that nothing tells where they are.
+        lower = cholesky(inside, lower=True, check_finite=False)
+        found = cho_solve((lower, True), seen, check_finite=False)
+        value = self._noise(sums, force, float(weights @ sums.left)) + float(np.sum(sums.deviations**2))
+        value += 2.0 * float(np.sum(np.log(np.diag(lower)[:k]))) - float(seen @ found)
+        both = scale @ found
+        # Of the quadratic part by the envelope theorem; of ln |I + C M| by Jacobi's formula.
+        left = sums.left - 2.0 * sums.products @ both + np.einsum("i,cij,j->c", both, sums.squares, both)
+        half = solve_triangular(lower[:k, :k], root.T, lower=True, check_finite=False)
+        after = half.T @ half
+        slope_louder = sums.counts / self.together - weights * left
+        slope_louder -= weights * np.einsum("cij,ij->c", sums.squares[:, :k, :k], after)
+        back = solve_triangular(root, np.eye(k), lower=True, check_finite=False)
+        pull = back.T @ found[:k]
+        inverse = solve_triangular(lower[:k, :k], np.eye(k), lower=True, check_finite=False)
+        gain = back.T @ (np.eye(k) - inverse.T @ inverse) @ back
+        change = (gain - np.outer(pull, pull)) * (root @ root.T)
+        rows = change.sum(axis=1)
+        usual = force.sizes / USUAL
+        sizes = 2.0 * np.bincount(self.joint, rows, self.joints) + 4.0 * usual**2 / (1.0 + usual**2)
+        lengths = [
+            float(np.sum(change * ((self.at[:, None, d] - self.at[None, :, d]) / force.lengths[d]) ** 2))
+            for d in (0, 1)
+        ]
+        return Likeliest(value, force, both[:k], both[k:]), np.concatenate([sizes, slope_louder, lengths])
+
+    def likeliest(self, sums: Sums, near: Force | None = None) -> Likeliest:
+        """The least surprise over size, shape and loudness. near: where to begin, if something is known."""
         joints, count = self.joints, self.channels
         loud = np.maximum(sums.left / sums.counts, 1.0)
 
         def force(z: Array) -> Force:
             return Force(np.exp(z[:joints]), np.exp(z[joints + count :]), np.exp(z[joints : joints + count]))
 
+        def loss(z: Array) -> tuple[float, Array]:
+            found, slope = self._at(sums, force(z))
+            return found.value, slope
+
         bounds = [(np.log(SMALLEST), np.log(LARGEST))] * joints + [(0.0, np.log(LOUDEST))] * count
         bounds += [(np.log(SHORTEST), np.log(LONGEST))] * 2
         usual = np.concatenate([np.full(joints, np.log(2.0 * USUAL)), np.log(0.5 * loud + 0.5)])
         starts = [np.concatenate([usual, np.log((0.4, 0.4))])]
-        if self.shape is None:
+        near = near or self.shape
+        if near is None:
             starts.append(np.concatenate([usual, np.zeros(2)]))
         else:
-            louder = np.minimum(self.shape.louder, loud)
-            starts.append(np.log(np.concatenate([self.shape.sizes, louder, self.shape.lengths])))
-        best: tuple[float, Force] | None = None
+            louder = np.minimum(near.louder, loud)
+            starts.append(np.log(np.concatenate([near.sizes, louder, near.lengths])))
+        best: tuple[float, Array] | None = None
         for start in starts:
             ended = minimize(
-                lambda z: self.surprise(sums, force(z)), np.clip(start, *np.array(bounds).T),
-                method="L-BFGS-B", bounds=bounds, options={"maxiter": 30, "ftol": 1e-7},
+                loss, np.clip(start, *np.array(bounds).T), jac=True,
+                method="L-BFGS-B", bounds=bounds, options={"maxiter": 40, "ftol": 1e-7},
             )  # fmt: skip
             if best is None or ended.fun < best[0]:
-                best = float(ended.fun), force(ended.x)
+                best = float(ended.fun), np.asarray(ended.x)
         assert best is not None
-        return best
-
-    def errors(self, windows: Sequence[Window], free: Sequence[Profiled], sums: Sums, force: Force) -> list[Array]:
-        """Residuals (M,) of windows less what the likeliest force makes of them."""
-        root, weights = self.prior_root(force), 1.0 / (force.louder * self.together)
-        inside, seen = self._seen(sums, weights, root)
-        forces = root @ np.linalg.solve(inside, seen)
-        out = []
-        for window, own in zip(windows, free, strict=True):
-            answers = self.answers[window]
-            out.append(own.residual - (answers - own.states @ (own.states.T @ answers)) @ forces)
-        return out
+        return self._at(sums, force(best[1]))[0]
 
 
-def over_the_state(found: Responses, windows: Sequence[Window], free: Sequence[Profiled]) -> StateForce | None:
-    """The forces over the state along the fit of ``found``, with their shape as a reference leaves it; None without motion.
-
-    windows, free: of the reference, the plainest explanation at hand: a test is calibrated by what it holds to be true.
-    """
-    places = found.places
+def over_the_state(found: Responses) -> StateForce | None:
+    """The forces over the state along the motion of ``found``; None without motion."""
+    windows, places = found.probe.fitted.windows, found.places
     motions = {w: found.motion(w) for w in windows}
     moving = {w: m for w, m in motions.items() if m is not None}
     if not moving or not places:
@@ -174,6 +308,7 @@ def over_the_state(found: Responses, windows: Sequence[Window], free: Sequence[P
     joint: list[int] = []
     at: list[Array] = []
     pieces: dict[Window, list[Array]] = {w: [] for w in windows}
+    shares: dict[Window, list[Array]] = {w: [] for w in moving}
     for number, place in enumerate(places):
         position = np.concatenate([m.q[:, place] for m in moving.values()])
         velocity = np.concatenate([m.qd[:, place] for m in moving.values()])
@@ -188,15 +323,15 @@ def over_the_state(found: Responses, windows: Sequence[Window], free: Sequence[P
             if w not in moving:
                 pieces[w].append(np.zeros((channels * w.size, int(visited.sum()))))
                 continue
+            shares[w].append(hats[w][visited])
             pieces[w].append(np.nan_to_num(found.moved(moving[w], place, hats[w][visited])))
     answers = {w: np.hstack(own) for w, own in pieces.items()}
-    force = StateForce(np.array(joint, dtype=np.intp), np.vstack(at), answers, channels, np.ones(channels))
-    sums = force.sums(windows, free)
-    _, first = force.likeliest(sums)
-    errors = [e.reshape(channels, -1) for e in force.errors(windows, free, sums, first)]
-    force.together = np.maximum(hanging_together(errors), 1.0)
-    _, force.shape = force.likeliest(sums)
-    return force
+    return StateForce(
+        np.array(joint, dtype=np.intp), np.vstack(at), answers, channels, np.ones(channels),
+        motions=moving, shares={w: np.vstack(own) for w, own in shares.items()},
+        coordinates=tuple(found.probe.predictor.mechanism(found.probe.fitted.hypothesis).names), names=found.joints,
+        torque=found.torque,
+    )  # fmt: skip
 
 
 def _axis(values: Array, count: int) -> Array:

@@ -8,7 +8,7 @@ the phase of a hum, which mains know no beginning of, are taken in the same way 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -54,6 +54,21 @@ class Request:
 
 
 @dataclass(frozen=True, eq=False)
+class Push:
+    """Further forces along a window, the same whatever is predicted: times [s] from its first sample (G,), and forces
+    [N·m or N] by joint (G,)."""
+
+    time: Array
+    forces: Mapping[str, Array]
+
+    def on(self, names: Sequence[str], time: Array) -> Array:
+        """The same on another grid and for the coordinates of a mechanism, (G, n)."""
+        still = np.zeros(len(time))
+        own = (self.forces.get(name) for name in names)
+        return np.array([still if f is None else np.interp(time, self.time, f) for f in own]).T
+
+
+@dataclass(frozen=True, eq=False)
 class Prepared:
     """What lanes of a request need before they run: rows (K, P) of the mechanism and the systems that they stand for, how far
     beyond their windows, and whether something in them knows the date."""
@@ -94,6 +109,7 @@ class Predictor(Mechanisms):
         self.reach: dict[str, float] = {}
         self._stiff: StiffRuns | None = None
         self._carrying = any(run.payload for run in problem.runs)
+        self._pushes: Mapping[Window, Push] = {}
         self._payloads: dict[tuple[int, int], Array] = {}
 
     @property
@@ -109,6 +125,12 @@ class Predictor(Mechanisms):
         """The same for a problem that takes the efforts of the same runs otherwise; what else is kept is shared."""
         other = copy(self)
         other.problem, other.runs, other._recorded = problem, problem.runs, RecordedEfforts(problem, other)
+        return other
+
+    def pushed(self, pushes: Mapping[Window, Push]) -> Predictor:
+        """The same with further forces along some windows; what else is kept is shared."""
+        other = copy(self)
+        other._pushes = pushes
         return other
 
     def payload(self, mechanism: Mechanism, run: int) -> Array:
@@ -170,7 +192,7 @@ class Predictor(Mechanisms):
                     start = run.date(window.first) if ready.dated else 0.0
                     length = len(grid.time)
                     # Further forces come on the grid of their window.
-                    own = 0 if request.extra is None else length
+                    own = 0 if request.extra is None and not self._pushes else length
                     key = (id(ready.mechanism), own, grid.step, run.effort is None, start, request.tolerance)
                     members = groups.setdefault(key, [])
                 members.append((k, lane, length))
@@ -227,6 +249,9 @@ class Predictor(Mechanisms):
             pushed = np.concatenate(extra)
             pushed = kept(pushed) if self.problem.held else pushed
             tau, source = pushed if tau is None else tau[source] + pushed, np.arange(len(members))
+        if self._pushes:
+            windows = [window for lanes in lanes_of.values() for _, window, _ in lanes]
+            tau, source = self._with_pushes(mechanism.names, grid_time, windows, tau, source)
         # Sensors share a motion.
         shared = len(requests) > 1 or any(m.effect.sensor is not None for m in requests[0].hypothesis.members)
         first, again = _distinct(every_row, every_state, source, counts, shared)
@@ -267,6 +292,22 @@ class Predictor(Mechanisms):
                 for j, channel in zip(places, channels, strict=True):
                     out[k][own[j]] = channel
             place += len(own)
+
+    def _with_pushes(
+        self, names: Sequence[str], time: Array, windows: Sequence[Window], tau: Array | None, source: NDArray[np.intp]
+    ) -> tuple[Array, NDArray[np.intp]]:
+        """Efforts (E, G, n), and which of them acts on each lane, with what pushes along the lanes' windows."""
+        known: dict[tuple[Window, int], int] = {}
+        forces, which = list[Array](), np.empty(len(windows), dtype=np.intp)
+        for lane, (window, own) in enumerate(zip(windows, source.tolist(), strict=True)):
+            place = known.setdefault((window, own), len(forces))
+            if place == len(forces):
+                push = self._pushes.get(window)
+                added = np.zeros((len(time), len(names))) if push is None else push.on(names, time)
+                added = kept(added[None])[0] if self.problem.held else added
+                forces.append(added if tau is None else tau[own] + added)
+            which[lane] = place
+        return np.array(forces), which
 
     def motions(
         self, mechanism: Mechanism, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
@@ -328,6 +369,23 @@ class Predictor(Mechanisms):
         """Generalized forces on the grid, shape (B, G, n), after the effects of the input side."""
         forces, source = self._recorded.on(mechanism.names, grid_time, [(hypothesis, x, lanes)])
         return np.asarray(forces[source])
+
+    def acting(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        mechanism: Mechanism,
+        lanes: Sequence[tuple[int, Window, Array]],
+        grid_time: Array,
+    ) -> Array | None:
+        """The same for lanes of one run with what pushes along their windows, (B, G, n); None where nothing acts."""
+        free = self.runs[lanes[0][1].run].effort is None
+        tau = None if free else self.efforts(hypothesis, x, mechanism, lanes, grid_time)
+        if not self._pushes:
+            return tau
+        windows = [window for _, window, _ in lanes]
+        found, source = self._with_pushes(mechanism.names, grid_time, windows, tau, np.arange(len(lanes)))
+        return np.asarray(found[source])
 
     def _observe(
         self,

@@ -29,7 +29,13 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere, with_one_change
 from harness.diagnose.selection.rewrites.special_case import specialized
-from harness.diagnose.selection.state_evidence import Evidence, evidence_over_the_state, plainest, without_placed
+from harness.diagnose.selection.state_evidence import (
+    Evidence,
+    curious,
+    evidence_over_the_state,
+    plainest,
+    without_placed,
+)
 from harness.diagnose.selection.study import HOPELESS, Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
@@ -312,7 +318,11 @@ def least(
         return float(own) + study.criterion(fitted) - fitted.cost
 
     def likeliest(weighed: Iterable[tuple[float, Fit]]) -> list[tuple[float, Fit]]:
-        return sorted(weighed, key=lambda pair: pair[0])[:ABREAST]
+        rows = sorted(weighed, key=lambda pair: pair[0])
+        if evidence is None:
+            return rows[:ABREAST]
+        # The plainest of what is not parted will be taken: that is looked for as well.
+        return rows[:ABREAST] + [row for row in rows[ABREAST:] if not curious(row[1])][:1]
 
     if evidence is not None:
         ordered = list({id(f): f for f in (without_placed(study, fitted) for fitted in ordered)}.values())

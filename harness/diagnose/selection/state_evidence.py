@@ -7,11 +7,13 @@ those that are not parted so the plainest is taken: what nobody would look for f
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from harness.diagnose.estimation.beside_state_force import Beside, beside
 from harness.diagnose.estimation.discrepancy import responses
+from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.objective import LOST
@@ -30,39 +32,53 @@ class Evidence:
 
     force: StateForce
     rough: Likelihood
-    _known: dict[int, tuple[Fit, float]] = field(default_factory=dict)
+    _known: dict[int, tuple[Fit, Beside]] = field(default_factory=dict)
 
-    def surprise(self, study: Study, fitted: Fit) -> float:
-        """−2 log of how likely the recordings are under a set; infinite of a fit that has lost them."""
+    def beside(self, study: Study, fitted: Fit) -> Beside:
+        """A set and the force that it leaves out, together."""
         known = self._known.get(id(fitted))
         if known is None:
-            value = np.inf
-            if fitted.score < LOST:
-                value, _ = self.force.likeliest(
-                    self.force.sums(fitted.windows, study.profiled_under(self.rough, fitted))
-                )
-            known = self._known[id(fitted)] = fitted, float(value)
+            known = self._known[id(fitted)] = fitted, _beside(self.force, study, self.rough, fitted)
         return known[1]
 
     def criterion(self, study: Study, fitted: Fit) -> float:
-        """The same with the price of its numbers, and how plausible they and its members are.
+        """−2 log of how likely the recordings are under a set, the price of its numbers, and how plausible they and its members
+        are; infinite of a fit that has lost the recordings.
 
         Every joint rubs or is damped as a rule; of other plain laws about one is expected to be missing, and one of all the rest.
         """
-        prior = study.paid(fitted) + study.surprise(fitted) + fitted.prior
-        return self.surprise(study, fitted) + prior + sum(_odds(study, m) for m in fitted.hypothesis.members)
+        if fitted.score >= LOST:
+            return np.inf
+        found = self.beside(study, fitted)
+        prior = study.paid(fitted) + study.surprise(replace(fitted, x=found.x))
+        return found.surprise + prior + sum(_odds(study, m) for m in fitted.hypothesis.members)
+
+
+def _beside(force: StateForce, study: Study, rough: Likelihood, fitted: Fit) -> Beside:
+    return beside(force, study.objective_under(rough, fitted), fitted, study.whole(fitted.hypothesis))
 
 
 def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, reference: Fit) -> Evidence | None:
     """The measure for sets of a study; None where channels do not answer linearly to forces.
 
-    along: the fit that is nearest to the recordings, whose motion the forces act along. reference: the plainest explanation.
+    along: the fit that is nearest to the recordings; forces act along its motion with what it leaves out made up for.
+    reference: the plainest explanation; a test is calibrated by what it holds to be true.
     """
-    found = responses(study.predictor, rough, along, pull(study.problem.system), study.swing)
+    torque = pull(study.problem.system)
+    found = responses(study.predictor, rough, along, torque, study.swing)
     if found is None or reference.score >= LOST:
         return None
-    force = over_the_state(found, reference.windows, study.profiled_under(rough, reference))
-    return None if force is None else Evidence(force, rough)
+    force = over_the_state(found)
+    if force is None:
+        return None
+    near = _beside(force, study, rough, along)
+    if near.nodes is not None:
+        again = responses(near.predictor, rough, replace(along, x=near.x, states=near.states), torque, study.swing)
+        force = (over_the_state(again) if again is not None else None) or force
+    usual = _beside(force, study, rough, reference)
+    force.together = np.maximum(hanging_together([r.reshape(force.channels, -1) for r in usual.residuals]), 1.0)
+    force.shape = usual.shape
+    return Evidence(force, rough)
 
 
 def placed(member: Candidate) -> bool:
@@ -89,7 +105,7 @@ def plainest(weighed: Iterable[tuple[float, Fit]]) -> Fit:
     rows = list(weighed)
     lowest = min(value for value, _ in rows)
     alike = [(value, fitted) for value, fitted in rows if value < lowest + UNPARTED]
-    return min(alike, key=lambda row: (_curious(row[1]), row[1].cost))[1]
+    return min(alike, key=lambda row: (curious(row[1]), row[1].cost))[1]
 
 
 def _odds(study: Study, member: Candidate) -> float:
@@ -100,6 +116,6 @@ def _odds(study: Study, member: Candidate) -> float:
     return 2.0 * (float(np.log(max(alike, 2))) + member.effect.rarity)
 
 
-def _curious(fitted: Fit) -> int:
+def curious(fitted: Fit) -> int:
     """How many members are no plain laws."""
     return sum(not member.effect.plain for member in fitted.hypothesis.members)
