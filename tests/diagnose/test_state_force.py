@@ -1,23 +1,18 @@
-"""Sets that leave a force out are weighed with it integrated out as a function of the state.
+"""How likely recordings are beside a force over the state, against SciPy's multivariate normal."""
 
-Likelihoods from SciPy's multivariate normal; recordings by SciPy's integration of a pendulum with a weight at its end that
-the model does not have and a force that no law of the catalogue is.
-"""
-
-from collections.abc import Sequence
+from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.optimize import minimize
 from scipy.stats import multivariate_normal
 
-import harness
 from harness.diagnose.estimation.discrepancy import Profiled
-from harness.diagnose.estimation.state_force import USUAL, Force, StateForce
+from harness.diagnose.estimation.state_force import USUAL, Force, Numbers, StateForce, Sums
 from harness.diagnose.problem.windows import Window
-from harness.effects.catalogue import catalogue
-from harness.recording import Channel, Recording
-from harness.system.description import constant
+
+ONE = Force(np.array([0.3, 0.05]), np.array([0.5, 1.5]), np.array([1.2, 2.0]))
+TWO = Force(np.array([1.0, 0.4]), np.array([2.0, 0.3]), np.array([1.0, 1.1]))
 
 
 @pytest.fixture
@@ -32,7 +27,9 @@ def two_windows() -> tuple[StateForce, list[Window], list[Profiled]]:
     return force, windows, free
 
 
-def test_how_likely_residuals_are_is_that_of_one_gaussian_over_all_recordings(two_windows):
+def test_how_likely_residuals_are_is_that_of_one_gaussian_over_all_recordings(
+    two_windows: tuple[StateForce, list[Window], list[Profiled]],
+) -> None:
     force, windows, free = two_windows
     sums = force.sums(windows, free)
     residual = np.concatenate([own.residual for own in free])
@@ -49,96 +46,68 @@ def test_how_likely_residuals_are_is_that_of_one_gaussian_over_all_recordings(tw
     two = Force(np.array([1.0, 0.4]), np.array([2.0, 0.3]), np.array([1.0, 1.1]))
     difference = force.surprise(sums, one) - force.surprise(sums, two)
     assert difference == pytest.approx(dense(one) - dense(two), rel=1e-9)
+    difference = force.surprise(sums, ONE) - force.surprise(sums, TWO)
+    assert difference == pytest.approx(dense(ONE) - dense(TWO), rel=1e-9)
 
 
-ARM = """
-name = "arm"
-gravity = [0.0, 0.0, -9.81]
-tolerance = 0.01
-[[joint]]
-name = "servo"
-type = "revolute"
-parent = "base"
-child = "arm"
-axis = [0, 1, 0]
-armature = 0.01
-damping = 0.05
-friction = 0.02
-[[link]]
-name = "arm"
-mass = 0.55
-com = [0.0, 0.0, -0.14]
-inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
-end = [0.0, 0.0, -0.15]
-"""
-ADDED = 0.3  # kg at the end
-ONE_HEIGHT = (-1.4, -1.4, -1.4, -1.4)  # rad
-HEIGHTS = (-1.4, -0.6, -1.0, -1.2)
+@pytest.fixture
+def with_numbers(two_windows: tuple[StateForce, list[Window], list[Profiled]]) -> tuple[StateForce, Sums, Numbers]:
+    """The same with three numbers of the set: one that deviates from what is stated, and two that are held weakly."""
+    force, windows, free = two_windows
+    random = np.random.default_rng(6)
+    shared = [random.normal(size=(60, 3)) for _ in windows]
+    numbers = Numbers(shared, np.array([1.0, 0.01, 0.01]), np.array([1.5, 0.0, 0.0]))
+    return force, force.sums(windows, free, None, numbers), numbers
 
 
-LEFT_OUT = 0.03  # N·m, standard deviation
+def test_numbers_of_the_set_are_where_that_gaussian_is_likeliest(
+    two_windows: tuple[StateForce, list[Window], list[Profiled]], with_numbers: tuple[StateForce, Sums, Numbers]
+) -> None:
+    force, sums, numbers = with_numbers
+    _, windows, free = two_windows
+    residual = np.concatenate([own.residual for own in free])
+    answers = np.vstack([force.answers[window] for window in windows])
+    shared = np.vstack(numbers.shared)
+
+    def dense(own: Force) -> float:
+        root = force.prior_root(own)
+        loud = np.tile(np.repeat(own.louder, 30), 2)
+        law = multivariate_normal(cov=answers @ root @ root.T @ answers.T + np.diag(loud))
+
+        def surprise(step: np.ndarray) -> float:
+            held = (step[0] + 1.5) ** 2 + 0.01 * float(step[1:] @ step[1:])
+            return -2.0 * law.logpdf(residual + shared @ step) + held
+
+        return minimize(surprise, np.zeros(3), tol=1e-10).fun + 2.0 * float(np.sum(np.log1p((own.sizes / USUAL) ** 2)))
+
+    difference = force.surprise(sums, ONE) - force.surprise(sums, TWO)
+    assert difference == pytest.approx(dense(ONE) - dense(TWO), abs=1e-6)
 
 
-def drops(starts: Sequence[float], added: float) -> list[Recording]:
-    """Free drops from about these angles [rad], with an added weight [kg], the stated friction, and a force over angle and speed.
+def test_the_likeliest_force_is_one_that_nothing_near_it_beats(with_numbers: tuple[StateForce, Sums, Numbers]) -> None:
+    force, sums, _ = with_numbers
+    found = force.likeliest(sums)
 
-    It is the same in all of them, a draw of random waves (Rahimi and Recht, NIPS 20 (2007) 1177).
-    """
-    about = 0.01 + 1e-3 + 0.55 * 0.14**2 + added * 0.15**2
-    weight = 9.81 * (0.55 * 0.14 + added * 0.15)
-    random = np.random.default_rng(8)
-    waves, phases = random.normal(size=(40, 2)) / [0.6, 4.0], random.uniform(0.0, 2.0 * np.pi, 40)
+    def surprise(z: np.ndarray) -> float:
+        return force.surprise(sums, Force(np.exp(z[:2]), np.exp(z[4:]), np.exp(z[2:4])))
 
-    def slope(_, y):
-        q, qd = y
-        left_out = LEFT_OUT * np.sqrt(2.0 / 40) * np.sum(np.cos(waves @ y + phases))
-        return qd, (-weight * np.sin(q) - 0.05 * qd - 0.02 * np.tanh(qd / 0.01) + left_out) / about
-
-    out = []
-    for k, angle in enumerate(starts):
-        time = np.arange(0.0, 2.5, 0.01)
-        start = angle + 0.01 * random.normal()
-        found = solve_ivp(slope, (0.0, 2.5), (start, 0.0), t_eval=time, rtol=1e-8, atol=1e-10)
-        read = found.y[0] + 1e-3 * random.normal(size=len(time))
-        channel = Channel("servo.position", "servo", "position", "rad", constant(read))
-        out.append(Recording(f"drop{k}", f"drop{k}", constant(time), (channel,)))
-    return out
+    best = np.log(np.concatenate([found.force.sizes, found.force.louder, found.force.lengths]))
+    assert surprise(best) == pytest.approx(found.value, rel=1e-9)
+    # A search without slopes, by SciPy, from there.
+    again = minimize(surprise, best, method="Nelder-Mead", bounds=[(b - 1.0, b + 1.0) for b in best])
+    lower = [b for b, louder in zip(again.x, [False, False, True, True, False, False], strict=True) if louder]
+    assert again.fun > found.value - 0.05 or min(lower) < 0.0  # noise is no quieter than the sensors'
 
 
-def test_a_weight_is_told_beside_a_force_that_no_law_describes_and_nothing_curious_is(tmp_path):
-    model = tmp_path / "arm.toml"
-    model.write_text(ARM)
-    found = harness.diagnose(drops(HEIGHTS, ADDED), model)
-    told = {f["effect"]: f for f in found.findings if f["grade"] != "possible"}
-    assert "payload_mass" in told
-    low, high = told["payload_mass"]["parameters"]["mass"]["ci95"]
-    assert low < ADDED < high
-    assert all(catalogue()[name].plain for name in told), sorted(told)
-    assert found.verdict == "partly_explained"
-
-
-def test_drops_from_one_height_may_not_tell_for_certain_and_tell_nothing_else(tmp_path):
-    model = tmp_path / "arm.toml"
-    model.write_text(ARM)
-    (found,) = harness.diagnose(drops(ONE_HEIGHT, ADDED), model).findings
-    low, high = found["parameters"]["mass"]["ci95"]
-    assert found["effect"] == "payload_mass" and low < ADDED < high
-
-
-def test_beside_such_a_force_alone_nothing_is_told_for_certain(tmp_path):
-    model = tmp_path / "arm.toml"
-    model.write_text(ARM)
-    found = harness.diagnose(drops(ONE_HEIGHT, 0.0), model)
-    assert [f["effect"] for f in found.findings if f["grade"] != "possible"] == []
-    assert found.verdict in ("partly_explained", "unexplained")
-
-
-@pytest.mark.xfail(
-    strict=True,
-    reason="what is constant of the force is told as a tilt of the base",
-)
-def test_nor_is_it_from_several_heights(tmp_path):
-    model = tmp_path / "arm.toml"
-    model.write_text(ARM)
-    found = harness.diagnose(drops(HEIGHTS, 0.0), model)
-    assert [f["effect"] for f in found.findings if f["grade"] != "possible"] == []
+def test_a_run_with_the_likeliest_force_is_as_likely_as_the_linear_view_says(
+    two_windows: tuple[StateForce, list[Window], list[Profiled]],
+) -> None:
+    force, windows, free = two_windows
+    sums = force.sums(windows, free)
+    found = force.likeliest(sums)
+    # Channels are linear here, so that what a run with the force would leave is known.
+    after = [
+        Profiled(own.residual - force.answers[window] @ found.nodes, own.states, own.samples)
+        for window, own in zip(windows, free, strict=True)
+    ]
+    assert force.held(force.sums(windows, after), found.nodes, found.force) == pytest.approx(found.value, rel=1e-9)

@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.estimation.discrepancy import profiled
+from harness.diagnose.estimation.discrepancy import profiled, responses
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linearisation import Linearisation, linearise
 from harness.diagnose.estimation.objective import LOST, Objective, States
-from harness.diagnose.estimation.state_force import Force, Likeliest, Numbers, StateForce, Sums
+from harness.diagnose.estimation.state_force import Force, Likeliest, Numbers, StateForce, Sums, over_the_state
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.windows import Window
 
@@ -28,6 +28,9 @@ ROUNDS = 8  # of pushing the likeliest force and looking again
 FAR = 2.0  # times the noise's variance left, from which on a set is begun where it follows the recorded motion
 ENOUGH = 1.0  # of the surprise, that a further round has to promise
 MOST_STEPS = 6  # of a fit beside a force that is not the last one yet
+CLOSER = 6  # times that the motion which forces act along is brought nearer to the recordings
+CLOSELY = 0.9  # of what is left (squares), above which that has come to an end
+STUCK = 1e-2  # of what joints usually answer to a force, below which they do not
 SHORTER = 0.3  # of a step that has led nowhere
 NEAR = 1e-2  # how stiffly numbers of effects are held where they stand, in the fit's own coordinates: what is not told stays
 
@@ -100,6 +103,29 @@ def beside(force: StateForce, objective: Objective, fitted: Fit, held: NDArray[n
     return min(alone, best, key=lambda b: b.surprise)
 
 
+def along_the_recordings(
+    objective: Objective, fitted: Fit, held: NDArray[np.bool_], torque: float, period: float
+) -> StateForce | None:
+    """Forces over the state along the motion of a fit with what it leaves out made up for; None where channels do not answer
+    linearly.
+
+    torque: natural size [N·m]; period: of the slowest swing [s].
+    """
+    force, cost = None, np.inf
+    predictor, near = objective.predictor, fitted
+    for _ in range(CLOSER):
+        found = responses(predictor, objective.likelihood, near, torque, period)
+        again = None if found is None else over_the_state(found)
+        if again is None:
+            break
+        force, moved = again, beside(again, objective, fitted, held)
+        left = sum(float(r @ r) for r in moved.residuals)
+        if moved.nodes is None or left > CLOSELY * cost:
+            break
+        predictor, near, cost = moved.predictor, replace(fitted, x=moved.x, states=moved.states), left
+    return force
+
+
 def _held(force: StateForce, pushed: Objective, after: Fit, nodes: Array, shapes: Sequence[Force]) -> Beside:
     """The set and the force at the nodes as runs with it leave them, under the likelier one of these shapes."""
     surprise, best = np.inf, None
@@ -149,7 +175,13 @@ def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Arr
         missing = motion.qd[1:][:, places] - speed[:, 0]
         if not (np.isfinite(by_force).all() and np.isfinite(missing).all()):
             return None
-        needed[window] = np.asarray(-np.linalg.solve(by_force, missing[..., None])[..., 0], dtype=np.float64)
+        # What sticks answers to no force, and does not say which one is needed.
+        answering = np.linalg.svd(by_force, compute_uv=False)[:, -1]
+        moving = answering > STUCK * np.median(answering)
+        if not moving.any():
+            return None
+        needed[window] = np.full(missing.shape, np.nan)
+        needed[window][moving] = -np.linalg.solve(by_force[moving], missing[moving][..., None])[..., 0]
         states[window] = np.concatenate([motion.q[0], motion.qd[0]])
     return force.over(needed), x, states
 

@@ -142,13 +142,15 @@ class StateForce:
         return out
 
     def over(self, forces: Mapping[Window, Array]) -> Array:
-        """The forces at the nodes (k,) nearest to those in every step of the motions, joint by joint (G − 1, joints)."""
+        """The forces at the nodes (k,) nearest to those in every step of the motions, joint by joint (G − 1, joints); NaN is unknown."""
         out = np.zeros(len(self.joint))
         for number in range(self.joints):
             own = self.joint == number
             shares = [self.shares[w][own] for w in forces]
             columns = np.hstack([0.5 * (s[:, 1:] + s[:, :-1]) for s in shares])
             values = np.concatenate([f[:, number] for f in forces.values()]) / self.torque
+            known = np.isfinite(values)
+            columns, values = columns[:, known], values[known]
             square = columns @ columns.T
             square[np.diag_indices(len(square))] += SMOOTHED * np.trace(square) / len(square)
             out[own] = np.linalg.solve(square, columns @ values)

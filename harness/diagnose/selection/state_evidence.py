@@ -11,13 +11,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.diagnose.estimation.beside_state_force import Beside, beside
-from harness.diagnose.estimation.discrepancy import responses
+from harness.diagnose.estimation.beside_state_force import Beside, along_the_recordings, beside
 from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.objective import LOST
-from harness.diagnose.estimation.state_force import StateForce, over_the_state
+from harness.diagnose.estimation.state_force import StateForce
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate
 from harness.diagnose.selection.scans.catalogue import scanned
 from harness.diagnose.selection.study import Study
@@ -64,17 +63,12 @@ def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, referen
     along: the fit that is nearest to the recordings; forces act along its motion with what it leaves out made up for.
     reference: the plainest explanation; a test is calibrated by what it holds to be true.
     """
-    torque = pull(study.problem.system)
-    found = responses(study.predictor, rough, along, torque, study.swing)
-    if found is None or reference.score >= LOST:
+    if reference.score >= LOST:
         return None
-    force = over_the_state(found)
+    held, torque = study.whole(along.hypothesis), pull(study.problem.system)
+    force = along_the_recordings(study.objective_under(rough, along), along, held, torque, study.swing)
     if force is None:
         return None
-    near = _beside(force, study, rough, along)
-    if near.nodes is not None:
-        again = responses(near.predictor, rough, replace(along, x=near.x, states=near.states), torque, study.swing)
-        force = (over_the_state(again) if again is not None else None) or force
     usual = _beside(force, study, rough, reference)
     force.together = np.maximum(hanging_together([r.reshape(force.channels, -1) for r in usual.residuals]), 1.0)
     force.shape = usual.shape

@@ -1,0 +1,103 @@
+"""Sets that leave a force out are weighed with it integrated out as a function of the state.
+
+Recordings by SciPy's integration of a pendulum with a weight at its end that
+the model does not have and a force that no law of the catalogue is.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+import harness
+from harness.effects.catalogue import catalogue
+from harness.recording import Channel, Recording
+from harness.system.description import constant
+
+ARM = """
+name = "arm"
+gravity = [0.0, 0.0, -9.81]
+tolerance = 0.01
+[[joint]]
+name = "servo"
+type = "revolute"
+parent = "base"
+child = "arm"
+axis = [0, 1, 0]
+armature = 0.01
+damping = 0.05
+friction = 0.02
+[[link]]
+name = "arm"
+mass = 0.55
+com = [0.0, 0.0, -0.14]
+inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
+end = [0.0, 0.0, -0.15]
+"""
+ADDED = 0.3  # kg at the end
+ONE_HEIGHT = (-1.4, -1.4, -1.4, -1.4)  # rad
+HEIGHTS = (-1.4, -0.6, -1.0, -1.2)
+
+
+LEFT_OUT = 0.03  # N·m, standard deviation
+
+
+def drops(starts: Sequence[float], added: float) -> list[Recording]:
+    """Free drops from about these angles [rad], with an added weight [kg], the stated friction, and a force over angle and speed.
+
+    It is the same in all of them, a draw of random waves (Rahimi and Recht, NIPS 20 (2007) 1177).
+    """
+    about = 0.01 + 1e-3 + 0.55 * 0.14**2 + added * 0.15**2
+    weight = 9.81 * (0.55 * 0.14 + added * 0.15)
+    random = np.random.default_rng(8)
+    waves, phases = random.normal(size=(40, 2)) / [0.6, 4.0], random.uniform(0.0, 2.0 * np.pi, 40)
+
+    def slope(_, y):
+        q, qd = y
+        left_out = LEFT_OUT * np.sqrt(2.0 / 40) * np.sum(np.cos(waves @ y + phases))
+        return qd, (-weight * np.sin(q) - 0.05 * qd - 0.02 * np.tanh(qd / 0.01) + left_out) / about
+
+    out = []
+    for k, angle in enumerate(starts):
+        time = np.arange(0.0, 2.5, 0.01)
+        start = angle + 0.01 * random.normal()
+        found = solve_ivp(slope, (0.0, 2.5), (start, 0.0), t_eval=time, rtol=1e-8, atol=1e-10)
+        read = found.y[0] + 1e-3 * random.normal(size=len(time))
+        channel = Channel("servo.position", "servo", "position", "rad", constant(read))
+        out.append(Recording(f"drop{k}", f"drop{k}", constant(time), (channel,)))
+    return out
+
+
+def test_a_weight_is_told_beside_a_force_that_no_law_describes_and_nothing_curious_is(tmp_path):
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    found = harness.diagnose(drops(HEIGHTS, ADDED), model)
+    told = {f["effect"]: f for f in found.findings if f["grade"] != "possible"}
+    assert "payload_mass" in told
+    low, high = told["payload_mass"]["parameters"]["mass"]["ci95"]
+    assert low < ADDED < high
+    assert all(catalogue()[name].plain for name in told), sorted(told)
+    assert found.verdict == "partly_explained"
+
+
+def test_drops_from_one_height_may_not_tell_for_certain_and_tell_nothing_else(tmp_path):
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    (found,) = harness.diagnose(drops(ONE_HEIGHT, ADDED), model).findings
+    low, high = found["parameters"]["mass"]["ci95"]
+    assert found["effect"] == "payload_mass" and low < ADDED < high
+
+
+def test_beside_such_a_force_alone_nothing_is_told_for_certain(tmp_path):
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    found = harness.diagnose(drops(ONE_HEIGHT, 0.0), model)
+    assert [f["effect"] for f in found.findings if f["grade"] != "possible"] == []
+    assert found.verdict in ("partly_explained", "unexplained")
+
+
+def test_nor_is_it_from_several_heights(tmp_path):
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    found = harness.diagnose(drops(HEIGHTS, 0.0), model)
+    assert [f["effect"] for f in found.findings if f["grade"] != "possible"] == []
