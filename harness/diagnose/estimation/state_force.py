@@ -142,7 +142,7 @@ class StateForce:
         return out
 
     def over(self, forces: Mapping[Window, Array]) -> Array:
-        """The forces at the nodes (k,) nearest to those in every step of the motions, joint by joint (G − 1, joints); NaN is unknown."""
+        """The forces at the nodes (k,) nearest to those in every step of the motions, (G − 1, joints), NaN where unknown."""
         out = np.zeros(len(self.joint))
         for number in range(self.joints):
             own = self.joint == number
