@@ -22,7 +22,7 @@ def claim(effect: str, *rivals: str, beside: dict[str, tuple[str, ...]] | None =
     for candidate in candidates(nominal(), [read]):
         every.setdefault(candidate.effect.name, candidate)
     others = tuple(every[name] for name in rivals)
-    return Claim(every[effect], 0, 40.0, 3.0, 33.0, tuple(c.key for c in others), others, beside or {}, 0.9)
+    return Claim(every[effect], 0, 40.0, 3.0, 33.0, tuple(c.key for c in others), others, beside or {}, 0.9, 0.95)
 
 
 def test_a_delay_comes_before_what_also_forgets() -> None:

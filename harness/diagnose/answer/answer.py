@@ -189,7 +189,12 @@ def _finding(
             name: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[name]}
             for name, e in values.items()
         },
-        "evidence": {"delta_bic": claim.delta_bic, "probability": claim.probability, "heldout_sigma": claim.heldout_z},
+        "evidence": {
+            "delta_bic": claim.delta_bic,
+            "probability": claim.probability,
+            "class_probability": claim.of_class,
+            "heldout_sigma": claim.heldout_z,
+        },
         **_rivals(claim),
         **({"zeros": zeros} if zeros else {}),
         **({"shows_only_in": held_names(outcome)} if claim.candidate.key in only_held else {}),

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
-from harness.diagnose.claims.posterior import posterior_probabilities
+from harness.diagnose.claims.posterior import posterior
 from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
 from harness.diagnose.criticism.check import LEVEL, Asked, left_by
 from harness.diagnose.criticism.checks.held_out_misfit import WORSE
@@ -54,7 +54,8 @@ class Claim:
     """One member of the best set, weighed. gain: of the training cost; heldout_z: see ``investigate.heldout_z``.
 
     delta_bic: how much worse the set is without it; rivals: candidates that could stand in its place; beside: keys of what other
-    members would then have to be, of rivals that only could so; probability: its share of the posterior over all sets fitted.
+    members would then have to be, of rivals that only could so; probability, of_class: posterior over all sets fitted that it is
+    there, and that it or a rival is.
     """
 
     candidate: Candidate
@@ -66,6 +67,7 @@ class Claim:
     rival_candidates: tuple[Candidate, ...]
     beside: Mapping[str, tuple[str, ...]]
     probability: float
+    of_class: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -372,7 +374,7 @@ def _level(outcome: Outcome, held: Fit) -> float:
 def _claims(outcome: Outcome, best: Fit, remains: Remains | None) -> tuple[Claim, ...]:
     """What is claimed of a set. remains: what it leaves; None to look for nothing further that could stand in a member's place."""
     study = outcome.study
-    probabilities = posterior_probabilities(outcome, best)
+    weighed = posterior(outcome, best)
     claims = []
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)
@@ -389,7 +391,8 @@ def _claims(outcome: Outcome, best: Fit, remains: Remains | None) -> tuple[Claim
         claims.append(
             Claim(
                 member, k, gain, heldout_z(outcome, smaller, best), gain - study.numbers(member) * float(np.log(study.samples)),
-                tuple(r.key for r in rivals), tuple(rivals), beside, min(1.0, probabilities.get(member.key, 0.0)),
+                tuple(r.key for r in rivals), tuple(rivals), beside, weighed.of([member.key]),
+                weighed.of([member.key, *(r.key for r in rivals)]),
             )
         )  # fmt: skip
     return tuple(claims)

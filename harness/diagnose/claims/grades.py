@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
 BEYOND = 30.0  # times its usual size: of a centre of mass, three lengths of its link
-SURE = 0.95  # posterior probability of an effect over all sets, from which on it is more than possible
+SURE = 0.95  # posterior probability over all sets, from which on an effect, or one of its class, is more than possible
 VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
 
 
@@ -104,11 +104,12 @@ def grade(
 
     Where noise is all that is left: established; where an error of a known shape is left, likely, or possible if it is far larger
     than what it is named for ever is (a model that is far off bends whatever can be bent). Beside a force that is left out:
-    possible, if sets without it are not much less likely (averaged over all; Hoeting et al., Stat. Sci. 14 (1999) 382), if it was
-    chosen among many places (one of them always fits some of what something else makes), if it may as well be
-    absent, or if it is no plain law of a single number and does not explain far more than what is left (it may be bent to what
-    nobody has named); likely, if there are too few recordings to say whether it repeats, leaving one out takes it away, or its
-    size is not known to a factor of ten; else established.
+    possible, if sets without it and all that it cannot be told from are not much less likely (averaged over all; Hoeting et al.,
+    Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some of what something else makes), if
+    it may as well be absent, or if it is no plain law of a single number and does not explain far more than what is left (it may
+    be bent to what nobody has named); likely, if one of those that it cannot be told from may be in its place, there are too few
+    recordings to say whether it repeats, leaving one out takes it away, or its size is not known to a factor of ten; else
+    established.
 
     values: its parameters; rows: see ``repeatability``.
     """
@@ -117,7 +118,7 @@ def grade(
             return ESTABLISHED
         return POSSIBLE if _beyond_belief(claim, values) else LIKELY
     effect = claim.candidate.effect
-    if outcome.evidence is not None and claim.probability < SURE:
+    if outcome.evidence is not None and claim.of_class < SURE:
         return POSSIBLE
     if not effect.plain and claim.gain < FAKED * conclusion.remains.excess:
         return POSSIBLE
@@ -133,7 +134,8 @@ def grade(
         for row in rows
     ]
     vague = first is not None and values[first.name].high > VAGUE * abs(values[first.name].value)
-    return ESTABLISHED if stands and all(stands) and not vague else LIKELY
+    itself = outcome.evidence is None or claim.probability >= SURE
+    return ESTABLISHED if stands and all(stands) and not vague and itself else LIKELY
 
 
 def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:

@@ -5,6 +5,9 @@ Bayesian model averaging (Hoeting et al., Stat. Sci. 14 (1999) 382).
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,8 +20,20 @@ from harness.diagnose.selection.study import Study
 Array = NDArray[np.float64]
 
 
-def posterior_probabilities(outcome: Outcome, best: Fit) -> dict[str, float]:
-    """Posterior probability of every effect, summed over the sets fitted; with a force over the state, where there is one.
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """The share of every set that was fitted, with the keys of its members that speak for an effect of the best one."""
+
+    rows: Sequence[tuple[float, frozenset[str]]]
+
+    def of(self, keys: Iterable[str]) -> float:
+        """How probable it is that any of these is there."""
+        asked = frozenset(keys)
+        return min(1.0, float(sum(share for share, own in self.rows if own & asked)))
+
+
+def posterior(outcome: Outcome, best: Fit) -> Posterior:
+    """Posterior probabilities over the sets fitted; with a force over the state, where there is one.
 
     A set speaks for an effect of ``best`` if it has that on the same side of absence: what is more beside one law and less beside
     another is not known. Laws that were chosen among many places are pieces of a force over the state, where there is one, and sets
@@ -29,18 +44,16 @@ def posterior_probabilities(outcome: Outcome, best: Fit) -> dict[str, float]:
     if evidence is not None:
         fits = [f for f in fits if not any(map(placed, f.hypothesis.members))]
     if not fits:
-        return {}  # the time was up before any set was weighed under the last likelihood
+        return Posterior(())  # the time was up before any set was weighed under the last likelihood
     values = np.array([study.criterion(f) if evidence is None else evidence.criterion(study, f) for f in fits])
     weights = np.exp(-0.5 * (values - values.min()))
     weights /= weights.sum()
-    out: dict[str, float] = {}
     sides = _sides(study, best.hypothesis, best.x)
-    for f, w in zip(fits, weights, strict=True):
+    rows = []
+    for f, weight in zip(fits, weights.tolist(), strict=True):
         own = _sides(study, f.hypothesis, f.x if evidence is None else evidence.beside(study, f).x)
-        for key, side in own.items():
-            if side * sides.get(key, side) >= 0.0:
-                out[key] = out.get(key, 0.0) + float(w)
-    return out
+        rows.append((weight, frozenset(key for key, side in own.items() if side * sides.get(key, side) >= 0.0)))
+    return Posterior(rows)
 
 
 def _sides(study: Study, hypothesis: Hypothesis, x: Array) -> dict[str, float]:
