@@ -117,7 +117,7 @@ def answered(case: Case, model: Path) -> dict[str, Any]:
     found = harness.diagnose(recorded(case), model)
     told = [
         {
-            "effect": f["effect"], "grade": f["grade"], "parameters": f["parameters"],
+            "effect": f["effect"], "grade": f["grade"], "parameters": f["parameters"], "evidence": f["evidence"],
             "cannot_be_told_from": [str(other) for other in f.get("indistinguishable_from", [])],
         }
         for f in found.findings
