@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,7 +102,8 @@ class StateForce:
     joint: (k,) of every node, and where it stands, position and velocity (k, 2), in standard deviations of these. answers: (M, k)
     by window. motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the
     joints; torque: natural force that nodes are in. together: samples of every channel that err together beside the force. shape:
-    of the force that the reference leaves, where the search for that of others begins.
+    of the force that the reference leaves, where the search for that of others begins. known: what has been worked out beside the
+    force, by set and windows.
     """
 
     joint: NDArray[np.intp]
@@ -115,6 +117,7 @@ class StateForce:
     coordinates: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
     torque: float = 1.0
+    known: dict[tuple[frozenset[str], tuple[Window, ...]], Any] = field(default_factory=dict)
 
     @property
     def joints(self) -> int:
@@ -167,7 +170,7 @@ class StateForce:
             assert motion is not None  # a fit has one in each of its windows
             own = [found.moved(motion, place, shares[self.joint == k]) for k, place in enumerate(found.places)]
             answers[window] = np.nan_to_num(np.hstack(own))
-        return replace(self, answers={**self.answers, **answers})
+        return replace(self, answers={**self.answers, **answers}, known={})
 
     def sums(
         self,

@@ -36,6 +36,7 @@ PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # the same over the distance from the midd
 WAYS = (0.01, 0.03, 0.1)  # of the reach of the motion, over which friction that yields builds up
 TURN = 0.02  # of the greatest speed, over which dry friction turns
 FURTHEST = 3.0  # of a level's logarithm; beyond, a linear estimate says nothing
+UNTOLD = 1e3  # of a level's logarithm, from which on no reading bears on it
 RESOLVED = 1e-9  # of the largest, below which a direction of the normal equations is rounding
 
 
@@ -95,6 +96,8 @@ def unequal_friction(study: Study, fitted: Fit) -> Unequal | None:
     )
     # Without one stretch after the other: what stretches of one recording disagree about is the scatter that counts.
     left_out = np.array([_solved(whole - g, right - r)[last] for g, r in zip(grams, rights, strict=True)])
+    if not np.abs(left_out).max() < UNTOLD:
+        return None  # one of the stretches alone tells a level: whether others would say the same is not known
     away = left_out - left_out.mean(axis=0)
     covariance = (len(grams) - 1.0) / len(grams) * away.T @ away
     square = float(found @ np.linalg.pinv(covariance) @ found)

@@ -93,7 +93,6 @@ class Outcome:
     alone: dict[frozenset[str], Fit] = field(default_factory=dict)
     straight: dict[frozenset[str], Fit] = field(default_factory=dict)
     read: dict[int, tuple[Fit, Fit]] = field(default_factory=dict)
-    weighed: dict[int, Evidence] = field(default_factory=dict)
 
     @property
     def evidence(self) -> Evidence | None:
@@ -101,7 +100,7 @@ class Outcome:
         left = self.study.likelihood.discrepancy
         if not isinstance(left, Misfit) or left.state is None:
             return None
-        return self.weighed.setdefault(id(left.state), Evidence(left.state, left.sensors))
+        return Evidence(left.state, left.sensors)
 
     @property
     def noise(self) -> tuple[float, ...]:

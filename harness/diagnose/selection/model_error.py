@@ -332,8 +332,13 @@ def least(
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
         shorter: dict[frozenset[str], tuple[float, Fit]] = {}
         for above, fitted in front:
-            members = [k for k in range(len(fitted.hypothesis.members)) if not _needed(study, fitted, k)]
-            for plainer in [study.below(fitted, k) for k in members] + specialized(study, fitted):
+            members = range(len(fitted.hypothesis.members))
+            if evidence is None:
+                smaller = [study.below(fitted, k) for k in members if not _needed(study, fitted, k)]
+            else:
+                # What a set leaves far more without, a force over the state may do as well.
+                smaller = [study.reduce(fitted, k) for k in members]
+            for plainer in smaller + specialized(study, fitted):
                 if (own := value(plainer)) < above:
                     shorter[plainer.hypothesis.identity] = own, plainer
         front = likeliest(shorter.values())

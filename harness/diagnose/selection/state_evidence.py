@@ -7,7 +7,7 @@ those that are not parted so the plainest is taken: what nobody would look for f
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,14 +31,14 @@ class Evidence:
 
     force: StateForce
     rough: Likelihood
-    _known: dict[int, tuple[Fit, Beside]] = field(default_factory=dict)
 
     def beside(self, study: Study, fitted: Fit) -> Beside:
-        """A set and the force that it leaves out, together."""
-        known = self._known.get(id(fitted))
-        if known is None:
-            known = self._known[id(fitted)] = fitted, _beside(self.force, study, self.rough, fitted)
-        return known[1]
+        """A set and the force that it leaves out, together; however the set was weighed for the fit that this begins at."""
+        key = fitted.hypothesis.identity, fitted.windows
+        if key not in self.force.known:
+            self.force.known[key] = _beside(self.force, study, self.rough, fitted)
+        found: Beside = self.force.known[key]
+        return found
 
     def criterion(self, study: Study, fitted: Fit) -> float:
         """−2 log of how likely the recordings are under a set, the price of its numbers, and how plausible they and its members
