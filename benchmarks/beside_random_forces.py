@@ -111,7 +111,7 @@ def recorded(case: Case) -> list[Recording]:
         effort = np.sum(sizes[:, None] * np.sin(2.0 * np.pi * frequencies[:, None] * time_ + starts[:, None]), axis=0)
 
         def slope(t: float, y: np.ndarray, effort: np.ndarray = effort) -> tuple[float, float]:
-            force = float(_waved(y[:, None], waves, phases)[0] - _plain(y[:, None]) @ named) * case.force
+            force = case.force * float((_waved(y[:, None], waves, phases) - _plain(y[:, None]) @ named)[0])
             rubbing = friction * np.tanh(y[1] / SHARPNESS)
             acting = np.interp(t, time_, effort) + force
             return y[1], float((acting - weight * np.sin(y[0]) - damping * y[1] - rubbing) / about)
