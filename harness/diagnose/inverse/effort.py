@@ -25,9 +25,10 @@ from harness.diagnose.answer.explain import finding_words, untried
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
 from harness.diagnose.estimation.intervals import WIDE, Estimate
-from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, effort_noise, fit_effort, grid_of, spread
+from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run
+from harness.diagnose.inverse.effort_noise import effort_noise, grid_of
 from harness.diagnose.inverse.effort_search import EffortStudy, search, settle
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes, ordinary_terms
 from harness.diagnose.problem.candidates import candidates

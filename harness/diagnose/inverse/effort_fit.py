@@ -9,20 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_toeplitz
 from scipy.optimize import least_squares
 
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel
-from harness.diagnose.inverse.effort_motion import EffortRun
+from harness.diagnose.inverse.effort_noise import EffortNoise, Grid
+from harness.diagnose.inverse.whitened import Whitened
 from harness.diagnose.problem.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
 
-APART = 0.55  # periods of the cutoff between samples that are compared
-MEMORY = 3  # lags of the autoregression, at most
 CLUSTERS = 3  # stretches a parameter, from which on the scatter between stretches is trusted
 ROUNDS = 3  # of noise and parameters in turn
 SIGMA = 1e-3  # of a nominal quantity's σ, by which its slope is read off
@@ -31,66 +30,6 @@ SHARE = 1e-5  # of a parameter's typical size, the same
 # a per cent of a quantity (half a σ of one per cent) changes slopes by as much at most.
 STALE = 0.5  # σ
 MOVED = 0.02  # of the typical size of parameters that those slopes depend on
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Samples of one run that residuals are compared at: stretches of consecutive indices."""
-
-    stretches: tuple[NDArray[np.intp], ...]
-
-    @property
-    def samples(self) -> int:
-        return sum(len(s) for s in self.stretches)
-
-
-def grid_of(run: EffortRun) -> Grid:
-    """Indices a little more than half a period of the cutoff apart (where the low-pass falls off, folding keeps white noise
-    white), in stretches without an unusable sample between them."""
-    step = float(run.time[1] - run.time[0])
-    every = max(1, round(APART / (run.bandwidth * step)))
-    stretches: list[NDArray[np.intp]] = []
-    current: list[int] = []
-    for start in range(0, len(run.time) - every, every):
-        if run.usable[start : start + every].all():
-            current.append(start)
-            continue
-        if len(current) > 2 * MEMORY:
-            stretches.append(np.array(current))
-        current = []
-    if len(current) > 2 * MEMORY:
-        stretches.append(np.array(current))
-    return Grid(tuple(stretches))
-
-
-@dataclass(frozen=True, eq=False)
-class EffortNoise:
-    """Autoregression of a joint's residual effort: ``ahead`` (MEMORY,), and the size of its innovation [N·m]."""
-
-    ahead: Array
-    innovation: float
-    std: float
-
-
-def effort_noise(pieces: Sequence[Array]) -> EffortNoise:
-    """Yule–Walker estimate over stretches of residual [N·m], its order by the Bayesian information criterion."""
-    total = sum(len(p) for p in pieces)
-    lags = np.array([sum(float(p[k:] @ p[: len(p) - k]) for p in pieces) / total for k in range(MEMORY + 1)])
-    if lags[0] <= 0.0:
-        return EffortNoise(np.zeros(MEMORY), 1e-12, 1e-12)
-    # As many lags as pay for themselves: the regression has taken its own share of the power out of the residual, and a longer
-    # memory would take that for colour.
-    lags[0] *= 1.0 + 1e-6
-    best, chosen = total * float(np.log(lags[0])), np.zeros(0)
-    for order in range(1, MEMORY + 1):
-        ahead = solve_toeplitz(lags[:order], lags[1 : order + 1])
-        left = max(float(lags[0] - ahead @ lags[1 : order + 1]), 1e-6 * float(lags[0]))
-        cost = total * float(np.log(left)) + order * float(np.log(max(total, 2)))
-        if cost < best:
-            best, chosen = cost, ahead
-    ahead = np.concatenate([chosen, np.zeros(MEMORY - len(chosen))])
-    left = max(float(lags[0] - ahead @ lags[1:]), 1e-6 * float(lags[0]))
-    return EffortNoise(ahead, float(np.sqrt(left)), float(np.sqrt(lags[0])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,12 +75,12 @@ class EffortData:
         at = np.concatenate([x[:nominal] / STALE, *(x[span] / (MOVED * member.scales) for member, span in order)])
         if key in self._slopes and np.all(np.abs(at - self._slopes[key][0]) <= 1.0):
             return self._slopes[key][1]
-        here, _ = self.rows(model.residuals(hypothesis, x))
+        here = self.rows(hypothesis, x)
         slopes = np.empty((len(here), nominal))
         for k in range(nominal):
             there = x.copy()
             there[k] += SIGMA
-            slopes[:, k] = (self.rows(model.residuals(hypothesis, there))[0] - here) / SIGMA
+            slopes[:, k] = (self.rows(hypothesis, there) - here) / SIGMA
         self._slopes[key] = at, slopes
         return slopes
 
@@ -153,22 +92,14 @@ class EffortData:
     def samples(self) -> int:
         return sum(g.samples * int(r.driven.sum()) for g, r in zip(self.grids, self.model.runs, strict=True))
 
-    def rows(self, residuals: Sequence[Array]) -> tuple[Array, NDArray[np.intp]]:
-        """Whitened residuals of all stretches, and which stretch each belongs to."""
-        out: list[Array] = []
-        which: list[NDArray[np.intp]] = []
-        count = 0
-        for run, grid, residual in zip(self.model.runs, self.grids, residuals, strict=True):
-            for stretch in grid.stretches:
-                for j in np.flatnonzero(run.driven):
-                    noise = self.noises[j]
-                    values = residual[stretch, j]
-                    ahead = np.convolve(values, np.concatenate([[1.0], -noise.ahead]))[: len(values)] / noise.innovation
-                    ahead[:MEMORY] = values[:MEMORY] / noise.std
-                    out.append(ahead)
-                    which.append(np.full(len(ahead), count))
-                count += 1
-        return np.concatenate(out), np.concatenate(which)
+    @cached_property
+    def whitened(self) -> Whitened:
+        """What the rows of hypotheses are put together of."""
+        return Whitened(self.model, self.grids, self.noises)
+
+    def rows(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """Whitened residuals of all stretches."""
+        return self.whitened.rows(hypothesis, x)
 
     def plain(self, residuals: Sequence[Array], joint: int) -> Array:
         """Residuals of a joint at the samples compared, as they are [N·m]."""
@@ -199,12 +130,12 @@ def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen
 
     def misfit(part: Array) -> Array:
         whole = full(part)
-        rows, _ = data.rows(model.residuals(hypothesis, whole))
+        rows = data.rows(hypothesis, whole)
         return np.concatenate([rows / size, whole[:nominal]])
 
     def slopes(part: Array) -> Array:
         whole = full(part)
-        here, _ = data.rows(model.residuals(hypothesis, whole))
+        here = data.rows(hypothesis, whole)
         out = np.zeros((len(here) + nominal, len(whole)))
         if free[:nominal].any():
             out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole) / size
@@ -213,7 +144,7 @@ def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen
             step = SHARE * scale[k] * (1.0 if whole[k] + SHARE * scale[k] <= upper[k] else -1.0)
             there = whole.copy()
             there[k] += step
-            out[: len(here), k] = (data.rows(model.residuals(hypothesis, there))[0] - here) / (step * size)
+            out[: len(here), k] = (data.rows(hypothesis, there) - here) / (step * size)
         return out[:, free]
 
     jacobian = np.zeros((0, len(start)))
@@ -226,7 +157,7 @@ def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen
             x = full(found.x)
             jacobian = np.zeros((len(found.fun), len(start)))
             jacobian[:, free] = found.jac
-        rows, clusters = data.rows(model.residuals(hypothesis, x))
+        rows, clusters = data.rows(hypothesis, x), data.whitened.clusters
         before, size = size, float(np.sqrt(np.mean(rows**2)))
         if not free.any() or abs(size - before) < 0.01 * size:
             break

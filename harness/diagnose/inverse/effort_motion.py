@@ -8,6 +8,7 @@ Torques are computed along a motion that is smoothed less, so that what is not l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from weakref import WeakKeyDictionary
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.ndimage import binary_dilation
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfilt, sosfilt_zi, sosfiltfilt
 
 from harness.errors import InputError
 from harness.recording.noise import estimate_noise
@@ -68,21 +69,56 @@ class EffortRun:
         return np.asarray((self.time >= reach) & (self.time <= self.time[-1] - reach))
 
     @cached_property
-    def _filter(self) -> Array:
-        return low_pass(self.bandwidth, float(self.time[1] - self.time[0]))
+    def _filter(self) -> ZeroPhase:
+        return ZeroPhase(low_pass(self.bandwidth, float(self.time[1] - self.time[0])))
 
     def smooth(self, values: Array) -> Array:
         """The low-pass along the first axis."""
-        return np.asarray(sosfiltfilt(self._filter, values, axis=0))
+        return self._filter(values)
 
     def without(self, samples: NDArray[np.bool_]) -> EffortRun:
         """The run with further samples not usable."""
         return replace(self, usable=self.usable & ~samples)
 
-    def moved(self, q: Array) -> EffortRun:
-        """The run with another motion in place of the measured one."""
-        spline = make_interp_spline(self.time, q, k=5)
-        return replace(self, q=q, qd=spline.derivative(1)(self.time), qdd=spline.derivative(2)(self.time))
+    def moved(self, q: Array, changed: Sequence[int] | None = None) -> EffortRun:
+        """The run with another motion in place of the measured one; changed: the joints whose motion is another, all for None."""
+        which = list(range(q.shape[1])) if changed is None else list(changed)
+        spline = make_interp_spline(self.time, q[:, which], k=5)
+        qd, qdd = self.qd.copy(), self.qdd.copy()
+        qd[:, which], qdd[:, which] = spline.derivative(1)(self.time), spline.derivative(2)(self.time)
+        return replace(self, q=q, qd=qd, qdd=qdd)
+
+
+class ZeroPhase:
+    """Second-order sections passed forwards and backwards along the first axis, as SciPy's ``sosfiltfilt`` does.
+
+    SciPy finds anew at every call the state that a filter is in before a constant signal, which takes longer than to filter.
+    """
+
+    def __init__(self, sections: Array) -> None:
+        self._sections = sections
+        self._state = sosfilt_zi(sections)
+        # SciPy's length of what is put before and after, turned about the ends.
+        plain = min(np.count_nonzero(sections[:, 2] == 0.0), np.count_nonzero(sections[:, 5] == 0.0))
+        self._pad = 3 * (2 * len(sections) + 1 - int(plain))
+
+    def __call__(self, values: Array) -> Array:
+        # Samples of a signal beside each other, which is how the filter walks.
+        rows = np.ascontiguousarray(values.T, dtype=np.float64)
+        if rows.shape[-1] <= self._pad:
+            raise ValueError(
+                f"{rows.shape[-1]} samples are too few for this filter, which takes {self._pad} at the ends"
+            )
+        pad = self._pad
+        before = 2.0 * rows[..., :1] - rows[..., pad:0:-1]
+        after = 2.0 * rows[..., -1:] - rows[..., -2 : -pad - 2 : -1]
+        there = self._pass(np.concatenate([before, rows, after], axis=-1))
+        back = self._pass(there[..., ::-1])[..., ::-1]
+        return np.ascontiguousarray(back[..., pad:-pad].T)
+
+    def _pass(self, rows: Array) -> Array:
+        state = self._state.reshape(len(self._sections), *[1] * (rows.ndim - 1), 2)
+        return np.asarray(sosfilt(self._sections, rows, axis=-1, zi=state * rows[..., :1])[0])
 
 
 def low_pass(cutoff: float, step: float) -> Array:

@@ -65,14 +65,14 @@ class EffortStudy:
 
     def held_rows(self, fitted: EffortFit) -> Array:
         """Whitened residuals of the data held out, nothing fitted to them, in units of the noise that the fit left."""
-        rows, _ = self.held.rows(self.held.model.residuals(fitted.hypothesis, fitted.x))
-        raw, _ = self.data.rows(self.data.model.residuals(fitted.hypothesis, fitted.x))
+        rows = self.held.rows(fitted.hypothesis, fitted.x)
+        raw = self.data.rows(fitted.hypothesis, fitted.x)
         return np.asarray(rows / float(np.sqrt(np.mean(raw**2))))
 
     def heldout_z(self, smaller: EffortFit, larger: EffortFit) -> float:
         """How much better the larger hypothesis predicts data held out, in standard deviations."""
-        rows, _ = self.held.rows(self.held.model.residuals(smaller.hypothesis, smaller.x))
-        other, _ = self.held.rows(self.held.model.residuals(larger.hypothesis, larger.x))
+        rows = self.held.rows(smaller.hypothesis, smaller.x)
+        other = self.held.rows(larger.hypothesis, larger.x)
         size = float(np.sqrt(np.mean(other**2)))
         return heldout_gain(rows / size, other / size)
 
@@ -86,13 +86,12 @@ class EffortStudy:
 
     def weight(self, fitted: EffortFit) -> float:
         """Criterion of the training data, and the same of the data held out without a fit: smaller is better."""
-        rows, _ = self.held.rows(self.held.model.residuals(fitted.hypothesis, fitted.x))
+        rows = self.held.rows(fitted.hypothesis, fitted.x)
         return self.criterion(fitted) + len(rows) * float(np.log(np.mean(rows**2)))
 
     def ranked(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
         """Candidates by the share of the residual that their trace explains beside what is fitted, with a start each."""
-        model = self.data.model
-        here, _ = self.data.rows(model.residuals(base.hypothesis, base.x))
+        here = self.data.rows(base.hypothesis, base.x)
         size = float(np.sqrt(np.mean(here**2)))
         # What the nominal quantities may still take is limited by their prior, so those columns carry it.
         prior = np.zeros((self.nominal, base.jacobian.shape[1]))
@@ -108,7 +107,7 @@ class EffortStudy:
             best: tuple[float, Array] | None = None
             for start in starts_of(candidate):
                 whole = np.concatenate([base.x, start])
-                there, _ = self.data.rows(model.residuals(hypothesis, whole))
+                there = self.data.rows(hypothesis, whole)
                 trace = np.concatenate([(there - here) / size, np.zeros(self.nominal)])
                 trace = trace - basis @ (basis.T @ trace)
                 length = float(trace @ trace)
