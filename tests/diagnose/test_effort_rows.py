@@ -123,3 +123,12 @@ def test_low_pass_is_that_of_scipy(shape):
     sections = low_pass(1.1, 1.0 / 66.0)
     values = np.random.default_rng(1).standard_normal(shape)
     np.testing.assert_array_equal(ZeroPhase(sections)(values), sosfiltfilt(sections, values, axis=0))
+
+
+def test_what_the_low_pass_takes_of_every_sample():
+    sections = low_pass(1.1, 1.0 / 66.0)
+    own = ZeroPhase(sections)
+    samples = np.array([0, 3, 150, 298])
+    # The low-pass of the identity has in its rows what it takes of each sample.
+    expected = own(np.eye(299))[samples]
+    assert np.abs(own.at(samples, 299) - expected).max() < 1e-13

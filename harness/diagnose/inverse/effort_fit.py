@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel
+from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_noise import EffortNoise, Grid
 from harness.diagnose.inverse.whitened import Whitened
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -23,6 +24,7 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 Array = NDArray[np.float64]
 
 CLUSTERS = 3  # stretches a parameter, from which on the scatter between stretches is trusted
+CALLS = 25  # evaluations of one
 ROUNDS = 3  # of noise and parameters in turn
 SIGMA = 1e-3  # of a nominal quantity's σ, by which its slope is read off
 SHARE = 1e-5  # of a parameter's typical size, the same
@@ -97,6 +99,12 @@ class EffortData:
         """What the rows of hypotheses are put together of."""
         return Whitened(self.model, self.grids, self.noises)
 
+    def recorded(self, runs: Sequence[EffortRun]) -> EffortData:
+        """The same motions with other efforts recorded."""
+        other = EffortData(self.model.recorded(runs), self.grids, self.noises)
+        other.whitened = self.whitened.recorded(other.model)
+        return other
+
     def rows(self, hypothesis: Hypothesis, x: Array) -> Array:
         """Whitened residuals of all stretches."""
         return self.whitened.rows(hypothesis, x)
@@ -112,8 +120,13 @@ class EffortData:
         return np.concatenate(parts) if parts else np.zeros(0)
 
 
-def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen: Array | None = None) -> EffortFit:
-    """Fit by bounded nonlinear least squares; frozen: parameters that stay, boolean, shape of x."""
+def fit_effort(
+    data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen: Array | None = None, calls: int | None = None
+) -> EffortFit:
+    """Fit by bounded nonlinear least squares; frozen: parameters that stay, boolean, shape of x.
+
+    calls: evaluations after which a fit is left as it is; None goes on to the end.
+    """
     model = data.model
     nominal = len(model.nominal)
     lower = np.concatenate([np.full(nominal, -np.inf), *(m.effect.lower for m in hypothesis.members)])
@@ -152,14 +165,14 @@ def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen
         if free.any():
             inside = np.clip(x[free], lower[free] + 1e-9 * scale[free], upper[free] - 1e-9 * scale[free])
             found = least_squares(
-                misfit, inside, slopes, bounds=(lower[free], upper[free]), x_scale=scale[free], max_nfev=25
+                misfit, inside, slopes, bounds=(lower[free], upper[free]), x_scale=scale[free], max_nfev=calls or CALLS
             )
             x = full(found.x)
             jacobian = np.zeros((len(found.fun), len(start)))
             jacobian[:, free] = found.jac
         rows, clusters = data.rows(hypothesis, x), data.whitened.clusters
         before, size = size, float(np.sqrt(np.mean(rows**2)))
-        if not free.any() or abs(size - before) < 0.01 * size:
+        if calls or not free.any() or abs(size - before) < 0.01 * size:
             break
     prior = float(x[:nominal] @ x[:nominal])
     cost = len(rows) * float(np.log(np.mean(rows**2))) + prior

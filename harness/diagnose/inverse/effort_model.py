@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -70,6 +71,12 @@ class EffortModel:
         self._motions: dict[Any, list[EffortRun]] = {}
         self._directions: dict[Any, list[Array]] = {}
 
+    def recorded(self, runs: Sequence[EffortRun]) -> EffortModel:
+        """The same motions with other efforts recorded; torques that are known stay so."""
+        other = copy(self)
+        other.runs = tuple(runs)
+        return other
+
     @cached_property
     def rows(self) -> NominalRows | None:
         """Parameter rows of the system for any nominal quantities; None for systems that have none."""
@@ -136,27 +143,31 @@ class EffortModel:
         """Of every run the true motion and the smoothed torque that it needs, (T, n)."""
         key = self.torque_key(nominal, further)
         if key not in self._kept:
-            model, whole = self._mechanism(nominal, further)
-            stribeck = {a.site: a.parameters for a in whole.beyond if a.effect == "stribeck_friction"}
-            joints = [whole.system.joint(name) for name in whole.system.joint_names]
-            out: list[tuple[EffortRun, Array]] = []
-            for run, moved in zip(self.runs, self.moved(further), strict=True):
-                torque = model(moved.q, moved.qd, moved.qdd)
-                if whole.forces.any:
-                    torque = torque - whole.forces(moved.q, moved.qd)
-                signs = self._signs(further)[len(out)]
-                for j, joint in enumerate(joints):
-                    level: float | Array = joint.friction
-                    extra = stribeck.get(joint.name)
-                    if extra is not None:
-                        level = level + _stribeck(extra, moved.qd[:, j])
-                    if np.any(level):
-                        torque[:, j] += level * signs[:, j]
-                out.append((moved, run.smooth(torque)))
             while len(self._kept) >= KEPT:
                 del self._kept[next(iter(self._kept))]
-            self._kept[key] = out
+            moved, torques = self.moved(further), self.torques(nominal, further)
+            self._kept[key] = [(m, run.smooth(t)) for m, run, t in zip(moved, self.runs, torques, strict=True)]
         return self._kept[key]
+
+    def torques(self, nominal: Array, further: Sequence[Attachment]) -> list[Array]:
+        """Of every run the torque that its true motion needs, before smoothing, (T, n)."""
+        model, whole = self._mechanism(nominal, further)
+        stribeck = {a.site: a.parameters for a in whole.beyond if a.effect == "stribeck_friction"}
+        joints = [whole.system.joint(name) for name in whole.system.joint_names]
+        out: list[Array] = []
+        for moved, signs in zip(self.moved(further), self._signs(further), strict=True):
+            torque = model(moved.q, moved.qd, moved.qdd)
+            if whole.forces.any:
+                torque = torque - whole.forces(moved.q, moved.qd)
+            for j, joint in enumerate(joints):
+                level: float | Array = joint.friction
+                extra = stribeck.get(joint.name)
+                if extra is not None:
+                    level = level + _stribeck(extra, moved.qd[:, j])
+                if np.any(level):
+                    torque[:, j] += level * signs[:, j]
+            out.append(torque)
+        return out
 
     def _signs(self, further: Sequence[Attachment]) -> list[Array]:
         """Of every run the directions of its true motion that dry friction knows, (T, n)."""
@@ -197,12 +208,12 @@ class EffortModel:
             chain = input_chain(attachments, name)
             if chain and run.driven[j]:
                 arrived, slope = arriving(chain, run, j)
-                residual[:, j] = (arrived - torque[:, j]) / slope
+                residual[:, j] = (run.smooth(arrived) - torque[:, j]) / slope
         return residual
 
 
 def arriving(chain: Sequence[tuple[Effect, Attachment]], run: EffortRun, j: int) -> tuple[Array, float]:
-    """What arrives at a joint of its recorded effort, smoothed (T,), and how much more does if more is recorded."""
+    """What arrives at a joint of its recorded effort (T,), and how much more does if more is recorded."""
 
     def arrives(effort: Array) -> Array:
         out = effort[None]
@@ -213,7 +224,7 @@ def arriving(chain: Sequence[tuple[Effect, Attachment]], run: EffortRun, j: int)
 
     probe = PROBE * float(np.std(run.raw[:, j])) + 1e-12
     slope = float(np.mean(arrives(run.raw[:, j] + probe) - arrives(run.raw[:, j] - probe))) / (2.0 * probe)
-    return run.smooth(arrives(run.raw[:, j])), 1e-3 if abs(slope) < 1e-3 else slope
+    return arrives(run.raw[:, j]), 1e-3 if abs(slope) < 1e-3 else slope
 
 
 def law_shapes(law: Attachment) -> list[tuple[str, float, tuple[float, ...]]]:

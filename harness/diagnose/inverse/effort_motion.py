@@ -76,6 +76,10 @@ class EffortRun:
         """The low-pass along the first axis."""
         return self._filter(values)
 
+    def smooth_at(self, samples: NDArray[np.intp]) -> Array:
+        """What the low-pass takes of every sample at some of them, (len(samples), T)."""
+        return self._filter.at(samples, len(self.time))
+
     def without(self, samples: NDArray[np.bool_]) -> EffortRun:
         """The run with further samples not usable."""
         return replace(self, usable=self.usable & ~samples)
@@ -116,6 +120,32 @@ class ZeroPhase:
         back = self._pass(there[..., ::-1])[..., ::-1]
         return np.ascontiguousarray(back[..., pad:-pad].T)
 
+    def at(self, samples: NDArray[np.intp], count: int) -> Array:
+        """What the low-pass takes of each of ``count`` samples at a few of them, (len(samples), count): it is linear.
+
+        A filter's transpose is the filter backwards; what its state takes of the first sample, and what is put before and after the
+        signal, is added up in turn.
+        """
+        pad, length = self._pad, count + 2 * self._pad
+        taken = np.zeros((len(samples), length))
+        taken[np.arange(len(samples)), samples + pad] = 1.0
+        first = np.zeros((1, length))
+        first[0, 0] = 1.0
+        # What a first sample of one adds by the state that it is begun in.
+        begun = self._pass(first)[0] - sosfilt(self._sections, first[0])
+        for _ in range(2):
+            # From the last pass to the first: turned about, and passed the other way.
+            turned = taken[:, ::-1]
+            taken = np.asarray(sosfilt(self._sections, turned[:, ::-1], axis=-1))[:, ::-1]
+            taken[:, 0] += turned @ begun
+        out = taken[:, pad:-pad].copy()
+        before, after = taken[:, :pad], taken[:, -pad:]
+        out[:, 0] += 2.0 * before.sum(axis=1)
+        out[:, 1 : pad + 1] -= before[:, ::-1]
+        out[:, -1] += 2.0 * after.sum(axis=1)
+        out[:, -pad - 1 : -1] -= after[:, ::-1]
+        return out
+
     def _pass(self, rows: Array) -> Array:
         state = self._state.reshape(len(self._sections), *[1] * (rows.ndim - 1), 2)
         return np.asarray(sosfilt(self._sections, rows, axis=-1, zi=state * rows[..., :1])[0])
@@ -148,13 +178,10 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
             )
         good = np.isfinite(channel.values)
         columns.append(sosfiltfilt(wide, CubicSpline(recording.time[good], channel.values[good])(time)))
-    raw = np.zeros((len(time), len(names)))
+    raw = recorded_efforts(system, recording, time)
     driven = np.zeros(len(names), dtype=bool)
     for channel in recording.efforts:
-        j = names.index(channel.site)
-        good = np.isfinite(channel.values)
-        raw[:, j] = np.interp(time, recording.time[good], channel.values[good])
-        driven[j] = bool(np.any(channel.values[good] != 0.0))
+        driven[names.index(channel.site)] = bool(np.any(channel.values[np.isfinite(channel.values)] != 0.0))
     if not driven.any():
         raise InputError("the recording has no effort to fit", mend="leave --fit-effort out", source=recording.source)
     blank = np.zeros_like(raw)
@@ -177,6 +204,15 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
                 usable &= (time < first - 1.0 / cutoff) | (time > last + 1.0 / cutoff)
     run = replace(run, still=still, usable=usable)
     return run.without(_resting(run))
+
+
+def recorded_efforts(system: System, recording: Recording, time: Array) -> Array:
+    """Recorded efforts of all joints, straight between their samples, at times (T,) [s]; (T, n), zero where none is recorded."""
+    raw = np.zeros((len(time), len(system.joint_names)))
+    for channel in recording.efforts:
+        good = np.isfinite(channel.values)
+        raw[:, system.joint_names.index(channel.site)] = np.interp(time, recording.time[good], channel.values[good])
+    return raw
 
 
 def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) -> float:

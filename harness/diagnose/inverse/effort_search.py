@@ -22,6 +22,7 @@ BEAM = 2  # sets carried on
 TRIED = 5  # candidates fitted beside each of them
 DEEPEST = 5  # effects
 MOST_STARTS = 6  # of one candidate
+FEW_CALLS = 5  # evaluations that show whether a rival comes anywhere near
 STRETCHED = 1e-7  # chance of a stretch of the nominal quantities under their tolerance, below which it is evidence
 HELD_OUT = 1.0  # standard deviations by which an effect must improve data held out
 FROM_NOTHING = (
@@ -37,6 +38,11 @@ class EffortStudy:
     held: EffortData
     candidates: tuple[Candidate, ...]
     fits: dict[frozenset[str], EffortFit] = field(default_factory=dict)
+
+    @property
+    def nothing(self) -> EffortFit:
+        """The fit of the nominal model, its quantities within their tolerance."""
+        return self.fits[frozenset()]
 
     @property
     def nominal(self) -> int:
@@ -137,10 +143,18 @@ class EffortStudy:
         """Candidates that could stand in the place of member ``k``, likeliest first, with their fits."""
         without = self.reduce(best, k)
         limit = self.weight(best) + APART
+        # What a few steps bring not half as near as the member came will not come near it.
+        hopeless = max(10.0 * APART, 0.5 * (self.criterion(without) - self.criterion(best)))
         out = []
         for _, candidate, start in self.ranked(without)[: 2 * TRIED]:
             if candidate.key in best.hypothesis.keys:
                 continue
+            hypothesis = without.hypothesis.with_(candidate)
+            if hypothesis.identity not in self.fits:
+                glance = fit_effort(self.data, hypothesis, np.concatenate([without.x, start]), calls=FEW_CALLS)
+                if self.criterion(glance) > self.criterion(best) + hopeless:
+                    continue
+                start = glance.x[self.nominal + without.hypothesis.size :]
             found = self.extend(without, candidate, start)
             if self.criterion(found) < self.criterion(best) + APART and self.weight(found) < limit:
                 out.append((candidate, found))
@@ -160,12 +174,23 @@ def starts_of(candidate: Candidate) -> list[Array]:
     return combinations[::step]
 
 
-def search(study: EffortStudy, progress: Callable[[str], None]) -> EffortFit:
-    """The best set of effects by the criterion, grown from nothing."""
-    empty = study.fit(Hypothesis(), [np.zeros(study.nominal)])
-    beam = [empty]
-    best = empty
+def search(
+    study: EffortStudy,
+    progress: Callable[[str], None],
+    turned: Callable[[EffortFit], EffortStudy | None] = lambda _: None,
+) -> EffortFit:
+    """The best set of effects by the criterion, grown from nothing.
+
+    turned: another study of the same candidates to go on in, once it holds a better fit of the best set so far.
+    """
+    best = study.fit(Hypothesis(), [np.zeros(study.nominal)])
+    beam = [best]
     for depth in range(DEEPEST):
+        other = turned(best)
+        if other is not None:
+            study = other
+            beam = [study.fit(f.hypothesis, [f.x]) for f in beam]
+            best = beam[0]
         grown: list[EffortFit] = []
         for base in beam:
             for _, candidate, start in study.ranked(base)[:TRIED]:
@@ -191,12 +216,12 @@ def _needed(smaller: EffortFit, larger: EffortFit) -> float:
 
 
 def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
-    """The set with every member dropped that does not pay, or does not improve data held out, and rivals weighed."""
+    """The set with every member dropped that does not plainly pay, or does not improve data held out, and rivals weighed."""
     while fitted.hypothesis.members:
         judged = []
         for k in range(len(fitted.hypothesis.members)):
             smaller = study.reduce(fitted, k)
-            pays = study.criterion(smaller) - study.criterion(fitted)
+            pays = study.criterion(smaller) - study.criterion(fitted) - APART
             carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
             clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING)
             judged.append((min(pays, carries, clear), k, smaller))

@@ -7,6 +7,7 @@ of nominal factors and the recorded effort leave in the rows is kept, and a hypo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel, arriving, law_shape, law_shapes
+from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_noise import MEMORY, EffortNoise, Grid
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.effects.attach import input_chain
@@ -26,6 +28,7 @@ Array = NDArray[np.float64]
 COLUMNS = 4000  # that are kept
 SAME = 1e-9  # of the torque, that the sum of products may err by where it stands in for inverse dynamics
 AT_ONCE = 16  # torques smoothed together
+DENSE = 1_000_000  # numbers in a table of what every sample compared takes of the others, beyond which whole signals are smoothed
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +38,21 @@ class _Place:
     joints: driven ones (J,); order: of the rows, in an array (N, J) of samples; first: of the run's rows among all.
     """
 
+    run: EffortRun
     samples: NDArray[np.intp]
     begins: NDArray[np.bool_]
     joints: NDArray[np.intp]
     order: NDArray[np.intp]
     first: int
+
+    @cached_property
+    def _table(self) -> Array | None:
+        small = len(self.samples) * len(self.run.time) <= DENSE
+        return self.run.smooth_at(self.samples) if small else None
+
+    def smooth(self, values: Array) -> Array:
+        """Signals (T, …) through the low-pass, at the samples, (N, …)."""
+        return self.run.smooth(values)[self.samples] if self._table is None else np.asarray(self._table @ values)
 
 
 class Whitened:
@@ -69,6 +82,7 @@ class Whitened:
             samples = np.concatenate(grid.stretches) if grid.stretches else np.zeros(0, dtype=np.intp)
             self._places.append(
                 _Place(
+                    run,
                     samples,
                     np.concatenate(begins) if begins else np.zeros(0, dtype=bool),
                     joints,
@@ -84,6 +98,13 @@ class Whitened:
             order_joints = np.tile(place.joints, len(place.samples))[place.order]
             self._which[place.first : place.first + len(place.order)] = order_joints
         self._kept: dict[Any, Any] = {}
+
+    def recorded(self, model: EffortModel) -> Whitened:
+        """The same columns beside other efforts, those of a model with the same motions."""
+        other = copy(self)
+        other.model = model
+        other._kept = {key: value for key, value in self._kept.items() if key[0] not in ("effort", "arrives")}
+        return other
 
     def rows(self, hypothesis: Hypothesis, x: Array) -> Array:
         """Whitened residuals; x: nominal deviations [σ], then effect parameters [SI]."""
@@ -128,7 +149,7 @@ class Whitened:
             return np.asarray(columns @ products(nominal))
         key = ("torque", model.torque_key(nominal, others))
         if key not in self._kept:
-            self._keep(key, self._all([torque for _, torque in model.needed(nominal, others)]))
+            self._keep(key, self._all(model.torques(nominal, others)))
         return np.array(self._kept[key])
 
     @cached_property
@@ -147,16 +168,16 @@ class Whitened:
                 torques = np.concatenate(
                     [rows.model.with_row(r).inverse_dynamics(run.q, run.qd, run.qdd) for r in several], axis=1
                 )
-                smooth = run.smooth(torques)
+                smooth = place.smooth(torques)
                 for k in range(len(several)):
                     part = smooth[:, k * run.q.shape[1] : (k + 1) * run.q.shape[1]]
-                    parts[here, first + k] = self._whitened(place, part)
+                    parts[here, first + k] = self._whitened(place, part[:, place.joints])
         columns = parts @ terms.weights.T
         whole = np.abs(columns).max()
         used = np.abs(columns).max(axis=0) > 1e-15 * whole
         columns = np.ascontiguousarray(columns[:, used])
         factors = terms.factors[used]
-        dry = self._all([run.smooth(model.dry(run)) for run in model.runs])
+        dry = self._all([model.dry(run) for run in model.runs])
         columns = np.column_stack([columns, dry])
         tolerance = model.system.tolerance
 
@@ -165,7 +186,7 @@ class Whitened:
             return np.append(np.prod(f[factors], axis=1), 1.0)
 
         tried = np.linspace(-2.0, 2.0, len(model.nominal))
-        there = self._all([torque for _, torque in model.needed(tried, ())])
+        there = self._all(model.torques(tried, ()))
         close = np.abs(columns @ products(tried) - there).max() <= SAME * np.abs(there).max()
         return (products, columns) if close else None
 
@@ -181,10 +202,10 @@ class Whitened:
             for place, run, moved in zip(self._places, model.runs, model.moved(others), strict=True):
                 if not run.driven[j]:
                     continue
-                shape = run.smooth(law_shape(name, given, moved, run, j))
+                shape = place.smooth(law_shape(name, given, moved, run, j))
                 column = int(np.flatnonzero(place.joints == j)[0])
                 mine = np.flatnonzero(place.order % len(place.joints) == column)
-                out.append((place.first + mine, self._joint(place, j, shape[place.samples])))
+                out.append((place.first + mine, self._joint(place, j, shape)))
             self._keep(key, out)
         return list(self._kept[key])
 
@@ -196,10 +217,10 @@ class Whitened:
     def _effort(self, inputs: Sequence[Attachment]) -> tuple[Array, Array | None]:
         """Whitened efforts as they arrive, and where they arrive changed the slope by which residuals are divided, (rows,)."""
         model = self.model
-        if "effort" not in self._kept:
-            self._kept["effort"] = self._all([run.effort for run in model.runs])
+        if ("effort",) not in self._kept:
+            self._kept["effort",] = self._all([run.effort for run in model.runs], smoothed=True)
         attachments = (*model.system.attachments, *inputs)
-        effort, slopes = self._kept["effort"], None
+        effort, slopes = self._kept["effort",], None
         for j, name in enumerate(model.system.joint_names):
             chain = input_chain(attachments, name)
             if not chain:
@@ -211,7 +232,7 @@ class Whitened:
                     if run.driven[j]:
                         values, slope = arriving(chain, run, j)
                         mine = np.flatnonzero(self._which[place.first : place.first + len(place.order)] == j)
-                        out.append((place.first + mine, self._joint(place, j, values[place.samples]), slope))
+                        out.append((place.first + mine, self._joint(place, j, place.smooth(values)), slope))
                 self._keep(key, out)
             if slopes is None:
                 effort, slopes = effort.copy(), np.ones(self.count)
@@ -221,17 +242,19 @@ class Whitened:
 
     def _keep(self, key: Any, value: Any) -> None:
         while len(self._kept) >= COLUMNS:
-            del self._kept[next(k for k in self._kept if k != "effort")]
+            del self._kept[next(k for k in self._kept if k != ("effort",))]
         self._kept[key] = value
 
-    def _all(self, values: Sequence[Array]) -> Array:
-        """Whitened rows of signals (T, n), one a run."""
-        parts = [self._whitened(place, one) for place, one in zip(self._places, values, strict=True)]
+    def _all(self, values: Sequence[Array], *, smoothed: bool = False) -> Array:
+        """Whitened rows of signals (T, n), one a run, smoothed first where they are not yet."""
+        parts = []
+        for place, one in zip(self._places, values, strict=True):
+            driven = one[:, place.joints]
+            parts.append(self._whitened(place, driven[place.samples] if smoothed else place.smooth(driven)))
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def _whitened(self, place: _Place, values: Array) -> Array:
-        """Whitened rows of one run's signals (T, n)."""
-        seen = values[np.ix_(place.samples, place.joints)]
+    def _whitened(self, place: _Place, seen: Array) -> Array:
+        """Whitened rows of one run's samples (N, J)."""
         out = seen.copy()
         for lag in range(1, MEMORY + 1):
             out[lag:] -= self._ahead[place.joints, lag - 1] * seen[:-lag]
