@@ -31,6 +31,7 @@ SHARE = 1e-5  # of a parameter's typical size, the same
 # How far a fit may go before the slopes of nominal quantities are read off again: torques are linear in most of them, so that half
 # a per cent of a quantity (half a σ of one per cent) changes slopes by as much at most.
 STALE = 0.5  # σ
+ON_THE_WAY = 8.0  # times as far, before the last round
 MOVED = 0.02  # of the typical size of parameters that those slopes depend on
 
 
@@ -60,8 +61,8 @@ class EffortData:
     noises: tuple[EffortNoise, ...]
     _slopes: dict[frozenset[str], tuple[Array, Array]] = field(default_factory=dict)
 
-    def nominal_slopes(self, hypothesis: Hypothesis, x: Array) -> Array:
-        """Slopes of the whitened rows over the nominal quantities near x, (rows, nominal).
+    def nominal_slopes(self, hypothesis: Hypothesis, x: Array, *, far: float = 1.0) -> Array:
+        """Slopes of the whitened rows over the nominal quantities near x, (rows, nominal); far: how many times as far as usual.
 
         They are those of all hypotheses with the same effects other than laws of joints, which only add to the torque.
         """
@@ -75,7 +76,7 @@ class EffortData:
         key = frozenset(member.key for member, _ in bent)
         order = sorted(bent, key=lambda pair: pair[0].key)
         at = np.concatenate([x[:nominal] / STALE, *(x[span] / (MOVED * member.scales) for member, span in order)])
-        if key in self._slopes and np.all(np.abs(at - self._slopes[key][0]) <= 1.0):
+        if key in self._slopes and np.all(np.abs(at - self._slopes[key][0]) <= far):
             return self._slopes[key][1]
         here = self.rows(hypothesis, x)
         slopes = np.empty((len(here), nominal))
@@ -135,6 +136,8 @@ def fit_effort(
     free = np.ones(len(start), dtype=bool) if frozen is None else ~frozen.astype(bool)
     x = np.clip(start, lower, upper)
     size = 1.0
+    # On the way to the least value slopes need not be as near as at it.
+    far = ON_THE_WAY
 
     def full(part: Array) -> Array:
         whole = x.copy()
@@ -151,7 +154,7 @@ def fit_effort(
         here = data.rows(hypothesis, whole)
         out = np.zeros((len(here) + nominal, len(whole)))
         if free[:nominal].any():
-            out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole) / size
+            out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole, far=far) / size
         out[len(here) :, :nominal] = np.eye(nominal)
         for k in np.flatnonzero(free[nominal:]) + nominal:
             step = SHARE * scale[k] * (1.0 if whole[k] + SHARE * scale[k] <= upper[k] else -1.0)
@@ -161,7 +164,7 @@ def fit_effort(
         return out[:, free]
 
     jacobian = np.zeros((0, len(start)))
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS + 1):
         if free.any():
             inside = np.clip(x[free], lower[free] + 1e-9 * scale[free], upper[free] - 1e-9 * scale[free])
             found = least_squares(
@@ -172,8 +175,9 @@ def fit_effort(
             jacobian[:, free] = found.jac
         rows, clusters = data.rows(hypothesis, x), data.whitened.clusters
         before, size = size, float(np.sqrt(np.mean(rows**2)))
-        if calls or not free.any() or abs(size - before) < 0.01 * size:
+        if calls or not free.any() or (far == 1.0 and abs(size - before) < 0.01 * size):
             break
+        far = 1.0
     prior = float(x[:nominal] @ x[:nominal])
     cost = len(rows) * float(np.log(np.mean(rows**2))) + prior
     return EffortFit(

@@ -70,6 +70,8 @@ class EffortModel:
         self._kept: dict[Any, list[tuple[EffortRun, Array]]] = {}
         self._motions: dict[Any, list[EffortRun]] = {}
         self._directions: dict[Any, list[Array]] = {}
+        self._depends: dict[Any, NDArray[np.intp] | None] = {}
+        self._added: dict[Any, tuple[Array, Expressed]] = {}
 
     def recorded(self, runs: Sequence[EffortRun]) -> EffortModel:
         """The same motions with other efforts recorded; torques that are known stay so."""
@@ -192,10 +194,66 @@ class EffortModel:
         factors = np.exp(self.system.tolerance * nominal)
         if self.rows is not None and all(effect(a.effect).sensor is not None for a in further):
             return self.rows.model.with_row(self.rows.row(factors)).inverse_dynamics, self._plain
+        dynamic = [a for a in further if effect(a.effect).sensor is None]
+        if self.rows is not None and not any(a.effect in STATED for a in dynamic):
+            found = self._changed(nominal, factors, dynamic)
+            if found is not None:
+                row, whole = found
+                return self.rows.model.with_row(row).inverse_dynamics, whole
         whole = express(attached(scaled(self.system, self.nominal, list(factors)), further))
         if self.rows is not None and NominalRows.fits(whole.system):
             return self.rows.model.with_row(self.rows.model.lanes.row(whole.system)).inverse_dynamics, whole
         return Denoc(whole.system).inverse_dynamics_batch, whole
+
+    def _changed(self, nominal: Array, factors: Array, dynamic: Sequence[Attachment]) -> tuple[Array, Expressed] | None:
+        """Parameter row of a mechanism with effects, and what of it no row holds; None where there is no row of it.
+
+        What an effect adds to a row depends on few nominal quantities, those of its own link as a rule: it is asked for anew only
+        where one of them is another.
+        """
+        assert self.rows is not None
+        sites = tuple((a.effect, a.site) for a in dynamic)
+        if sites not in self._depends:
+            self._depends[sites] = self._dependence(dynamic)
+        which = self._depends[sites]
+        if which is None:
+            return None
+        key = (tuple(map(_key, dynamic)), nominal[which].tobytes())
+        if key not in self._added:
+            found = self._whole_row(factors, dynamic)
+            if found is None:
+                return None
+            while len(self._added) >= KEPT:
+                del self._added[next(iter(self._added))]
+            self._added[key] = found[0] - self.rows.row(factors), found[1]
+        added, whole = self._added[key]
+        return self.rows.row(factors) + added, whole
+
+    def _dependence(self, dynamic: Sequence[Attachment]) -> NDArray[np.intp] | None:
+        """Which nominal quantities what some effects add to a row depends on; None where there is no row."""
+        assert self.rows is not None
+        usual = np.exp(0.1 * np.cos(np.arange(len(self.nominal))))
+        found = self._whole_row(usual, dynamic)
+        if found is None:
+            return None
+        added = found[0] - self.rows.row(usual)
+        size = np.abs(found[0]) + np.abs(added)
+        depends = []
+        for k in range(len(usual)):
+            other = usual.copy()
+            other[k] *= 1.3
+            changed = self._whole_row(other, dynamic)
+            if changed is None:
+                return None
+            if np.any(np.abs(changed[0] - self.rows.row(other) - added) > 1e-12 * (size + np.abs(changed[0]))):
+                depends.append(k)
+        return np.array(depends, dtype=np.intp)
+
+    def _whole_row(self, factors: Array, dynamic: Sequence[Attachment]) -> tuple[Array, Expressed] | None:
+        """The row of the scaled mechanism with effects, which is made for it."""
+        assert self.rows is not None
+        whole = express(attached(scaled(self.system, self.nominal, list(factors)), dynamic))
+        return (self.rows.model.lanes.row(whole.system), whole) if NominalRows.fits(whole.system) else None
 
     @cached_property
     def _plain(self) -> Expressed:
