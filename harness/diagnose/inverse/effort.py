@@ -90,6 +90,14 @@ def diagnose_effort(
     cutoff = min(cutoff_for(system, recording, swing) for recording in every)
     tell("smoothing")
     runs = [effort_run(system, recording, cutoff) for recording in every]
+    for run, recording in zip(runs, every, strict=True):
+        if not run.usable.any():
+            raise InputError(
+                f"nothing can be compared: smoothed below {cutoff:.2g} Hz, as the noise of its positions needs, no sample is left of "
+                f"{recording.duration:.3g} s in which every driven joint moves",
+                mend="record longer or livelier motion, or leave --fit-effort out",
+                source=recording.source,
+            )
     pushes = find_pushes(system, runs)
     runs = [mask_pushes(run, k, pushes) for k, run in enumerate(runs)]
     train, test = _divided(runs, held is not None)
