@@ -93,8 +93,8 @@ def diagnose_effort(
     for run, recording in zip(runs, every, strict=True):
         if not run.usable.any():
             raise InputError(
-                f"nothing can be compared: smoothed below {cutoff:.2g} Hz, as the noise of its positions needs, no sample is left of "
-                f"{recording.duration:.3g} s in which every driven joint moves",
+                f"nothing can be compared: smoothed below {cutoff:.2g} Hz, no sample of {recording.duration:.3g} s is left "
+                "that is away from the ends and at which the joints move",
                 mend="record longer or livelier motion, or leave --fit-effort out",
                 source=recording.source,
             )
