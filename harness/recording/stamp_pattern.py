@@ -119,7 +119,7 @@ def _likeliest(time: Array, signals: Sequence[tuple[Array, float]]) -> StampPatt
     return best[1] if best is not None and best[0] > 0.0 else None
 
 
-def _kinds(time: Array, period: int) -> Array:
+def _kinds(time: Array, period: int) -> NDArray[np.intp]:
     """Which sample of a pattern each one is, missing ones counted."""
     usual = float(np.median(np.diff(time)))
     return np.asarray(np.round((time - time[0]) / usual).astype(int) % period)
