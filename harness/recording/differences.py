@@ -14,14 +14,20 @@ def third_differences(time: Array, values: Array) -> Array:
 
     They vanish on parabolas, and independent errors make their variance ``SQUARE`` times their own. nan where stamps are equal.
     """
+    weights = third_weights(time)
+    count = values.shape[-1] - 3
+    return np.asarray(sum(weights[k] * values[..., k : count + k] for k in range(4)))
+
+
+def third_weights(time: Array) -> Array:
+    """What each of four neighbouring samples counts for in such a difference, (4, T − 3)."""
     stamps = np.stack([time[k : len(time) - 3 + k] for k in range(4)])
     apart = stamps[:, None] - stamps[None, :]
     apart[np.arange(4), np.arange(4)] = 1.0
     product = np.prod(apart / (time[-1] - time[0]), axis=1)
     weights = 1.0 / np.where(product == 0.0, np.nan, product)
     weights *= np.sqrt(SQUARE / np.sum(weights**2, axis=0))
-    count = values.shape[-1] - 3
-    return np.asarray(sum(weights[k] * values[..., k : count + k] for k in range(4)))
+    return np.asarray(weights)
 
 
 def white_noise(time: Array, values: Array) -> float:

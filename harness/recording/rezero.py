@@ -7,6 +7,7 @@ the later readings are put onto the zero of the earlier ones.
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
@@ -33,15 +34,17 @@ def undo_rezeroing(
     change = np.diff(reading)
     noise = float(np.median(np.abs(np.diff(reading, 2)))) / 0.6745 / np.sqrt(6.0)
     least = max(LARGE * step, ABOVE * noise, 1e-9 * float(np.ptp(reading)))
-    found = []
-    for k in map(int, np.flatnonzero(np.abs(change) > least)):
-        if k + 1 < STILL or k + 1 + STILL > len(reading):
-            continue
-        varies = max(float(np.ptp(reading[k + 1 - STILL : k + 1])), float(np.ptp(reading[k + 1 : k + 1 + STILL])))
-        # The step itself is no motion: the interval must be an ordinary one.
-        usual = stamps[k + 1] - stamps[k] < 3.0 * float(np.median(np.diff(stamps)))
-        if usual and varies < abs(float(change[k])) / ABOVE + 1e-15 and varies <= max(1.01 * step, 6.0 * noise):
-            found.append(k)
+    # A jump after sample k; the last and the next ten samples of it must be there.
+    jumps = np.flatnonzero(np.abs(change) > least)
+    jumps = jumps[(jumps + 1 >= STILL) & (jumps + 1 + STILL <= len(reading))]
+    windows = sliding_window_view(reading, STILL)
+    before, after = (np.ptp(windows[jumps + first], axis=1) for first in (1 - STILL, 1))
+    varies = np.maximum(before, after)
+    # The step itself is no motion: the interval must be an ordinary one.
+    intervals = np.diff(stamps)
+    usual = intervals[jumps] < 3.0 * float(np.median(intervals))
+    still = (varies < np.abs(change[jumps]) / ABOVE + 1e-15) & (varies <= max(1.01 * step, 6.0 * noise))
+    found = jumps[usual & still].tolist()
     if not found or len(found) > MOST:
         return values, ()
     mended = values.copy()

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.recording.differences import third_differences
+from harness.recording.differences import third_weights
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
@@ -117,7 +119,7 @@ def _likeliest(time: Array, signals: Sequence[tuple[Array, float]]) -> StampPatt
     return best[1] if best is not None and best[0] > 0.0 else None
 
 
-def _kinds(time: Array, period: int) -> Array:
+def _kinds(time: Array, period: int) -> NDArray[np.intp]:
     """Which sample of a pattern each one is, missing ones counted."""
     usual = float(np.median(np.diff(time)))
     return np.asarray(np.round((time - time[0]) / usual).astype(int) % period)
@@ -126,40 +128,83 @@ def _kinds(time: Array, period: int) -> Array:
 def _fitted(
     time: Array, signals: Sequence[tuple[Array, float]], period: int, knots: Array
 ) -> tuple[Array, float, float, int] | None:
-    """Least squares of a pattern's lateness (T,): that, squares of third differences before and after, and how many there are."""
-    kinds = _kinds(time, period)
-    shapes = _hats(time, knots)
-    patterns = np.concatenate([shapes * (kinds == k) for k in range(period)])
-    rows, rights = [], []
-    for values, step in signals:
-        speed = np.full(len(time), np.nan)
-        # Over whole periods samples are equally late at both ends.
-        speed[period:-period] = (values[2 * period :] - values[: -2 * period]) / (
-            time[2 * period :] - time[: -2 * period]
-        )
-        third = third_differences(time, np.concatenate([values[None], patterns * speed]))
-        moving = np.abs(speed) * float(np.median(np.diff(time))) > 1.5 * step
-        good = np.isfinite(third).all(axis=0) & moving[:-3] & moving[3:]
-        scale = float(np.sqrt(np.mean(third[0, good] ** 2))) if good.any() else 0.0
-        if scale > 0.0:
-            rows.append(third[1:, good] / scale)
-            rights.append(third[0, good] / scale)
-    if not rows:
+    """Least squares of a pattern's lateness (T,): that, squares of third differences before and after, and how many there are.
+
+    A third difference knows four samples of a pattern, and the two knots beside each: its normal equations are summed up over those
+    that know the same, in blocks of that.
+    """
+    kinds, own = _kinds(time, period), len(knots)
+    which, lower, upper = _beside(time, knots)
+    known = np.stack([kinds * own + which, kinds * own + np.minimum(which + 1, own - 1)])
+    weights = third_weights(time)
+    usual = float(np.median(np.diff(time)))
+    alike, groups = _alike(known)
+    length = len(time) - 3
+    speeds = np.full((len(signals), len(time)), np.nan)
+    thirds = np.zeros((len(signals), length))
+    use = np.zeros((len(signals), length), dtype=bool)
+    # Over whole periods samples are equally late at both ends.
+    apart = time[2 * period :] - time[: -2 * period]
+    for speed, third, good, (values, step) in zip(speeds, thirds, use, signals, strict=True):
+        speed[period:-period] = (values[2 * period :] - values[: -2 * period]) / apart
+        for j in range(4):
+            third += weights[j] * values[j : length + j]
+        moving = np.abs(speed) * usual > 1.5 * step
+        seen = np.isfinite(speed)
+        good[:] = np.isfinite(third) & moving[:-3] & moving[3:] & seen[:-3] & seen[1:-2] & seen[2:-1] & seen[3:]
+        scale = float(np.sqrt(np.mean(third[good] ** 2))) if good.any() else 0.0
+        good &= scale > 0.0
+        third /= scale or 1.0
+        speed /= scale or 1.0
+    count = int(use.sum())
+    if count == 0 or count < FEWEST * (period - 1) * own:
         return None
-    design, right = np.concatenate(rows, axis=1), np.concatenate(rights)
-    count, own = len(right), len(knots)
-    if count < FEWEST * (period - 1) * own:
-        return None
+    # What a pattern at the knots beside each of the four samples would add, (8, signals, T − 3), those alike together.
+    added = np.empty((4, 2, *use.shape))
+    for j in range(4):
+        share = np.where(use, weights[j] * speeds[:, j : length + j], 0.0)
+        added[j, 0], added[j, 1] = share * lower[j : length + j], share * upper[j : length + j]
+    order = np.argsort(alike, kind="stable")
+    added, right = added.reshape(8, *use.shape)[..., order], np.where(use, thirds, 0.0)[:, order]
+    edges = np.searchsorted(alike[order], np.arange(len(groups) + 1))
+    blocks = [
+        (group, added[..., first:last].reshape(8, -1), right[:, first:last].ravel())
+        for group, (first, last) in zip(groups, pairwise(edges.tolist()), strict=True)
+        if last > first
+    ]
+    normal, turned = np.zeros((period * own, period * own)), np.zeros(period * own)
+    for group, rows, values in blocks:
+        np.add.at(normal, (group[:, None], group), rows @ rows.T)
+        np.add.at(turned, group, rows @ values)
+    before = float(np.sum(right**2))
     # Only what differs between the samples of a pattern shows: the last kind is late by what makes the mean nothing.
     contrast = np.concatenate([np.eye((period - 1) * own), np.tile(-np.eye(own), (1, period - 1))])
-    seen = contrast.T @ design
-    solved = contrast @ np.linalg.lstsq(seen @ seen.T, seen @ right, rcond=1e-12)[0]
-    left = right - solved @ design
-    return solved @ patterns, float(right @ right), max(float(left @ left), 1e-300), count
+    solved = contrast @ np.linalg.lstsq(contrast.T @ normal @ contrast, contrast.T @ turned, rcond=1e-12)[0]
+    after = sum(float(np.sum((values - solved[group] @ rows) ** 2)) for group, rows, values in blocks)
+    late = lower * solved[known[0]] + upper * solved[known[1]]
+    return late, before, max(after, 1e-300), count
 
 
-def _hats(time: Array, knots: Array) -> Array:
-    """Piecewise linear shapes (k, T) that are one at one knot and nothing at the others."""
+def _beside(time: Array, knots: Array) -> tuple[NDArray[np.intp], Array, Array]:
+    """The knot before each sample, and the shares (T,) that it and the next one have in what is linear between them."""
     if len(knots) == 1:
-        return np.ones((1, len(time)))
-    return np.maximum(1.0 - np.abs(time - knots[:, None]) / (knots[1] - knots[0]), 0.0)
+        return np.zeros(len(time), dtype=np.intp), np.ones(len(time)), np.zeros(len(time))
+    along = (time - knots[0]) / (knots[1] - knots[0])
+    which = np.clip(np.floor(along).astype(np.intp), 0, len(knots) - 2)
+    return which, np.maximum(1.0 - (along - which), 0.0), np.maximum(along - which, 0.0)
+
+
+def _alike(known: NDArray[np.intp]) -> tuple[NDArray[np.int16], NDArray[np.intp]]:
+    """Which third differences know the same, (T − 3,), and what each kind of them knows, (kinds, 8).
+
+    known: the two numbers that each sample knows, (2, T). Where nothing is missing, the first of four says what the others know.
+    """
+    count = known.shape[1] - 3
+    eight = np.stack([known[i, j : count + j] for j in range(4) for i in range(2)])
+    code = known[0, :count].astype(np.int16)
+    usual = np.zeros((int(known.max()) + 1, 8), dtype=np.intp)
+    usual[code[::-1]] = eight[:, ::-1].T
+    rare = np.flatnonzero(np.any(usual[code] != eight.T, axis=1))
+    further, index = np.unique(eight[:, rare].T, axis=0, return_inverse=True)
+    code[rare] = len(usual) + index.ravel()
+    return code, np.concatenate([usual, further])

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from harness.diagnose.diagnose import diagnose
+from harness.diagnose.inverse import effort
 from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run, motion_noise
 from harness.diagnose.inverse.pushes import find_pushes
 from harness.errors import InputError
@@ -231,3 +232,10 @@ def test_the_right_joint_of_two_is_named(tmp_path: Path) -> None:
     assert [(f["effect"], f["site"]) for f in found.findings] == [("viscous_damping", "elbow")]
     assert found.findings[0]["parameters"]["coefficient"]["value"] == pytest.approx(0.012, rel=0.05)
     assert found.verdict == "explained"
+
+
+def test_too_little_motion_for_the_smoothing_is_a_line(system, monkeypatch):
+    """Two periods at either end are left out: at 0.2 Hz nothing is left of 16 s."""
+    monkeypatch.setattr(effort, "cutoff_for", lambda *_: 0.2)
+    with pytest.raises(InputError, match="nothing can be compared"):
+        diagnose([recorded(1), recorded(2)], model=system, fit_effort=True)

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 from scipy.signal import lfilter
 
 from harness.recording import estimate_noise
+from harness.recording.noise import _least
 
 SEEDS = range(100, 107)
 
@@ -138,3 +140,15 @@ def test_too_little_to_tell_is_said_to_be():
     time, values = draw(250, 0.2, 1e-3)
     assert estimate_noise(time, values).reliability == "poor"
     assert estimate_noise(time, np.full(len(time), 0.3)).std == 0.0
+
+
+def test_slopes_are_scipy_s_own():
+    """The search for the least value goes the very way that SciPy goes with slopes that it differences itself."""
+    box = ((-30.0, 30.0), (-6.0, 6.0))
+
+    def loss(x):
+        return float(100.0 * (x[1] - x[0] ** 2) ** 2 + (1.0 - x[0]) ** 2)
+
+    for start in ((-1.2, 1.0), (5.0, 6.0)):
+        ours, theirs = _least(loss, start, box), minimize(loss, start, method="L-BFGS-B", bounds=box)
+        np.testing.assert_array_equal(ours.x, theirs.x)

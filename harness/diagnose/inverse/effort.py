@@ -25,10 +25,12 @@ from harness.diagnose.answer.explain import finding_words, untried
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
 from harness.diagnose.estimation.intervals import WIDE, Estimate
-from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, effort_noise, fit_effort, grid_of, spread
+from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
+from harness.diagnose.inverse.effort_hold import held_notes, held_runs, search_either_way
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run
-from harness.diagnose.inverse.effort_search import EffortStudy, search, settle
+from harness.diagnose.inverse.effort_noise import effort_noise, grid_of
+from harness.diagnose.inverse.effort_search import EffortStudy, settle
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes, ordinary_terms
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
@@ -88,10 +90,19 @@ def diagnose_effort(
     cutoff = min(cutoff_for(system, recording, swing) for recording in every)
     tell("smoothing")
     runs = [effort_run(system, recording, cutoff) for recording in every]
+    for run, recording in zip(runs, every, strict=True):
+        if not run.usable.any():
+            raise InputError(
+                f"nothing can be compared: smoothed below {cutoff:.2g} Hz, no sample of {recording.duration:.3g} s is left "
+                "that is away from the ends and at which the joints move",
+                mend="record longer or livelier motion, or leave --fit-effort out",
+                source=recording.source,
+            )
     pushes = find_pushes(system, runs)
     runs = [mask_pushes(run, k, pushes) for k, run in enumerate(runs)]
     train, test = _divided(runs, held is not None)
     data, judged = _data(system, train, test, deadline)
+    beside = _divided(held_runs(system, runs, every), held is not None)
     if data.samples < FEWEST or judged.samples < FEWEST // 4:
         raise InputError(
             f"{data.samples} independent samples of effort are left to learn from and {judged.samples} to judge on",
@@ -103,18 +114,28 @@ def diagnose_effort(
         for c in candidates(system, every, only=only or KNOWN)
         if c.effect.sensor is None or c.site.endswith(".position")
     )
-    study = EffortStudy(data, judged, known)
+    study = smooth = EffortStudy(data, judged, known)
     notes = [_note(system, runs[p.run], p) for p in pushes]
+
+    def told_of(other: EffortStudy) -> None:
+        nonlocal study
+        study = other
+
     try:
         with deadline.spared():
             study.fit(Hypothesis(), [np.zeros(study.nominal)])
-        best = deadline.attempt(*UNSEARCHED, lambda: search(study, tell), study.best)
+        turned = EffortStudy(data.recorded(beside[0]), judged.recorded(beside[1]), known)
+        best = deadline.attempt(
+            *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
+        )
         deadline.begin(Stage.CRITICISM)
         settled = deadline.attempt(*UNJUDGED, lambda: settle(study, best), lambda: None)
         tell("telling")
         deadline.begin(Stage.TELLING)
         claimed = settled or study.fits[frozenset()]
         with deadline.spared():
+            if study is not smooth:
+                every = [replace(r, quality=(*r.quality, *held_notes(r))) for r in every]
             told = _Answer(system, every, runs, study, claimed, pushes, notes, cutoff, len(train)).document()
     except TimeUp:
         noise = [

@@ -9,88 +9,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_toeplitz
 from scipy.optimize import least_squares
 
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun
+from harness.diagnose.inverse.effort_noise import EffortNoise, Grid
+from harness.diagnose.inverse.whitened import Whitened
 from harness.diagnose.problem.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
 
-APART = 0.55  # periods of the cutoff between samples that are compared
-MEMORY = 3  # lags of the autoregression, at most
 CLUSTERS = 3  # stretches a parameter, from which on the scatter between stretches is trusted
+CALLS = 25  # evaluations of one
 ROUNDS = 3  # of noise and parameters in turn
 SIGMA = 1e-3  # of a nominal quantity's σ, by which its slope is read off
 SHARE = 1e-5  # of a parameter's typical size, the same
 # How far a fit may go before the slopes of nominal quantities are read off again: torques are linear in most of them, so that half
 # a per cent of a quantity (half a σ of one per cent) changes slopes by as much at most.
 STALE = 0.5  # σ
+ON_THE_WAY = 8.0  # times as far, before the last round
 MOVED = 0.02  # of the typical size of parameters that those slopes depend on
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Samples of one run that residuals are compared at: stretches of consecutive indices."""
-
-    stretches: tuple[NDArray[np.intp], ...]
-
-    @property
-    def samples(self) -> int:
-        return sum(len(s) for s in self.stretches)
-
-
-def grid_of(run: EffortRun) -> Grid:
-    """Indices a little more than half a period of the cutoff apart (where the low-pass falls off, folding keeps white noise
-    white), in stretches without an unusable sample between them."""
-    step = float(run.time[1] - run.time[0])
-    every = max(1, round(APART / (run.bandwidth * step)))
-    stretches: list[NDArray[np.intp]] = []
-    current: list[int] = []
-    for start in range(0, len(run.time) - every, every):
-        if run.usable[start : start + every].all():
-            current.append(start)
-            continue
-        if len(current) > 2 * MEMORY:
-            stretches.append(np.array(current))
-        current = []
-    if len(current) > 2 * MEMORY:
-        stretches.append(np.array(current))
-    return Grid(tuple(stretches))
-
-
-@dataclass(frozen=True, eq=False)
-class EffortNoise:
-    """Autoregression of a joint's residual effort: ``ahead`` (MEMORY,), and the size of its innovation [N·m]."""
-
-    ahead: Array
-    innovation: float
-    std: float
-
-
-def effort_noise(pieces: Sequence[Array]) -> EffortNoise:
-    """Yule–Walker estimate over stretches of residual [N·m], its order by the Bayesian information criterion."""
-    total = sum(len(p) for p in pieces)
-    lags = np.array([sum(float(p[k:] @ p[: len(p) - k]) for p in pieces) / total for k in range(MEMORY + 1)])
-    if lags[0] <= 0.0:
-        return EffortNoise(np.zeros(MEMORY), 1e-12, 1e-12)
-    # As many lags as pay for themselves: the regression has taken its own share of the power out of the residual, and a longer
-    # memory would take that for colour.
-    lags[0] *= 1.0 + 1e-6
-    best, chosen = total * float(np.log(lags[0])), np.zeros(0)
-    for order in range(1, MEMORY + 1):
-        ahead = solve_toeplitz(lags[:order], lags[1 : order + 1])
-        left = max(float(lags[0] - ahead @ lags[1 : order + 1]), 1e-6 * float(lags[0]))
-        cost = total * float(np.log(left)) + order * float(np.log(max(total, 2)))
-        if cost < best:
-            best, chosen = cost, ahead
-    ahead = np.concatenate([chosen, np.zeros(MEMORY - len(chosen))])
-    left = max(float(lags[0] - ahead @ lags[1:]), 1e-6 * float(lags[0]))
-    return EffortNoise(ahead, float(np.sqrt(left)), float(np.sqrt(lags[0])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +61,8 @@ class EffortData:
     noises: tuple[EffortNoise, ...]
     _slopes: dict[frozenset[str], tuple[Array, Array]] = field(default_factory=dict)
 
-    def nominal_slopes(self, hypothesis: Hypothesis, x: Array) -> Array:
-        """Slopes of the whitened rows over the nominal quantities near x, (rows, nominal).
+    def nominal_slopes(self, hypothesis: Hypothesis, x: Array, *, far: float = 1.0) -> Array:
+        """Slopes of the whitened rows over the nominal quantities near x, (rows, nominal); far: how many times as far as usual.
 
         They are those of all hypotheses with the same effects other than laws of joints, which only add to the torque.
         """
@@ -134,14 +76,14 @@ class EffortData:
         key = frozenset(member.key for member, _ in bent)
         order = sorted(bent, key=lambda pair: pair[0].key)
         at = np.concatenate([x[:nominal] / STALE, *(x[span] / (MOVED * member.scales) for member, span in order)])
-        if key in self._slopes and np.all(np.abs(at - self._slopes[key][0]) <= 1.0):
+        if key in self._slopes and np.all(np.abs(at - self._slopes[key][0]) <= far):
             return self._slopes[key][1]
-        here, _ = self.rows(model.residuals(hypothesis, x))
+        here = self.rows(hypothesis, x)
         slopes = np.empty((len(here), nominal))
         for k in range(nominal):
             there = x.copy()
             there[k] += SIGMA
-            slopes[:, k] = (self.rows(model.residuals(hypothesis, there))[0] - here) / SIGMA
+            slopes[:, k] = (self.rows(hypothesis, there) - here) / SIGMA
         self._slopes[key] = at, slopes
         return slopes
 
@@ -153,22 +95,20 @@ class EffortData:
     def samples(self) -> int:
         return sum(g.samples * int(r.driven.sum()) for g, r in zip(self.grids, self.model.runs, strict=True))
 
-    def rows(self, residuals: Sequence[Array]) -> tuple[Array, NDArray[np.intp]]:
-        """Whitened residuals of all stretches, and which stretch each belongs to."""
-        out: list[Array] = []
-        which: list[NDArray[np.intp]] = []
-        count = 0
-        for run, grid, residual in zip(self.model.runs, self.grids, residuals, strict=True):
-            for stretch in grid.stretches:
-                for j in np.flatnonzero(run.driven):
-                    noise = self.noises[j]
-                    values = residual[stretch, j]
-                    ahead = np.convolve(values, np.concatenate([[1.0], -noise.ahead]))[: len(values)] / noise.innovation
-                    ahead[:MEMORY] = values[:MEMORY] / noise.std
-                    out.append(ahead)
-                    which.append(np.full(len(ahead), count))
-                count += 1
-        return np.concatenate(out), np.concatenate(which)
+    @cached_property
+    def whitened(self) -> Whitened:
+        """What the rows of hypotheses are put together of."""
+        return Whitened(self.model, self.grids, self.noises)
+
+    def recorded(self, runs: Sequence[EffortRun]) -> EffortData:
+        """The same motions with other efforts recorded."""
+        other = EffortData(self.model.recorded(runs), self.grids, self.noises)
+        other.whitened = self.whitened.recorded(other.model)
+        return other
+
+    def rows(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """Whitened residuals of all stretches."""
+        return self.whitened.rows(hypothesis, x)
 
     def plain(self, residuals: Sequence[Array], joint: int) -> Array:
         """Residuals of a joint at the samples compared, as they are [N·m]."""
@@ -181,8 +121,13 @@ class EffortData:
         return np.concatenate(parts) if parts else np.zeros(0)
 
 
-def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen: Array | None = None) -> EffortFit:
-    """Fit by bounded nonlinear least squares; frozen: parameters that stay, boolean, shape of x."""
+def fit_effort(
+    data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen: Array | None = None, calls: int | None = None
+) -> EffortFit:
+    """Fit by bounded nonlinear least squares; frozen: parameters that stay, boolean, shape of x.
+
+    calls: evaluations after which a fit is left as it is; None goes on to the end.
+    """
     model = data.model
     nominal = len(model.nominal)
     lower = np.concatenate([np.full(nominal, -np.inf), *(m.effect.lower for m in hypothesis.members)])
@@ -191,6 +136,8 @@ def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen
     free = np.ones(len(start), dtype=bool) if frozen is None else ~frozen.astype(bool)
     x = np.clip(start, lower, upper)
     size = 1.0
+    # On the way to the least value slopes need not be as near as at it.
+    far = ON_THE_WAY
 
     def full(part: Array) -> Array:
         whole = x.copy()
@@ -199,37 +146,38 @@ def fit_effort(data: EffortData, hypothesis: Hypothesis, start: Array, *, frozen
 
     def misfit(part: Array) -> Array:
         whole = full(part)
-        rows, _ = data.rows(model.residuals(hypothesis, whole))
+        rows = data.rows(hypothesis, whole)
         return np.concatenate([rows / size, whole[:nominal]])
 
     def slopes(part: Array) -> Array:
         whole = full(part)
-        here, _ = data.rows(model.residuals(hypothesis, whole))
+        here = data.rows(hypothesis, whole)
         out = np.zeros((len(here) + nominal, len(whole)))
         if free[:nominal].any():
-            out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole) / size
+            out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole, far=far) / size
         out[len(here) :, :nominal] = np.eye(nominal)
         for k in np.flatnonzero(free[nominal:]) + nominal:
             step = SHARE * scale[k] * (1.0 if whole[k] + SHARE * scale[k] <= upper[k] else -1.0)
             there = whole.copy()
             there[k] += step
-            out[: len(here), k] = (data.rows(model.residuals(hypothesis, there))[0] - here) / (step * size)
+            out[: len(here), k] = (data.rows(hypothesis, there) - here) / (step * size)
         return out[:, free]
 
     jacobian = np.zeros((0, len(start)))
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS + 1):
         if free.any():
             inside = np.clip(x[free], lower[free] + 1e-9 * scale[free], upper[free] - 1e-9 * scale[free])
             found = least_squares(
-                misfit, inside, slopes, bounds=(lower[free], upper[free]), x_scale=scale[free], max_nfev=25
+                misfit, inside, slopes, bounds=(lower[free], upper[free]), x_scale=scale[free], max_nfev=calls or CALLS
             )
             x = full(found.x)
             jacobian = np.zeros((len(found.fun), len(start)))
             jacobian[:, free] = found.jac
-        rows, clusters = data.rows(model.residuals(hypothesis, x))
+        rows, clusters = data.rows(hypothesis, x), data.whitened.clusters
         before, size = size, float(np.sqrt(np.mean(rows**2)))
-        if not free.any() or abs(size - before) < 0.01 * size:
+        if calls or not free.any() or (far == 1.0 and abs(size - before) < 0.01 * size):
             break
+        far = 1.0
     prior = float(x[:nominal] @ x[:nominal])
     cost = len(rows) * float(np.log(np.mean(rows**2))) + prior
     return EffortFit(

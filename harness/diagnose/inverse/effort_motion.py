@@ -8,6 +8,7 @@ Torques are computed along a motion that is smoothed less, so that what is not l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from weakref import WeakKeyDictionary
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.ndimage import binary_dilation
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfilt, sosfilt_zi, sosfiltfilt
 
 from harness.errors import InputError
 from harness.recording.noise import estimate_noise
@@ -68,21 +69,86 @@ class EffortRun:
         return np.asarray((self.time >= reach) & (self.time <= self.time[-1] - reach))
 
     @cached_property
-    def _filter(self) -> Array:
-        return low_pass(self.bandwidth, float(self.time[1] - self.time[0]))
+    def _filter(self) -> ZeroPhase:
+        return ZeroPhase(low_pass(self.bandwidth, float(self.time[1] - self.time[0])))
 
     def smooth(self, values: Array) -> Array:
         """The low-pass along the first axis."""
-        return np.asarray(sosfiltfilt(self._filter, values, axis=0))
+        return self._filter(values)
+
+    def smooth_at(self, samples: NDArray[np.intp]) -> Array:
+        """What the low-pass takes of every sample at some of them, (len(samples), T)."""
+        return self._filter.at(samples, len(self.time))
 
     def without(self, samples: NDArray[np.bool_]) -> EffortRun:
         """The run with further samples not usable."""
         return replace(self, usable=self.usable & ~samples)
 
-    def moved(self, q: Array) -> EffortRun:
-        """The run with another motion in place of the measured one."""
-        spline = make_interp_spline(self.time, q, k=5)
-        return replace(self, q=q, qd=spline.derivative(1)(self.time), qdd=spline.derivative(2)(self.time))
+    def moved(self, q: Array, changed: Sequence[int] | None = None) -> EffortRun:
+        """The run with another motion in place of the measured one; changed: the joints whose motion is another, all for None."""
+        which = list(range(q.shape[1])) if changed is None else list(changed)
+        spline = make_interp_spline(self.time, q[:, which], k=5)
+        qd, qdd = self.qd.copy(), self.qdd.copy()
+        qd[:, which], qdd[:, which] = spline.derivative(1)(self.time), spline.derivative(2)(self.time)
+        return replace(self, q=q, qd=qd, qdd=qdd)
+
+
+class ZeroPhase:
+    """Second-order sections passed forwards and backwards along the first axis, as SciPy's ``sosfiltfilt`` does.
+
+    SciPy finds anew at every call the state that a filter is in before a constant signal, which takes longer than to filter.
+    """
+
+    def __init__(self, sections: Array) -> None:
+        self._sections = sections
+        self._state = sosfilt_zi(sections)
+        # SciPy's length of what is put before and after, turned about the ends.
+        plain = min(np.count_nonzero(sections[:, 2] == 0.0), np.count_nonzero(sections[:, 5] == 0.0))
+        self._pad = 3 * (2 * len(sections) + 1 - int(plain))
+
+    def __call__(self, values: Array) -> Array:
+        # Samples of a signal beside each other, which is how the filter walks.
+        rows = np.ascontiguousarray(values.T, dtype=np.float64)
+        if rows.shape[-1] <= self._pad:
+            raise ValueError(
+                f"{rows.shape[-1]} samples are too few for this filter, which takes {self._pad} at the ends"
+            )
+        pad = self._pad
+        before = 2.0 * rows[..., :1] - rows[..., pad:0:-1]
+        after = 2.0 * rows[..., -1:] - rows[..., -2 : -pad - 2 : -1]
+        there = self._pass(np.concatenate([before, rows, after], axis=-1))
+        back = self._pass(there[..., ::-1])[..., ::-1]
+        return np.ascontiguousarray(back[..., pad:-pad].T)
+
+    def at(self, samples: NDArray[np.intp], count: int) -> Array:
+        """What the low-pass takes of each of ``count`` samples at a few of them, (len(samples), count): it is linear.
+
+        A filter's transpose is the filter backwards; what its state takes of the first sample, and what is put before and after the
+        signal, is added up in turn.
+        """
+        pad, length = self._pad, count + 2 * self._pad
+        taken = np.zeros((len(samples), length))
+        taken[np.arange(len(samples)), samples + pad] = 1.0
+        first = np.zeros((1, length))
+        first[0, 0] = 1.0
+        # What a first sample of one adds by the state that it is begun in.
+        begun = self._pass(first)[0] - sosfilt(self._sections, first[0])
+        for _ in range(2):
+            # From the last pass to the first: turned about, and passed the other way.
+            turned = taken[:, ::-1]
+            taken = np.asarray(sosfilt(self._sections, turned[:, ::-1], axis=-1))[:, ::-1]
+            taken[:, 0] += turned @ begun
+        out = taken[:, pad:-pad].copy()
+        before, after = taken[:, :pad], taken[:, -pad:]
+        out[:, 0] += 2.0 * before.sum(axis=1)
+        out[:, 1 : pad + 1] -= before[:, ::-1]
+        out[:, -1] += 2.0 * after.sum(axis=1)
+        out[:, -pad - 1 : -1] -= after[:, ::-1]
+        return out
+
+    def _pass(self, rows: Array) -> Array:
+        state = self._state.reshape(len(self._sections), *[1] * (rows.ndim - 1), 2)
+        return np.asarray(sosfilt(self._sections, rows, axis=-1, zi=state * rows[..., :1])[0])
 
 
 def low_pass(cutoff: float, step: float) -> Array:
@@ -112,13 +178,10 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
             )
         good = np.isfinite(channel.values)
         columns.append(sosfiltfilt(wide, CubicSpline(recording.time[good], channel.values[good])(time)))
-    raw = np.zeros((len(time), len(names)))
+    raw = recorded_efforts(system, recording, time)
     driven = np.zeros(len(names), dtype=bool)
     for channel in recording.efforts:
-        j = names.index(channel.site)
-        good = np.isfinite(channel.values)
-        raw[:, j] = np.interp(time, recording.time[good], channel.values[good])
-        driven[j] = bool(np.any(channel.values[good] != 0.0))
+        driven[names.index(channel.site)] = bool(np.any(channel.values[np.isfinite(channel.values)] != 0.0))
     if not driven.any():
         raise InputError("the recording has no effort to fit", mend="leave --fit-effort out", source=recording.source)
     blank = np.zeros_like(raw)
@@ -141,6 +204,15 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
                 usable &= (time < first - 1.0 / cutoff) | (time > last + 1.0 / cutoff)
     run = replace(run, still=still, usable=usable)
     return run.without(_resting(run))
+
+
+def recorded_efforts(system: System, recording: Recording, time: Array) -> Array:
+    """Recorded efforts of all joints, straight between their samples, at times (T,) [s]; (T, n), zero where none is recorded."""
+    raw = np.zeros((len(time), len(system.joint_names)))
+    for channel in recording.efforts:
+        good = np.isfinite(channel.values)
+        raw[:, system.joint_names.index(channel.site)] = np.interp(time, recording.time[good], channel.values[good])
+    return raw
 
 
 def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) -> float:

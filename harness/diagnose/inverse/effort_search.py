@@ -22,6 +22,7 @@ BEAM = 2  # sets carried on
 TRIED = 5  # candidates fitted beside each of them
 DEEPEST = 5  # effects
 MOST_STARTS = 6  # of one candidate
+FEW_CALLS = 5  # evaluations that show whether a rival comes anywhere near
 STRETCHED = 1e-7  # chance of a stretch of the nominal quantities under their tolerance, below which it is evidence
 HELD_OUT = 1.0  # standard deviations by which an effect must improve data held out
 FROM_NOTHING = (
@@ -37,6 +38,11 @@ class EffortStudy:
     held: EffortData
     candidates: tuple[Candidate, ...]
     fits: dict[frozenset[str], EffortFit] = field(default_factory=dict)
+
+    @property
+    def nothing(self) -> EffortFit:
+        """The fit of the nominal model, its quantities within their tolerance."""
+        return self.fits[frozenset()]
 
     @property
     def nominal(self) -> int:
@@ -65,14 +71,14 @@ class EffortStudy:
 
     def held_rows(self, fitted: EffortFit) -> Array:
         """Whitened residuals of the data held out, nothing fitted to them, in units of the noise that the fit left."""
-        rows, _ = self.held.rows(self.held.model.residuals(fitted.hypothesis, fitted.x))
-        raw, _ = self.data.rows(self.data.model.residuals(fitted.hypothesis, fitted.x))
+        rows = self.held.rows(fitted.hypothesis, fitted.x)
+        raw = self.data.rows(fitted.hypothesis, fitted.x)
         return np.asarray(rows / float(np.sqrt(np.mean(raw**2))))
 
     def heldout_z(self, smaller: EffortFit, larger: EffortFit) -> float:
         """How much better the larger hypothesis predicts data held out, in standard deviations."""
-        rows, _ = self.held.rows(self.held.model.residuals(smaller.hypothesis, smaller.x))
-        other, _ = self.held.rows(self.held.model.residuals(larger.hypothesis, larger.x))
+        rows = self.held.rows(smaller.hypothesis, smaller.x)
+        other = self.held.rows(larger.hypothesis, larger.x)
         size = float(np.sqrt(np.mean(other**2)))
         return heldout_gain(rows / size, other / size)
 
@@ -86,13 +92,12 @@ class EffortStudy:
 
     def weight(self, fitted: EffortFit) -> float:
         """Criterion of the training data, and the same of the data held out without a fit: smaller is better."""
-        rows, _ = self.held.rows(self.held.model.residuals(fitted.hypothesis, fitted.x))
+        rows = self.held.rows(fitted.hypothesis, fitted.x)
         return self.criterion(fitted) + len(rows) * float(np.log(np.mean(rows**2)))
 
     def ranked(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
         """Candidates by the share of the residual that their trace explains beside what is fitted, with a start each."""
-        model = self.data.model
-        here, _ = self.data.rows(model.residuals(base.hypothesis, base.x))
+        here = self.data.rows(base.hypothesis, base.x)
         size = float(np.sqrt(np.mean(here**2)))
         # What the nominal quantities may still take is limited by their prior, so those columns carry it.
         prior = np.zeros((self.nominal, base.jacobian.shape[1]))
@@ -108,7 +113,7 @@ class EffortStudy:
             best: tuple[float, Array] | None = None
             for start in starts_of(candidate):
                 whole = np.concatenate([base.x, start])
-                there, _ = self.data.rows(model.residuals(hypothesis, whole))
+                there = self.data.rows(hypothesis, whole)
                 trace = np.concatenate([(there - here) / size, np.zeros(self.nominal)])
                 trace = trace - basis @ (basis.T @ trace)
                 length = float(trace @ trace)
@@ -138,10 +143,18 @@ class EffortStudy:
         """Candidates that could stand in the place of member ``k``, likeliest first, with their fits."""
         without = self.reduce(best, k)
         limit = self.weight(best) + APART
+        # What a few steps bring not half as near as the member came will not come near it.
+        hopeless = max(10.0 * APART, 0.5 * (self.criterion(without) - self.criterion(best)))
         out = []
         for _, candidate, start in self.ranked(without)[: 2 * TRIED]:
             if candidate.key in best.hypothesis.keys:
                 continue
+            hypothesis = without.hypothesis.with_(candidate)
+            if hypothesis.identity not in self.fits:
+                glance = fit_effort(self.data, hypothesis, np.concatenate([without.x, start]), calls=FEW_CALLS)
+                if self.criterion(glance) > self.criterion(best) + hopeless:
+                    continue
+                start = glance.x[self.nominal + without.hypothesis.size :]
             found = self.extend(without, candidate, start)
             if self.criterion(found) < self.criterion(best) + APART and self.weight(found) < limit:
                 out.append((candidate, found))
@@ -161,12 +174,23 @@ def starts_of(candidate: Candidate) -> list[Array]:
     return combinations[::step]
 
 
-def search(study: EffortStudy, progress: Callable[[str], None]) -> EffortFit:
-    """The best set of effects by the criterion, grown from nothing."""
-    empty = study.fit(Hypothesis(), [np.zeros(study.nominal)])
-    beam = [empty]
-    best = empty
+def search(
+    study: EffortStudy,
+    progress: Callable[[str], None],
+    turned: Callable[[EffortFit], EffortStudy | None] = lambda _: None,
+) -> EffortFit:
+    """The best set of effects by the criterion, grown from nothing.
+
+    turned: another study of the same candidates to go on in, once it holds a better fit of the best set so far.
+    """
+    best = study.fit(Hypothesis(), [np.zeros(study.nominal)])
+    beam = [best]
     for depth in range(DEEPEST):
+        other = turned(best)
+        if other is not None:
+            study = other
+            beam = [study.fit(f.hypothesis, [f.x]) for f in beam]
+            best = beam[0]
         grown: list[EffortFit] = []
         for base in beam:
             for _, candidate, start in study.ranked(base)[:TRIED]:
@@ -192,12 +216,12 @@ def _needed(smaller: EffortFit, larger: EffortFit) -> float:
 
 
 def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
-    """The set with every member dropped that does not pay, or does not improve data held out, and rivals weighed."""
+    """The set with every member dropped that does not plainly pay, or does not improve data held out, and rivals weighed."""
     while fitted.hypothesis.members:
         judged = []
         for k in range(len(fitted.hypothesis.members)):
             smaller = study.reduce(fitted, k)
-            pays = study.criterion(smaller) - study.criterion(fitted)
+            pays = study.criterion(smaller) - study.criterion(fitted) - APART
             carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
             clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING)
             judged.append((min(pays, carries, clear), k, smaller))
