@@ -46,7 +46,9 @@ def driven(seed: int, held: bool) -> Recording:
     position = position + 2e-4 * random.normal(size=len(time))
     effort = effort + 0.01 * random.normal(size=len(time))
     read = (Channel("pivot.position", "pivot", "position", "rad", position),)
-    return Recording(f"run{seed}", f"run{seed}", time, read, (Channel("pivot.effort", "pivot", "effort", "N*m", effort),))
+    return Recording(
+        f"run{seed}", f"run{seed}", time, read, (Channel("pivot.effort", "pivot", "effort", "N*m", effort),)
+    )
 
 
 @pytest.mark.parametrize("held", [True, False])
