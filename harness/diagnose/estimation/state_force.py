@@ -43,6 +43,7 @@ FEWEST_A_SIDE, MOST_A_SIDE = 5, 11
 SHORTEST, LONGEST = 0.15, 5.0  # over which the force changes, in standard deviations of position and velocity
 USUAL = 0.01  # of the natural torque: what a model that is right leaves of the forces that it has; the scale of a Cauchy prior
 SMOOTHED = 1e-6  # of their mean square, added to nodes that few readings tell
+ROUNDING, LARGEST_ADDED = 1e-15, 1e-6  # of the largest square, added to a matrix that rounding has made indefinite
 JITTER = 1e-6  # of the variance, so that covariances of long lengths can be factorised
 
 
@@ -242,7 +243,7 @@ class StateForce:
         seen = scale.T @ (weights @ sums.products)
         seen[k:] -= sums.deviations
         # A weak prior keeps numbers that nothing tells where they are.
-        lower = cholesky(inside, lower=True, check_finite=False)
+        lower = _root(inside)
         found = cho_solve((lower, True), seen, check_finite=False)
         value = self._noise(sums, force, float(weights @ sums.left)) + float(np.sum(sums.deviations**2))
         value += 2.0 * float(np.sum(np.log(np.diag(lower)[:k]))) - float(seen @ found)
@@ -337,6 +338,18 @@ def over_the_state(found: Responses) -> StateForce | None:
         coordinates=tuple(found.probe.predictor.mechanism(found.probe.fitted.hypothesis).names), names=found.joints,
         torque=found.torque,
     )  # fmt: skip
+
+
+def _root(matrix: Array) -> Array:
+    """L with L Lᵀ a matrix whose small directions rounding may have made negative: as much is added as that takes."""
+    added, largest = 0.0, float(np.max(np.diag(matrix)))
+    while True:
+        try:
+            return np.asarray(cholesky(matrix + added * largest * np.eye(len(matrix)), lower=True, check_finite=False))
+        except np.linalg.LinAlgError:
+            if added > LARGEST_ADDED:
+                raise
+            added = max(10.0 * added, ROUNDING)
 
 
 def _axis(values: Array, count: int) -> Array:
