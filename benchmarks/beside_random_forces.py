@@ -23,6 +23,7 @@ from scipy.integrate import solve_ivp
 
 import harness
 from harness.recording import Channel, Recording
+from harness.report.files import write_whole
 from harness.system.description import constant
 
 WAVES = 40
@@ -167,8 +168,7 @@ def main() -> None:
     for number in range(asked.cases):
         kept = asked.work / f"{asked.seed}-{number}.json"
         if not kept.exists():
-            text = json.dumps(answered(drawn(number, asked.seed), model), indent=1)
-            kept.write_text(text, encoding="utf-8")
+            write_whole(kept, json.dumps(answered(drawn(number, asked.seed), model), indent=1))
         row = json.loads(kept.read_text(encoding="utf-8"))
         score = scored(row)
         rows.append((row, score))

@@ -14,7 +14,11 @@ def third_differences(time: Array, values: Array) -> Array:
 
     They vanish on parabolas, and independent errors make their variance ``SQUARE`` times their own. nan where stamps are equal.
     """
-    weights = third_weights(time)
+    return weighted(third_weights(time), values)
+
+
+def weighted(weights: Array, values: Array) -> Array:
+    """Such differences (…, T − 3) where the weights (4, T − 3) are known."""
     count = values.shape[-1] - 3
     return np.asarray(sum(weights[k] * values[..., k : count + k] for k in range(4)))
 

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.recording.differences import third_weights
+from harness.recording.differences import third_weights, weighted
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
@@ -147,8 +147,7 @@ def _fitted(
     apart = time[2 * period :] - time[: -2 * period]
     for speed, third, good, (values, step) in zip(speeds, thirds, use, signals, strict=True):
         speed[period:-period] = (values[2 * period :] - values[: -2 * period]) / apart
-        for j in range(4):
-            third += weights[j] * values[j : length + j]
+        third[:] = weighted(weights, values)
         moving = np.abs(speed) * usual > 1.5 * step
         seen = np.isfinite(speed)
         good[:] = np.isfinite(third) & moving[:-3] & moving[3:] & seen[:-3] & seen[1:-2] & seen[2:-1] & seen[3:]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.estimation.discrepancy import profiled, responses
 from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.linear_response import over_each_step
 from harness.diagnose.estimation.linearisation import Linearisation, linearise
 from harness.diagnose.estimation.objective import LOST, Objective, States
 from harness.diagnose.estimation.state_force import Force, Likeliest, Numbers, StateForce, Sums, over_the_state
@@ -146,7 +147,7 @@ def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Arr
     """
     predictor, hypothesis = objective.predictor, objective.hypothesis
     mechanism = predictor.mechanism(hypothesis)
-    model, n = mechanism.model, len(mechanism.names)
+    model = mechanism.model
     x = fitted.x.copy()
     x[: objective.nominal] = 0.0
     shaken = predictor.row_in(hypothesis, x, 0)[model.slot("base", "excitation_amplitude")] != 0.0
@@ -159,10 +160,7 @@ def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Arr
         points, copies = len(motion.time) - 1, 1 + len(places)
         row = predictor.row_in(hypothesis, x, window.run)
         tau = predictor.acting(hypothesis, x[None], mechanism, [(0, window, states[window])], motion.time)
-        acting = np.zeros((points * copies, 2, n))
-        if tau is not None:
-            acting[:, 0] = np.repeat(tau[0, :-1], copies, axis=0)
-            acting[:, 1] = np.repeat(tau[0, :-1] if predictor.problem.held else tau[0, 1:], copies, axis=0)
+        acting = over_each_step(predictor, tau, (points, len(mechanism.names)), copies)
         for k, place in enumerate(places):
             acting[1 + k :: copies, :, place] += force.torque
         q, qd = (np.repeat(own[:-1], copies, axis=0) for own in (motion.q, motion.qd))

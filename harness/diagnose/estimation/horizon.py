@@ -123,10 +123,9 @@ def transitions(
     for places in alike.values():
         grid = predictor.grid(windows[places[0]])
         starts = np.concatenate([np.vstack([states[k], states[k] + STEP * np.eye(n)]) for k in places])
-        tau = None
-        if predictor.runs[windows[places[0]].run].effort is not None:
-            lanes = [(0, windows[k], states[k]) for k in places]
-            tau = np.repeat(predictor.efforts(hypothesis, x[None, :], mechanism, lanes, grid.own), n + 1, axis=0)
+        lanes = [(0, windows[k], states[k]) for k in places]
+        tau = predictor.acting(hypothesis, x[None, :], mechanism, lanes, grid.own)
+        tau = None if tau is None else np.repeat(tau, n + 1, axis=0)
         motion = mechanism.model.simulate(
             predictor.row_in(hypothesis, x, windows[places[0]].run), starts[:, :half], starts[:, half:], grid.own,
             tau=tau, hold=predictor.hold, tolerance=predictor.tolerance, threads=predictor.threads,

@@ -109,10 +109,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     states = np.repeat(np.concatenate([q[0, :-1], qd[0, :-1]], axis=1), copies, axis=0)
     for j in range(2 * n):
         states[1 + j :: copies, j] += STATE_STEP
-    acting = np.zeros((points * copies, 2, n))
-    if tau is not None:
-        acting[:, 0] = np.repeat(tau[0, :-1], copies, axis=0)
-        acting[:, 1] = np.repeat(tau[0, :-1] if predictor.problem.held else tau[0, 1:], copies, axis=0)
+    acting = over_each_step(predictor, tau, (points, n), copies)
     push = FORCE_STEP * torque
     for j in range(n):
         acting[1 + 2 * n + j :: copies, :, j] += push
@@ -129,6 +126,19 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
         window, time, q[0], qd[0], qdd[0],
         np.nan_to_num(transition), np.nan_to_num(force), np.nan_to_num(base),
     )  # fmt: skip
+
+
+def over_each_step(predictor: Predictor, tau: Array | None, shape: tuple[int, int], copies: int) -> Array:
+    """Forces at the beginning and the end of every step of a grid, (G − 1) · copies of (2, n): those of one lane, (1, G, n).
+
+    shape: G − 1 and n; copies: lanes of every step, which follow one another.
+    """
+    points, n = shape
+    out = np.zeros((points * copies, 2, n))
+    if tau is not None:
+        out[:, 0] = np.repeat(tau[0, :-1], copies, axis=0)
+        out[:, 1] = np.repeat(tau[0, :-1] if predictor.problem.held else tau[0, 1:], copies, axis=0)
+    return out
 
 
 def motions(predictor: Predictor, fitted: Fit, windows: Sequence[Window]) -> list[Response]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -88,12 +89,11 @@ class Numbers:
 
 @dataclass(frozen=True, eq=False)
 class Likeliest:
-    """The likeliest size and shape of a force: its surprise, the forces at the nodes (k,), how far the numbers move (P,)."""
+    """The likeliest size and shape of a force: its surprise, and the forces at the nodes (k,)."""
 
     value: float
     force: Force
     nodes: Array
-    step: Array
 
 
 @dataclass(eq=False)
@@ -130,8 +130,13 @@ class StateForce:
             force.sizes[self.joint, None] * cholesky(self._correlation(force), lower=True, check_finite=False)
         )
 
+    @cached_property
+    def _apart(self) -> Array:
+        """Between which nodes what lies, in position and velocity, (k, k, 2)."""
+        return self.at[:, None] - self.at[None]
+
     def _correlation(self, force: Force) -> Array:
-        away = np.sum(((self.at[:, None] - self.at[None]) / force.lengths) ** 2, axis=2)
+        away = np.sum((self._apart / force.lengths) ** 2, axis=2)
         correlation = np.exp(-0.5 * away) * (self.joint[:, None] == self.joint)
         correlation[np.diag_indices(len(correlation))] += JITTER
         return np.asarray(correlation)
@@ -239,10 +244,10 @@ class StateForce:
         scale[:k, :k], scale[k:, k:] = root, np.eye(count - k)
         measured = np.einsum("c,cij->ij", weights, sums.squares)
         inside = scale.T @ measured @ scale
+        # A weak prior keeps numbers that nothing tells where they are.
         inside[np.diag_indices(count)] += np.concatenate([np.ones(k), sums.stiff])
         seen = scale.T @ (weights @ sums.products)
         seen[k:] -= sums.deviations
-        # A weak prior keeps numbers that nothing tells where they are.
         lower = _root(inside)
         found = cho_solve((lower, True), seen, check_finite=False)
         value = self._noise(sums, force, float(weights @ sums.left)) + float(np.sum(sums.deviations**2))
@@ -262,11 +267,8 @@ class StateForce:
         rows = change.sum(axis=1)
         usual = force.sizes / USUAL
         sizes = 2.0 * np.bincount(self.joint, rows, self.joints) + 4.0 * usual**2 / (1.0 + usual**2)
-        lengths = [
-            float(np.sum(change * ((self.at[:, None, d] - self.at[None, :, d]) / force.lengths[d]) ** 2))
-            for d in (0, 1)
-        ]
-        return Likeliest(value, force, both[:k], both[k:]), np.concatenate([sizes, slope_louder, lengths])
+        lengths = [float(np.sum(change * (self._apart[:, :, d] / force.lengths[d]) ** 2)) for d in (0, 1)]
+        return Likeliest(value, force, both[:k]), np.concatenate([sizes, slope_louder, lengths])
 
     def likeliest(self, sums: Sums, near: Force | None = None) -> Likeliest:
         """The least surprise over size, shape and loudness. near: where to begin, if something is known."""

@@ -26,7 +26,7 @@ from harness.diagnose.answer.findings import in_words
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
 from harness.diagnose.estimation.intervals import WIDE, Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
-from harness.diagnose.inverse.effort_hold import held_notes, held_runs, search_either_way
+from harness.diagnose.inverse.effort_hold import held_runs, search_either_way
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run
 from harness.diagnose.inverse.effort_noise import effort_noise, grid_of
@@ -34,6 +34,7 @@ from harness.diagnose.inverse.effort_search import EffortStudy, settle
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes, ordinary_terms
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
+from harness.diagnose.problem.held_efforts import held_notes
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.effects.effect import Effect, SiteKind
 from harness.effects.scale import swings

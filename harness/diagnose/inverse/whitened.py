@@ -205,7 +205,7 @@ class Whitened:
                 shape = place.smooth(law_shape(name, given, moved, run, j))
                 column = int(np.flatnonzero(place.joints == j)[0])
                 mine = np.flatnonzero(place.order % len(place.joints) == column)
-                out.append((place.first + mine, self._joint(place, j, shape)))
+                out.append((place.first + mine, self._filtered(place, j, shape)))
             self._keep(key, out)
         return list(self._kept[key])
 
@@ -232,7 +232,7 @@ class Whitened:
                     if run.driven[j]:
                         values, slope = arriving(chain, run, j)
                         mine = np.flatnonzero(self._which[place.first : place.first + len(place.order)] == j)
-                        out.append((place.first + mine, self._joint(place, j, place.smooth(values)), slope))
+                        out.append((place.first + mine, self._filtered(place, j, place.smooth(values)), slope))
                 self._keep(key, out)
             if slopes is None:
                 effort, slopes = effort.copy(), np.ones(self.count)
@@ -255,18 +255,13 @@ class Whitened:
 
     def _whitened(self, place: _Place, seen: Array) -> Array:
         """Whitened rows of one run's samples (N, J)."""
-        out = seen.copy()
-        for lag in range(1, MEMORY + 1):
-            out[lag:] -= self._ahead[place.joints, lag - 1] * seen[:-lag]
-        out /= self._innovation[place.joints]
-        out[place.begins] = seen[place.begins] / self._std[place.joints]
-        return np.asarray(out.ravel()[place.order])
+        return np.asarray(self._filtered(place, place.joints, seen).ravel()[place.order])
 
-    def _joint(self, place: _Place, j: int, seen: Array) -> Array:
-        """The same of the samples (N,) of one joint."""
+    def _filtered(self, place: _Place, joints: NDArray[np.intp] | int, seen: Array) -> Array:
+        """Samples of some joints (N, J), or of one (N,), less what those before them tell, in units of what they do not."""
         out = seen.copy()
         for lag in range(1, MEMORY + 1):
-            out[lag:] -= self._ahead[j, lag - 1] * seen[:-lag]
-        out /= self._innovation[j]
-        out[place.begins] = seen[place.begins] / self._std[j]
+            out[lag:] -= self._ahead[joints, lag - 1] * seen[:-lag]
+        out /= self._innovation[joints]
+        out[place.begins] = seen[place.begins] / self._std[joints]
         return out

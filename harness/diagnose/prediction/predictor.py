@@ -358,18 +358,6 @@ class Predictor(Mechanisms):
             frequency = rows[lane, model.slot("base", "excitation_frequency")]
             rows[lane, model.slot("base", "excitation_phase")] += 2.0 * np.pi * frequency * start
 
-    def efforts(
-        self,
-        hypothesis: Hypothesis,
-        x: Array,
-        mechanism: Mechanism,
-        lanes: Sequence[tuple[int, Window, Array]],
-        grid_time: Array,
-    ) -> Array:
-        """Generalized forces on the grid, shape (B, G, n), after the effects of the input side."""
-        forces, source = self._recorded.on(mechanism.names, grid_time, [(hypothesis, x, lanes)])
-        return np.asarray(forces[source])
-
     def acting(
         self,
         hypothesis: Hypothesis,
@@ -378,14 +366,15 @@ class Predictor(Mechanisms):
         lanes: Sequence[tuple[int, Window, Array]],
         grid_time: Array,
     ) -> Array | None:
-        """The same for lanes of one run with what pushes along their windows, (B, G, n); None where nothing acts."""
-        free = self.runs[lanes[0][1].run].effort is None
-        tau = None if free else self.efforts(hypothesis, x, mechanism, lanes, grid_time)
-        if not self._pushes:
-            return tau
-        windows = [window for _, window, _ in lanes]
-        found, source = self._with_pushes(mechanism.names, grid_time, windows, tau, np.arange(len(lanes)))
-        return np.asarray(found[source])
+        """Generalized forces on the grid for lanes of one run, (B, G, n), after the effects of the input side and with what pushes
+        along their windows; None where nothing acts."""
+        forces, source = None, np.zeros(len(lanes), dtype=np.intp)
+        if self.runs[lanes[0][1].run].effort is not None:
+            forces, source = self._recorded.on(mechanism.names, grid_time, [(hypothesis, x, lanes)])
+        if self._pushes:
+            windows = [window for _, window, _ in lanes]
+            forces, source = self._with_pushes(mechanism.names, grid_time, windows, forces, source)
+        return None if forces is None else np.asarray(forces[source])
 
     def _observe(
         self,

@@ -1,8 +1,7 @@
 """Whether recorded efforts act smoothly through their samples or are held from each to the next: the recordings tell.
 
-How an effort was logged is a convention and no physics that a model left out, so it is no effect, and costs none of the evidence.
-To a mechanism a held effort is a smooth one that is half an interval late, in every drive alike; where the two are equally good,
-efforts are taken as smooth.
+That is no effect (see ``problem.held_efforts``), and costs none of the evidence; where the two are equally good, efforts are taken
+as smooth.
 
 It is asked of the nominal model, of the first set that leaves little more than noise, and of the best sets at the end: beside what
 else is missing, a late sensor looks the same. A drive that is late by two intervals is told with that, not with one and a half; but
@@ -15,14 +14,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.held_efforts import PLAIN, held_notes, late
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.selection.pruning import pruned
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
-from harness.effects.catalogue import catalogue
-from harness.recording.recording import QualityNote, Recording
-
-PLAIN = 10.0  # in the criterion, beside noise as loud as what is left, from which holding counts as seen
-LATE = "actuator_delay"
+from harness.recording.recording import Recording
 
 
 def either_way(study: Study, fitted: Fit) -> tuple[Study, Fit]:
@@ -43,18 +39,18 @@ def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tu
     It is one where nothing then is late at all: a finding less, as good.
     """
     best = ordered[0]
-    if not study.problem.driven or not (study.problem.held or _late(best) or not study.only_noise(best)):
+    if not study.problem.driven or not (study.problem.held or late(best.hypothesis) or not study.only_noise(best)):
         return None
     other = _turned(study)
     near = [f for f in ordered[:count] if f.score < FAR * best.score]
     for fitted in near:
         other.fit(fitted.hypothesis, [fitted.x], fitted, target=best.score + PLAIN * study.loudness(best))
     found = min(other.fits.values(), key=other.criterion)
-    if _late(found) and found.score < best.score + PLAIN * study.loudness(best):
+    if late(found.hypothesis) and found.score < best.score + PLAIN * study.loudness(best):
         found = pruned(other, found)
     gain = study.criterion(best) - other.criterion(found)
     least = -PLAIN if study.problem.held else PLAIN
-    if len(found.hypothesis.members) < len(best.hypothesis.members) and not _late(found):
+    if len(found.hypothesis.members) < len(best.hypothesis.members) and not late(found.hypothesis):
         least = 0.0
     if gain < least * study.loudness(best):
         return None
@@ -65,18 +61,7 @@ def told(problem: Problem, recordings: Sequence[Recording]) -> list[Recording]:
     """The recordings, with a quality note for every effort that was found to be held."""
     if not problem.held:
         return list(recordings)
-    return [replace(r, quality=(*r.quality, *(_note(r, e.column or e.name) for e in r.efforts))) for r in recordings]
-
-
-def _note(recording: Recording, column: str) -> QualityNote:
-    return QualityNote(
-        "held_effort",
-        column,
-        "acts from each sample to the next, as a controller's command does, or half an interval late",
-        "taken as held",
-        len(recording.time),
-        size=0.5 * recording.interval,
-    )
+    return [replace(r, quality=(*r.quality, *held_notes(r))) for r in recordings]
 
 
 def _turned(study: Study) -> Study:
@@ -86,9 +71,3 @@ def _turned(study: Study) -> Study:
         problem, study.predictor.taking(problem), replace(study.likelihood, problem=problem), study.candidates, study.windows,
         first_states=study.first_states, swing=study.swing,
     )  # fmt: skip
-
-
-def _late(fitted: Fit) -> bool:
-    """Whether a set has something in it that acts late or is read late."""
-    kin = {LATE, *catalogue()[LATE].confusable_with}
-    return any(member.effect.name in kin for member in fitted.hypothesis.members)
