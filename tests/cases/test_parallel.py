@@ -203,7 +203,7 @@ def test_no_more_is_handed_out_than_the_workers_can_hold(where):
     if where == "processes":
         arriving = stream(square, items, workers=2)
         next(arriving)
-        assert items.asked <= 3 + 2
+        assert items.asked <= 3 + 3  # all three that were out may come back at once
         arriving.close()
         return
     distributed = pytest.importorskip("distributed")
