@@ -51,7 +51,7 @@ def diagnose(
     model: str | Path | System | Sequence[str | Path | System],
     *,
     holdout: str | Path | Recording | None = None,
-    mapping: Sequence[str] = (),
+    mapping: str | Sequence[str] | None = (),
     tolerance: float | None = None,
     fit_effort: bool = False,
     effects: Sequence[str | Path | Effect] = (),
@@ -172,7 +172,7 @@ def _conditioned(systems: Sequence[System], recordings: Sequence[Recording]) -> 
 def _read(
     recordings: Sequence[str | Path | Recording],
     holdout: str | Path | Recording | None,
-    mapping: Sequence[str],
+    mapping: str | Sequence[str] | None,
     system: System,
 ) -> list[Recording]:
     items = [*recordings, *([holdout] if holdout is not None else [])]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 
@@ -17,6 +18,8 @@ from harness.report.columns import Heading, figures, print_table
 COLOURS = {"pass": "green", "fail": "bold red", "skipped": "dim"}
 # Cases of one reason that are named on the terminal; the rest are counted.
 NAMED = 4
+# A file read otherwise: the same reason for each quantity that was compared.
+_HOW_FAR = re.compile(r", up to \S+ \S+ apart(?=:)")
 
 
 def print_results(results: Results, console: Console, *, every_row: bool = False) -> None:
@@ -121,10 +124,10 @@ def _cells(row: Row) -> tuple[Text, ...]:
 
 
 def _print_reasons(rows: Sequence[Row], console: Console) -> None:
-    """Skipped rows, those of one engine and one reason together."""
+    """Skipped rows, those of one engine and one reason together: how far apart quantities are is no reason of its own."""
     together: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
-        together.setdefault((row.engines[-1], row.note), []).append(row)
+        together.setdefault((row.engines[-1], _HOW_FAR.sub("", row.note)), []).append(row)
     lines = []
     for (engine, reason), members in together.items():
         cases = list(dict.fromkeys(row.case for row in members))

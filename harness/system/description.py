@@ -386,13 +386,13 @@ class System:
     loops: tuple[Loop | Coupling, ...] = ()
 
     def __repr__(self) -> str:
-        many = "" if len(self.movable_joints) == 1 else "s"
+        many, links = ("" if len(some) == 1 else "s" for some in (self.movable_joints, self.links))
         bending = sum(link.beam is not None for link in self.links)
         flexible = f", {bending} flexible" if bending else ""
         degrees = "" if self.simple else f", {self.nv} degrees of freedom"
         closed = f", {len(self.loops)} loop{'s' * (len(self.loops) > 1)}" if self.loops else ""
         return (
-            f"<System {self.name!r}: {len(self.movable_joints)} movable joint{many}, {len(self.links)} links"
+            f"<System {self.name!r}: {len(self.movable_joints)} movable joint{many}, {len(self.links)} link{links}"
             f"{flexible}{degrees}{closed}>"
         )
 

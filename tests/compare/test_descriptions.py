@@ -141,6 +141,8 @@ def test_gravity_a_limit_and_a_body_that_only_one_has():
     assert differing(ARM, replace(ARM, gravity=constant([0.0, 0.0, -1.62]))) == {
         ("gravity", "base"): pytest.approx(1.0 - 1.62 / 9.81)
     }
+    moon = compare(ARM, replace(ARM, gravity=constant([0.0, 0.0, -1.62]))).differences
+    assert next(d.stated for d in moon if d.field == "gravity") == "(0, 0, -9.81) against (0, 0, -1.62) m/s²"
     assert differing(ARM, ARM.replace_joint(replace(wrist, upper=2.0))) == {
         ("position limit", "wrist"): pytest.approx(1 / 3)
     }
@@ -187,3 +189,18 @@ def test_two_models_are_held_against_one_another_and_of_more_those_that_share_na
     assert pairs_of({"a": ARM, "s": strange, "b": inertia}) == [("a", "b")]
     assert pairs_of({"a": ARM}) == []
     assert not alike(ARM, strange)
+
+
+def test_a_rotor_told_as_inertia_costs_no_more_than_rounding():
+    """Armature of a joint and inertia about its axis are one number to a pendulum: both differ, together they cost nothing."""
+    hinge = Joint("pivot", JointType.REVOLUTE, "base", "rod", axis=constant([0.0, 1.0, 0.0]), armature=2e-5)
+    rod = Link("rod", 0.2, constant([0.0, 0.0, -0.165]), constant(np.diag([1.755e-3, 1.755e-3, 5.1e-6])))
+    first = System("first", (hinge,), (rod,))
+    turned = replace(rod, inertia=constant(rod.inertia + np.diag([0.0, 2e-5, 0.0])))
+    second = System("second", (replace(hinge, armature=0.0),), (turned,))
+    comparison = compare(first, second)
+    found = [d for d in comparison.differences if d.size > TOLERANCE]
+    assert sorted(d.field for d in found) == ["armature", "inertia"]
+    alone, together = costs(comparison, found)
+    assert all("N·m more or less" in str(cost) for cost in alone)
+    assert str(together) == "costs nothing in free motion"

@@ -3,7 +3,7 @@
 import pytest
 
 from harness.diagnose.answer.explain import percent
-from harness.diagnose.answer.significant_digits import best, digits, ends, estimate, resolved
+from harness.diagnose.answer.significant_digits import best, digits, ends, estimate, resolved, rounded
 
 
 @pytest.mark.parametrize(
@@ -30,6 +30,10 @@ from harness.diagnose.answer.significant_digits import best, digits, ends, estim
 )
 def test_digits_show_a_fifth_of_the_width(value: float | None, width: float | None, text: str) -> None:
     assert resolved(value, width) == text
+
+
+def test_figures_beside_one_another_have_as_many_digits_each() -> None:
+    assert [rounded(value) for value in (0.00302, 0.003, 1201.0, 0.0, None)] == ["0.00302", "0.00300", "1200", "0", "–"]
 
 
 def test_the_ends_of_a_narrow_interval_differ() -> None:

@@ -159,6 +159,9 @@ def test_headers_of_several_rows(tmp_path):
     file.write_text(head + rows(INDEX, NUMBERS[0], np.degrees(ANGLE), SPEED, SPEED, SPEED))
     recording = read_recording(file, mapping=["Rotation.X=pivot.position[deg]"])
     assert np.allclose(recording.channels[0].values, ANGLE, rtol=0.0, atol=1e-12)
+    # A single rule is a list of one.
+    alone = read_recording(file, mapping="Rotation.X=pivot.position[deg]")
+    assert np.array_equal(alone.channels[0].values, recording.channels[0].values)
 
 
 def test_names_over_the_first_of_their_columns_and_units_below(tmp_path):

@@ -38,6 +38,7 @@ def test_systems_and_models_are_short_in_a_line_and_whole_in_a_table(name):
         assert len(repr(shown)) < 120 and system.name in repr(shown)
         table = lxml_html.fromstring(shown._repr_html_())
         text = table.text_content()
+        assert repr(system).count(" links") == (len(system.links) > 1)
         for joint, link in zip(system.joints, system.links, strict=True):
             assert joint.name in text and link.name in text
         assert len(table.findall(".//tbody/tr")) == len(system.joints)

@@ -66,8 +66,8 @@ def test_an_error_that_stays_is_not_said_to_fall():
     """A late release, say, is nothing in data held out that go on from where the release is long past."""
     assert "is 0.000953 rad with or without" in held_out(0.0009530, 0.0009532)
     assert "%" not in held_out(0.0009530, 0.0009532)
-    assert "is 0.002 rad, before it was 0.001" in held_out(0.001, 0.002)
-    assert "falls from 0.02 to 0.001 rad (noise 0.00095). That removes 99.8 % of" in held_out(0.02, 0.001)
+    assert "is 0.00200 rad, before it was 0.00100" in held_out(0.001, 0.002)
+    assert "falls from 0.0200 to 0.00100 rad (noise 0.000950). That removes 99.8 % of" in held_out(0.02, 0.001)
 
 
 def test_one_figure_is_spelled_one_way():

@@ -69,6 +69,32 @@ def test_results_are_whole(width):
     assert_whole(short, "2.1e+09 times", "not finite", "arm:", NOTE)
 
 
+def test_one_reason_is_told_once_for_all_quantities_it_spoils():
+    """A file read otherwise by one engine is one thing to know, in however many quantities, and how far, it shows."""
+    missing = "body 'hull': mass 0 kg for 60.6 kg here"
+    rows = tuple(
+        Row(
+            "buoy",
+            name,
+            ("denoc", "pinocchio"),
+            None,
+            None,
+            "1",
+            "",
+            "skipped",
+            f"as read, up to {far} apart: {missing}",
+        )
+        for name, far in (("bias", "601.7 N·m"), ("gravity", "602.4 N·m"), ("mass_matrix", "61.33 kg·m²"))
+    )
+    text = printed(lambda screen: print_results(Results(rows), screen), options.UNLIMITED)
+    told = [line.split() for line in text.splitlines() if missing in line]
+    assert [line[:3] for line in told] == [["pinocchio", "3", "buoy"]]
+    # Each with its own figure where every row is asked for.
+    assert_whole(
+        printed(lambda screen: print_results(Results(rows), screen, every_row=True), 120), "601.7", "602.4", "61.33"
+    )
+
+
 def test_no_difference_is_no_share_of_nothing():
     """What is counted is allowed no difference at all: none is 0 %, and does not hide who takes most of what is allowed."""
     counted = Row("paper_rigid", "named", ("as_printed", "mujoco"), 0.0, 0.0, "1", "each misprint", "pass")
@@ -141,7 +167,7 @@ def test_a_diagnosis_is_whole(width):
     text = printed(lambda screen: print_diagnosis(document, screen), width)
     assert_whole(
         text, "0.01182", "0.02345", "0.654", "91234", "9000", "0.00312", "0.0765", "0.0123", "0.0457", "0.00789", "1.15",
-        "stribeck_friction@left_shoulder_pitch", "left_shoulder_pitch.position", "0.0031", "0.0032", "0.31", NOTE,
+        "stribeck_friction@left_shoulder_pitch", "left_shoulder_pitch.position", "0.00310", "0.00320", "0.310", NOTE,
     )  # fmt: skip
 
 

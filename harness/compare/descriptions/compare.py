@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.compare.descriptions.bodies import Body, bodies
-from harness.compare.descriptions.fields import Difference, beam_numbers, joint_numbers, relative
+from harness.compare.descriptions.fields import Difference, beam_numbers, joint_numbers, relative, vector
 from harness.compare.descriptions.matching import kind, matched
 from harness.compare.descriptions.placement import STILL, Move, axes, masses, placed
 from harness.system import System
@@ -76,7 +76,7 @@ def _gravity(first: System, second: System) -> Difference:
     x, y = np.asarray(first.gravity), np.asarray(second.gravity)
     largest = max(float(np.linalg.norm(x)), float(np.linalg.norm(y)))
     size = float(np.linalg.norm(x - y)) / largest if largest > 0.0 else 0.0
-    return Difference("gravity", "base", size, "1", f"{x.tolist()} against {y.tolist()} m/s²")
+    return Difference("gravity", "base", size, "1", f"{vector(x, 9)} against {vector(y, 9)} m/s²")
 
 
 def _tree(

@@ -23,6 +23,8 @@ _SAMPLES = 101
 # Where the run starts: joints that turn and joints that slide.
 _TURNED, _TURNING = 0.5, 1.0  # rad, rad/s
 _SHIFTED, _SLIDING = 0.1, 0.2  # m, m/s
+# Of what a joint travels, and of the forces of the motion: less than this is rounding, and costs nothing.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,7 @@ class _Run:
         )
         apart = np.abs(mine - theirs).max(axis=0)
         travelled = np.ptp(mine, axis=0)
+        apart[apart <= _ROUNDING * travelled] = 0.0
         # Radians and metres are held against what each joint travels, so that neither drowns the other.
         worst = int(np.argmax(apart / np.maximum(travelled, 1e-3)))
         force = self._forces(other, joints)
@@ -130,11 +133,13 @@ class _Run:
         if self.model.names != other.model.names or self.motion.names != self.model.names:
             return np.zeros(len(joints))
         columns = [self.model.names.index(name) for name in joints]
-        largest = np.zeros(len(joints))
+        largest, own = np.zeros(len(joints)), 0.0
         for q, qd in zip(self.motion.position[::5], self.motion.velocity[::5], strict=True):
             qdd = self.model.forward_dynamics(q, qd, np.zeros(len(q)))
             needed = other.model.inverse_dynamics(q, qd, qdd) - self.model.inverse_dynamics(q, qd, qdd)
             largest = np.maximum(largest, np.abs(np.asarray(needed)[columns]))
+            own = max(own, float(np.abs(self.model.bias(q, qd)).max()))
+        largest[largest <= _ROUNDING * own] = 0.0
         return largest
 
 

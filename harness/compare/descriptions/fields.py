@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -47,6 +47,11 @@ def against(a: float, b: float, unit: str) -> str:
         return f"{_limit(a)} against {_limit(b)} {unit}".strip()
     digits = next((d for d in (4, 6, 9, 12) if f"{a:.{d}g}" != f"{b:.{d}g}"), 4)
     return f"{a:.{digits}g} against {b:.{digits}g} {unit}".strip()
+
+
+def vector(values: Iterable[float], digits: int = 5) -> str:
+    """``(0, 1, 0)``; what is rounding is 0."""
+    return "(" + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.{digits}g}" for v in values) + ")"
 
 
 def _limit(value: float) -> str:

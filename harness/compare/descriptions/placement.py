@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.compare.descriptions.bodies import Body, Part
-from harness.compare.descriptions.fields import Change, Difference, against, relative
+from harness.compare.descriptions.fields import Change, Difference, against, relative, vector
 from harness.system.description import Array
 from harness.system.inertia import combine
 
@@ -129,7 +129,7 @@ def axes(k: int, a: Body, b: Body) -> Iterator[Difference]:
     if not (a.joint.movable and b.joint.movable):
         return
     turned = between(a.axis, b.axis)
-    x, y = (_vector(a.turn.T @ axis) for axis in (a.axis, b.axis))
+    x, y = (vector(a.turn.T @ axis) for axis in (a.axis, b.axis))
 
     def change(bodies: list[Body]) -> list[Body]:
         bodies[k] = replace(bodies[k], axis=b.axis)
@@ -149,7 +149,7 @@ def masses(k: int, a: Body, b: Body) -> Iterator[Difference]:
             "mass", x.name, relative(x.mass, y.mass), "1", against(x.mass, y.mass, "kg"), _part(k, x, "mass", y)
         )
         if x.mass > 0.0 and y.mass > 0.0:
-            p, q = (_vector(a.turn.T @ (part.com - a.point)) for part in (x, y))
+            p, q = (vector(a.turn.T @ (part.com - a.point)) for part in (x, y))
             gyration = float(np.sqrt(max(np.linalg.eigvalsh(x.inertia)[-1], 0.0) / x.mass))
             reach = max(float(np.linalg.norm(x.com - a.point)), gyration, 1e-12)
             off = float(np.linalg.norm(x.com - y.com))
@@ -194,7 +194,3 @@ def _entries(turn: Array, x: Part, y: Part) -> str:
         if apart[i, j] > 0.1 * apart.max()
     ]
     return ", ".join(told) + " kg·m²" if told else "the same"
-
-
-def _vector(values: Array) -> str:
-    return "(" + ", ".join(f"{0.0 if abs(v) < 1e-12 else v:.5g}" for v in values) + ")"

@@ -37,6 +37,11 @@ def resolved(value: float | None, width: float | None) -> str:
     return digits(value, count)
 
 
+def rounded(value: float | None) -> str:
+    """Three digits, zeros at the end included; a dash for none, 0 for exactly nothing."""
+    return "0" if value == 0.0 else resolved(value, None)
+
+
 def ends(interval: Interval) -> str:
     """``low … high``, as many digits each as part the two, or as it needs itself if they lie decades apart; nothing for none."""
     low, high = interval or (None, None)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.diagnose.answer.significant_digits import best, ends, resolved
+from harness.diagnose.answer.significant_digits import best, ends, resolved, rounded
 from harness.recording.units import written
 
 Document = Mapping[str, Any]
@@ -33,11 +33,6 @@ def runners(document: Document) -> list[str]:
     return list(document["prediction"][0]["models"]) if document["prediction"] else models_of(document)
 
 
-def shown(value: float | None) -> str:
-    """Three digits, or a dash."""
-    return "–" if value is None else f"{value:.3g}"
-
-
 def prediction(document: Document) -> tuple[list[str], list[list[str]]]:
     """Heads and rows of errors held out, training in brackets behind them."""
     names = runners(document)
@@ -45,10 +40,10 @@ def prediction(document: Document) -> tuple[list[str], list[list[str]]]:
     rows = []
     for row in document["prediction"]:
         errors = [
-            f"{shown(row['models'][name]['heldout_rmse'])} ({shown(row['models'][name]['train_rmse'])})"
+            f"{rounded(row['models'][name]['heldout_rmse'])} ({rounded(row['models'][name]['train_rmse'])})"
             for name in names
         ]
-        rows.append([row["channel"], written(row["unit"]), *errors, shown(row["noise_floor"]), row["better"]])
+        rows.append([row["channel"], written(row["unit"]), *errors, rounded(row["noise_floor"]), row["better"]])
     return heads, rows
 
 
@@ -62,7 +57,7 @@ def places(document: Document, *, clear: bool = False) -> tuple[list[str], list[
             continue
         group = row["group"] if row["by"] == "recording" else f"{row['group']} {written(row['by_unit'])}"
         chance = "" if row["chance"] is None else "< 0.001" if row["chance"] < 1e-3 else f"{row['chance']:.2g}"
-        errors = [shown(row["models"].get(name)) if name in row["models"] else "" for name in names]
+        errors = [rounded(row["models"].get(name)) if name in row["models"] else "" for name in names]
         rows.append([row["channel"], row["by"], group, str(row["windows"]), *errors, row["better"], chance])
     return heads, rows
 

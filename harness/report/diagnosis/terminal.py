@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
-from harness.diagnose.answer.significant_digits import estimate
+from harness.diagnose.answer.significant_digits import estimate, rounded
 from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
 
@@ -81,11 +81,11 @@ def _fit(fit: list[Mapping[str, Any]]) -> Shown:
             channel["channel"],
             written(channel["unit"]),
             *(
-                _figure(channel[model][error])
+                rounded(channel[model][error])
                 for model in ("nominal", "augmented")
                 for error in ("train_rmse", "heldout_rmse")
             ),
-            _figure(channel["noise_floor"]),
+            rounded(channel["noise_floor"]),
         )
         for channel in fit
     ]
@@ -103,7 +103,7 @@ def _levels(levels: Mapping[str, Any]) -> Shown:
     lines = [
         (
             row["recording"] + (" (held out)" if row["held_out"] else ""),
-            *(_figure(row[key]) for key in ("factor", "std", "shared_rmse", "levelled_rmse")),
+            *(rounded(row[key]) for key in ("factor", "std", "shared_rmse", "levelled_rmse")),
         )
         for row in levels["recordings"]
     ]
@@ -120,7 +120,7 @@ def _ranking(ranking: list[Mapping[str, Any]]) -> Shown:
             (
                 " + ".join(row["effects"]) or "nothing",
                 "–" if bic is None else f"{bic - least:.0f}",
-                _figure(row.get("heldout_rmse")),
+                rounded(row.get("heldout_rmse")),
                 row.get("lost") or "",
             )
         )
@@ -140,11 +140,7 @@ def _quality(quality: list[Mapping[str, Any]]) -> Shown:
 def _replay(replay: list[Mapping[str, Any]]) -> Shown:
     heads = ("augmented model in", "differs most in", figures("RMS difference"), figures("noise"), "")
     lines: list[tuple[str, ...]] = [
-        (row["engine"], row["channel"] or "–", _figure(row["difference"]), _figure(row["noise"]), row["note"])
+        (row["engine"], row["channel"] or "–", rounded(row["difference"]), rounded(row["noise"]), row["note"])
         for row in replay
     ]
     return heads, lines
-
-
-def _figure(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"

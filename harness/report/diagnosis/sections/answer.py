@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from harness.diagnose.answer.explain import percent
+from harness.diagnose.answer.significant_digits import rounded
 from harness.recording.units import written
-from harness.report.diagnosis.sections.figure import Document, figure
+from harness.report.diagnosis.sections.figure import Document
 
 SMALLER = 1.02  # times, by which an error has to have become smaller to be said to fall
 _PRODUCT = re.compile(r"(?<=[A-Za-z])\*(?=[A-Za-z])")  # in a unit
@@ -46,7 +48,7 @@ def _use(document: Document) -> list[str]:
     if worst is None or not _gain(worst):
         return []
     before, after, noise = (
-        figure(value) for value in (worst["nominal"]["heldout_rmse"], worst["augmented"]["heldout_rmse"], worst["noise_floor"])
+        rounded(value) for value in (worst["nominal"]["heldout_rmse"], worst["augmented"]["heldout_rmse"], worst["noise_floor"])
     )  # fmt: skip
     unit = written(worst["unit"])
     if _gain(worst) < 1.0 / SMALLER:
@@ -61,7 +63,7 @@ def _use(document: Document) -> list[str]:
     # Beside a force that is left out the summary tells it with the findings.
     firm = any(finding.get("grade") != "possible" for finding in document["findings"])
     if share is not None and share > 0.0 and not (document.get("discrepancy") and firm):
-        told.append(f"That removes {100.0 * share:.3g} % of the nominal model's mean-square error there.")
+        told.append(f"That removes {percent(share)} of the nominal model's mean-square error there.")
     return told
 
 

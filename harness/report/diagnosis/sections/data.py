@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from harness.diagnose.answer.significant_digits import rounded
 from harness.recording.units import written
-from harness.report.diagnosis.sections.figure import Document, figure
+from harness.report.diagnosis.sections.figure import Document
 
 ROLES = {"training": "training", "held out": "held out", "both": "training, its end held out"}
 
@@ -24,7 +25,7 @@ class Data:
             "roles": ROLES,
             "noise": document["noise"],
             "quality": document.get("quality") or [],
-            "figure": figure,
+            "figure": rounded,
             "unit": written,
         }
 

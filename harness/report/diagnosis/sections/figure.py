@@ -8,11 +8,6 @@ from typing import Any
 Document = Mapping[str, Any]
 
 
-def figure(value: float | None) -> str:
-    """Three digits, or a dash."""
-    return "–" if value is None else f"{value:.3g}"
-
-
 def points(value: float | None) -> str:
     """A difference of BIC in whole points, as the terminal has it; a dash for none."""
     return "–" if value is None else f"{value:.0f}"

@@ -10,10 +10,10 @@ from markupsafe import Markup
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one
 from harness.diagnose.answer.findings import in_words, rivals_of
-from harness.diagnose.answer.significant_digits import best, ends
+from harness.diagnose.answer.significant_digits import best, ends, rounded
 from harness.recording.units import written
 from harness.report.diagnosis.figures import correlated, repeated
-from harness.report.diagnosis.sections.figure import Document, figure, points
+from harness.report.diagnosis.sections.figure import Document, points
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Findings:
                 }
                 for name, p in numbers.items()
             ] or [{**common, "parameter": "", "number": None, "value": "", "interval": "", "unit": ""}]  # fmt: skip
-        return {"rows": rows, "graded": any(row["grade"] for row in rows), "figure": figure, "points": points}
+        return {"rows": rows, "graded": any(row["grade"] for row in rows), "figure": rounded, "points": points}
 
 
 @dataclass(frozen=True)

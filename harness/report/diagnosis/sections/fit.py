@@ -9,9 +9,10 @@ from typing import Any
 from markupsafe import Markup
 
 from harness.diagnose.answer.diagnosis import one_by_one
+from harness.diagnose.answer.significant_digits import rounded
 from harness.recording.units import written
 from harness.report.diagnosis.figures import errors
-from harness.report.diagnosis.sections.figure import Document, figure
+from harness.report.diagnosis.sections.figure import Document
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class BeforeAndAfter:
         return {
             "fit": fit,
             "picture": Markup(errors(fit)),
-            "figure": figure,
+            "figure": rounded,
             "unit": written,
             "shown_there": shown_there,
         }
@@ -42,7 +43,7 @@ class Levels:
 
     def content(self, document: Document) -> Mapping[str, Any] | None:
         levels = document.get("levels")
-        return {"levels": levels, "figure": figure} if levels else None
+        return {"levels": levels, "figure": rounded} if levels else None
 
 
 @dataclass(frozen=True)
@@ -53,4 +54,4 @@ class Replay:
 
     def content(self, document: Document) -> Mapping[str, Any] | None:
         replay = document.get("replay")
-        return {"replay": replay, "figure": figure} if replay else None
+        return {"replay": replay, "figure": rounded} if replay else None

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from harness.diagnose.answer.significant_digits import rounded
 from harness.recording.units import written
-from harness.report.diagnosis.sections.figure import Document, figure
+from harness.report.diagnosis.sections.figure import Document
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Remainder:
             "doubted": [key.replace("_", " ") for key in left.get("doubted") or ()],
             "tests": tests,
             "sizes": sizes,
-            "figure": figure,
+            "figure": rounded,
             "unit": written,
         }
 

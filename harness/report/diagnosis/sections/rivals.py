@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.report.diagnosis.sections.figure import Document, figure, points
+from harness.diagnose.answer.significant_digits import rounded
+from harness.report.diagnosis.sections.figure import Document, points
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,6 @@ class Rivals:
             "ranking": ranking,
             "best": min(known) if known else 0.0,
             "reasons": reasons,
-            "figure": figure,
+            "figure": rounded,
             "points": points,
         }

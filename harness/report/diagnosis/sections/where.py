@@ -8,8 +8,9 @@ from typing import Any
 
 from markupsafe import Markup
 
+from harness.diagnose.answer.significant_digits import rounded
 from harness.report.diagnosis.figures import windows
-from harness.report.diagnosis.sections.figure import Document, figure
+from harness.report.diagnosis.sections.figure import Document
 
 
 @dataclass(frozen=True)
@@ -24,4 +25,4 @@ class Where:
             return None
         timed = any(place["time"] for place in places)
         picture = Markup(windows(places)) if timed else ""
-        return {"places": places, "picture": picture, "figure": figure}
+        return {"places": places, "picture": picture, "figure": rounded}
