@@ -8,6 +8,7 @@ at once; then the mass matrix is named, because the others follow from it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,7 +67,7 @@ class Attribution:
 
 
 @dataclass(frozen=True, eq=False)
-class _Parts:
+class Parts:
     """The terms at B states: mass (B, n, n); the others (B, n), damping and stiffness on the right-hand side."""
 
     mass: Array
@@ -76,7 +77,7 @@ class _Parts:
     stiffness: Array
     acceleration: Array
 
-    def with_term(self, term: str, other: _Parts, tau: Array) -> Array:
+    def with_term(self, term: str, other: Parts, tau: Array) -> Array:
         """Accelerations of this engine with one term taken from the other, shape (B, n)."""
         mass = other.mass if term == "mass_matrix" else self.mass
         coriolis, gravity, damping, stiffness = (getattr(other if term == name else self, name) for name in TERMS[1:])
@@ -84,7 +85,7 @@ class _Parts:
         return np.linalg.solve(mass, right[:, :, None])[:, :, 0]
 
 
-def take_apart(model: EngineModel, q: Array, qd: Array, tau: Array) -> _Parts:
+def take_apart(model: EngineModel, q: Array, qd: Array, tau: Array) -> Parts:
     """The terms of the dynamics of an engine at B states, each shape (B, n)."""
     mass, gravity, bias, moving, held, acceleration = [], [], [], [], [], []
     for k in range(len(q)):
@@ -97,7 +98,7 @@ def take_apart(model: EngineModel, q: Array, qd: Array, tau: Array) -> _Parts:
         acceleration.append(model.forward_dynamics(q[k], qd[k], tau[k]))
     coriolis = np.array(bias) - np.array(gravity)
     stiffness = np.array(gravity) - np.array(held)
-    return _Parts(
+    return Parts(
         mass=np.array(mass),
         coriolis=coriolis,
         gravity=np.array(gravity),
@@ -131,16 +132,16 @@ def attribute(
     solved = ours.with_term("", ours, tau)
     blames = []
     for term in TERMS:
-        differs = _difference(term, ours, theirs)
+        differs = term_difference(term, ours, theirs)
         if differs <= allowed:
             continue
         change = ours.with_term(term, theirs, tau) - solved
         share = _share(ours.mass, change, apart)
         if term == "mass_matrix":
-            blames.append(_blame_mass(names, ours, theirs, allowed, differs, share))
+            blames.append(blame_mass(names, ours, theirs, allowed, differs, share))
         else:
-            blame = _blame_force(term, names, ours, theirs, allowed, differs, share)
-            blames.append(_at_joint(blame, reference, other, q[0]) if term == "coriolis" else blame)
+            blame = blame_force(term, names, ours, theirs, allowed, differs, share)
+            blames.append(at_joint(blame, reference, other, q[0], _bias) if term == "coriolis" else blame)
     # An engine that does not solve its own equation: the recursion is wrong although every term is right.
     for label, parts in zip(called, (ours, theirs), strict=True):
         own = parts.with_term("", parts, tau)
@@ -157,17 +158,28 @@ def attribute(
     return Attribution(difference, allowed, tuple(blames))
 
 
-def _at_joint(blame: Blame, reference: EngineModel, other: EngineModel, q: Array) -> Blame:
+def _bias(model: EngineModel, q: Array, qd: Array) -> Array:
+    return np.asarray(model.bias(q, qd))
+
+
+def at_joint(
+    blame: Blame,
+    reference: EngineModel,
+    other: EngineModel,
+    q: Array,
+    force: Callable[[EngineModel, Array, Array], Array],
+) -> Blame:
     """Which joint's motion a difference of the Coriolis force hangs on: that of all products of two velocities that differ.
 
     The force is quadratic, so that it is taken apart by moving two joints at a time: where it acts says little, since
-    all joints below carry it.
+    all joints below carry it. force: of a model at q and qd, with the Coriolis force in it.
     """
     n = len(q)
     still = np.zeros(n)
 
     def velocity_force(model: EngineModel, qd: Array) -> Array:
-        return np.asarray(model.bias(q, qd)) - np.asarray(model.bias(q, still))
+        # What is the same forwards and backwards: damping is not.
+        return 0.5 * (force(model, q, qd) + force(model, q, -qd)) - force(model, q, still)
 
     single = [velocity_force(other, unit) - velocity_force(reference, unit) for unit in np.eye(n)]
     differs = np.zeros((n, n))
@@ -186,7 +198,7 @@ def _at_joint(blame: Blame, reference: EngineModel, other: EngineModel, q: Array
     return replace(blame, coordinate=joint, words=f"{blame.words}, where {joint} moves")
 
 
-def _difference(term: str, ours: _Parts, theirs: _Parts) -> float:
+def term_difference(term: str, ours: Parts, theirs: Parts) -> float:
     if term == "mass_matrix":
         return float(quantities.mass_matrices(ours.mass, theirs.mass).max())
     a, b = getattr(ours, term), getattr(theirs, term)
@@ -204,8 +216,8 @@ def _share(mass: Array, change: Array, apart: Array) -> float:
     return float(along / whole) if whole > 0.0 else 0.0
 
 
-def _blame_mass(
-    names: tuple[str, ...], ours: _Parts, theirs: _Parts, allowed: float, differs: float, share: float
+def blame_mass(
+    names: tuple[str, ...], ours: Parts, theirs: Parts, allowed: float, differs: float, share: float
 ) -> Blame:
     apart = quantities.entries(ours.mass, theirs.mass).max(axis=0)
     off_diagonal = (apart - np.diag(np.diagonal(apart))).max(initial=0.0)
@@ -224,8 +236,8 @@ def _blame_mass(
     return Blame("mass_matrix", differs, share, carrier, words)
 
 
-def _blame_force(
-    term: str, names: tuple[str, ...], ours: _Parts, theirs: _Parts, allowed: float, differs: float, share: float
+def blame_force(
+    term: str, names: tuple[str, ...], ours: Parts, theirs: Parts, allowed: float, differs: float, share: float
 ) -> Blame:
     a, b = getattr(ours, term), getattr(theirs, term)
     apart = np.abs(a - b).max(axis=0)

@@ -10,10 +10,11 @@ import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series
 from harness.compare import quantities
-from harness.compare.attribution import attribute
+from harness.compare.attribution import Blame, attribute
 from harness.compare.odd_one_out import vote
 from harness.compare.parameters import Explanation, explain
 from harness.compare.scales import Terms, terms
+from harness.compare.single_answer import blame_answer
 from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.system import System
@@ -111,10 +112,18 @@ class StateAgreement:
         said, place = blamed(bench, name, states.q, states.qd, states.tau, self.allowed)
         if said.endswith("so it is the integration"):
             # The equation of motion is right, so that what fails is this answer alone.
-            return f"the accelerations agree, so it is the answer to {self.quantity.replace('_', ' ')} alone", {
-                "term": self.quantity
-            }
+            said = f"the accelerations agree, so it is the answer to {self.quantity.replace('_', ' ')} alone"
+            place = {"term": self.quantity}
+            found = self._in_answer(bench, name, states)
+            if found is not None:
+                said, place = f"{said}: {found.words}", {"term": found.term, "at": found.coordinate}
         return said, place
+
+    def _in_answer(self, bench: Bench, name: str, states: States) -> Blame | None:
+        try:
+            return blame_answer(self.quantity, bench.models[name], bench.models[NATIVE], states.q, states.qd)
+        except (UnsupportedError, EngineError, np.linalg.LinAlgError):
+            return None
 
 
 def blame(bench: Bench, name: str, q: Array, qd: Array, tau: Array, allowed: float = 1e-10) -> str:

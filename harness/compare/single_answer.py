@@ -1,0 +1,104 @@
+"""Which term is to blame where two engines accelerate alike and one answer alone differs.
+
+The answer is taken apart by what it hangs on: inverse dynamics asked at rest, in motion forwards and backwards and with a
+unit of acceleration at one joint after the other gives the weight, the Coriolis force, the damping and the mass matrix that
+its own recursion has, whatever the other answers of the engine are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.compare.attribution import TERMS, Blame, Parts, at_joint, blame_force, blame_mass, term_difference
+from harness.engines.protocol import EngineModel
+from harness.system.description import Array
+
+STATES = 4  # looked at: what is constant over them is an armature
+
+
+def blame_answer(
+    quantity: str, reference: EngineModel, other: EngineModel, q: Array, qd: Array, *, allowed: float = 1e-10
+) -> Blame | None:
+    """The term in which ``other`` answers otherwise than ``reference`` at B states, None where it cannot be told.
+
+    quantity: ``inverse_dynamics``, ``mass_matrix``, ``bias`` or ``gravity``. q, qd: shape (B, n). allowed: as for
+    ``attribute``.
+    """
+    if quantity not in _TAKEN_APART:
+        return None
+    take = _TAKEN_APART[quantity]
+    ours, theirs = (take(model, q[:STATES], qd[:STATES]) for model in (reference, other))
+    names = reference.names
+    for term in TERMS:
+        differs = term_difference(term, ours, theirs)
+        if not differs > allowed:
+            continue
+        if term == "mass_matrix":
+            return blame_mass(names, ours, theirs, allowed, differs, 1.0)
+        blame = blame_force(term, names, ours, theirs, allowed, differs, 1.0)
+        if quantity == "inverse_dynamics" and term == "gravity" and _sprung(reference, q[:STATES], ours, allowed):
+            return replace(
+                blame, term="gravity_or_stiffness", words=blame.words.replace("gravity", "gravity or a spring")
+            )
+        asked = _inverse_dynamics if quantity == "inverse_dynamics" else _bias
+        return at_joint(blame, reference, other, q[0], asked) if term == "coriolis" else blame
+    return None
+
+
+def _sprung(model: EngineModel, q: Array, parts: Parts, allowed: float) -> bool:
+    """Whether springs hold the mechanism beside its weight."""
+    weight = np.array([model.gravity(x) for x in q])
+    return bool(np.abs(weight - parts.gravity).max() > allowed * np.abs(parts.gravity).max())
+
+
+def _inverse_dynamics(model: EngineModel, q: Array, qd: Array, qdd: Array | None = None) -> Array:
+    return np.asarray(model.inverse_dynamics(q, qd, np.zeros_like(qd) if qdd is None else qdd))
+
+
+def _bias(model: EngineModel, q: Array, qd: Array) -> Array:
+    return np.asarray(model.bias(q, qd))
+
+
+def _of_inverse_dynamics(model: EngineModel, q: Array, qd: Array) -> Parts:
+    parts = []
+    for x, v in zip(q, qd, strict=True):
+        held = _inverse_dynamics(model, x, 0.0 * v)
+        forwards, backwards = (_inverse_dynamics(model, x, way * v) - held for way in (1.0, -1.0))
+        columns = [_inverse_dynamics(model, x, 0.0 * v, unit) - held for unit in np.eye(len(v))]
+        # Springs act at rest as weight does, and stand in it.
+        parts.append(
+            (np.array(columns).T, 0.5 * (forwards + backwards), held, 0.5 * (backwards - forwards), np.zeros_like(v))
+        )
+    return _parts(parts, qd)
+
+
+def _of_bias(model: EngineModel, q: Array, qd: Array) -> Parts:
+    still = [_bias(model, x, 0.0 * v) for x, v in zip(q, qd, strict=True)]
+    moving = [_bias(model, x, v) for x, v in zip(q, qd, strict=True)]
+    none = np.zeros_like(qd[0])
+    return _parts([(np.eye(len(none)), m - s, s, none, none) for m, s in zip(moving, still, strict=True)], qd)
+
+
+def _of_mass_matrix(model: EngineModel, q: Array, qd: Array) -> Parts:
+    none = np.zeros_like(qd[0])
+    return _parts([(np.asarray(model.mass_matrix(x)), none, none, none, none) for x in q], qd)
+
+
+def _of_gravity(model: EngineModel, q: Array, qd: Array) -> Parts:
+    none = np.zeros_like(qd[0])
+    return _parts([(np.eye(len(none)), none, np.asarray(model.gravity(x)), none, none) for x in q], qd)
+
+
+def _parts(rows: list[tuple[Array, Array, Array, Array, Array]], qd: Array) -> Parts:
+    mass, coriolis, gravity, damping, stiffness = (np.array(column) for column in zip(*rows, strict=True))
+    return Parts(mass, coriolis, gravity, damping, stiffness, np.zeros_like(qd[: len(rows)]))
+
+
+_TAKEN_APART = {
+    "inverse_dynamics": _of_inverse_dynamics,
+    "mass_matrix": _of_mass_matrix,
+    "bias": _of_bias,
+    "gravity": _of_gravity,
+}

@@ -1,0 +1,96 @@
+"""One answer of an engine is wrong while it accelerates as it should: the term in it is named, and the joint it is at.
+
+The wrong answer is MuJoCo's of a mechanism with one thing changed; all other answers, and the reference, are of the mechanism.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.compare.single_answer import blame_answer
+from harness.engines import registry
+from harness.system import System, random_chain
+
+Q, QD = np.random.default_rng(3).normal(size=(2, 6, 5))
+CHAIN = random_chain(5, 11, prismatic=0.0, armature=True, damping=True)
+
+
+@dataclass(frozen=True, eq=False)
+class OneAnswerOff:
+    """An engine that gives one answer of another mechanism."""
+
+    right: Any
+    wrong: Any
+    answer: str
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.wrong if name == self.answer else self.right, name)
+
+
+def joint(k: int, **change: float) -> System:
+    return CHAIN.replace_joint(replace(CHAIN.joints[k], **change))
+
+
+def heavier(k: int) -> System:
+    return CHAIN.replace_link(replace(CHAIN.links[k], mass=1.01 * CHAIN.links[k].mass))
+
+
+def blamed(answer: str, changed: System, system: System = CHAIN):
+    reference = registry.engine("pinocchio").build(system)
+    build = registry.engine("mujoco").build
+    return blame_answer(answer, reference, OneAnswerOff(build(system), build(changed), answer), Q, QD)
+
+
+@pytest.mark.parametrize("answer", ["inverse_dynamics", "mass_matrix", "bias", "gravity", "energy"])
+def test_nothing_is_blamed_where_answers_agree(answer: str) -> None:
+    assert blamed(answer, CHAIN) is None
+
+
+@pytest.mark.parametrize(
+    ("answer", "changed", "term", "at"),
+    [
+        ("inverse_dynamics", joint(3, armature=0.0), "armature", "joint4"),
+        ("inverse_dynamics", joint(1, damping=0.0), "damping", "joint2"),
+        ("inverse_dynamics", heavier(2), "mass_matrix", "joint3"),
+        ("mass_matrix", joint(3, armature=0.0), "armature", "joint4"),
+        ("mass_matrix", heavier(2), "mass_matrix", "joint3"),
+    ],
+)
+def test_the_term_and_the_joint_that_were_changed_are_named(answer: str, changed: System, term: str, at: str) -> None:
+    found = blamed(answer, changed)
+    assert (found.term, found.coordinate) == (term, at)
+
+
+@pytest.mark.parametrize("answer", ["inverse_dynamics", "bias", "gravity"])
+def test_weight_of_another_place_is_told_with_its_factor(answer: str) -> None:
+    found = blamed(answer, replace(CHAIN, gravity=CHAIN.gravity * 9.80665 / 9.81))
+    assert found.term == "gravity"
+    assert found.words == f"gravity is {9.80665 / 9.81:.6g} times the reference's"
+
+
+def test_beside_springs_weight_and_springs_are_not_told_apart_by_what_holds_them() -> None:
+    sprung = joint(4, stiffness=2.0, rest_position=0.3)
+    assert blamed("inverse_dynamics", joint(4, stiffness=2.0, rest_position=0.5), sprung).term == "gravity_or_stiffness"
+
+
+class BackwardsCoriolis:
+    """Bias with the Coriolis force of one joint's motion alone forgotten."""
+
+    def __init__(self, right: Any, forgotten: int) -> None:
+        self.right, self.forgotten = right, forgotten
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.right, name)
+
+    def bias(self, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
+        still = qd.copy()
+        still[self.forgotten] = 0.0
+        return self.right.bias(q, still)
+
+
+def test_a_coriolis_force_is_named_with_the_joint_whose_motion_it_lacks() -> None:
+    reference = registry.engine("pinocchio").build(CHAIN)
+    found = blame_answer("bias", reference, BackwardsCoriolis(registry.engine("mujoco").build(CHAIN), 2), Q, QD)
+    assert (found.term, found.coordinate) == ("coriolis", "joint3")
