@@ -96,8 +96,11 @@ def ladder(case: Asked) -> Found:
 
 
 def figaroh(case: Asked) -> Found:
-    """FIGAROH on the effort; with how it predicts the effort held out."""
-    runs, held = case.runs(case.train), case.runs(case.heldout)
+    """FIGAROH on the effort, pushes from outside left out; with how it predicts the effort held out."""
+    runs, held = (
+        [p for n, r in zip(some, case.runs(some), strict=True) for p in r.between(case.left_out.get(n.name, ()))]
+        for some in (case.train, case.heldout)
+    )
     found = fit_figaroh(case.system, runs, held, max(swings(case.system)) / (2.0 * np.pi))
     half = {k: 1.96 * v for k, v in found.std.items()}
     kept = [k for k, v in found.values.items() if k[:3] in ("fv_", "fs_", "off") and abs(v) > half[k]]

@@ -66,15 +66,24 @@ inertia = [0.004, 0.004, 1e-6]
     return harness.load(tmp_path / "model.toml")
 
 
-def _swing(q0: float, dry: float, rng: np.random.Generator, std: float, drive: float = 0.0, held: bool = False) -> Run:
-    """SciPy's DOP853 along the pendulum's equation, J = 0.024 kg·m², m g l = 0.981 N·m, friction softened over 1 mrad/s."""
+def _swing(
+    q0: float,
+    dry: float,
+    rng: np.random.Generator,
+    std: float,
+    drive: float = 0.0,
+    held: bool = False,
+    rotor: float = 0.0,
+) -> Run:
+    """SciPy's DOP853 along the pendulum's equation, J = 0.024 kg·m² and a rotor's, m g l = 0.981 N·m, friction softened over
+    1 mrad/s."""
     time = np.arange(0.0, 3.0, 0.01)
 
     def torque(t: float) -> float:
         return drive * np.sin(3.0 * (0.01 * np.floor(t / 0.01 + 1e-9) if held else t))
 
     def rate(t, y):
-        return [y[1], (torque(t) - 0.981 * np.sin(y[0]) - dry * np.tanh(y[1] / 1e-3)) / 0.024]
+        return [y[1], (torque(t) - 0.981 * np.sin(y[0]) - dry * np.tanh(y[1] / 1e-3)) / (0.024 + rotor)]
 
     angle = solve_ivp(rate, (0, time[-1]), [q0, 0.0], "DOP853", time, rtol=1e-9, atol=1e-11, max_step=0.01).y[0]
     efforts = np.array([[torque(t)] for t in time]) if drive else None
@@ -91,6 +100,17 @@ def test_nothing_is_claimed_where_nothing_is_missing_and_friction_is_found_where
     assert rubbing.rmse == pytest.approx(1e-3, rel=0.1)
     assert rubbing.values["pivot:dry"] == pytest.approx(8e-3, rel=0.05)
     assert "pivot:dry" in rubbing.beyond()
+
+
+def test_what_one_set_of_parameters_wrote_does_not_stay_for_the_next(tmp_path) -> None:
+    # A rotor of half the pendulum's inertia is more than a centre of mass within its bounds can stand for: that fit ends at its
+    # bound, and the model that is handed to the next one has the stated centre of mass again.
+    system, rng = _pendulum(tmp_path), np.random.default_rng(5)
+    found = fit_sysid(
+        system, [_swing(1.2, 8e-3, rng, 1e-3, rotor=0.012)], inertial=(("com",), ("armature",)), starts=(1e-3,)
+    )
+    assert found.rmse == pytest.approx(1e-3, rel=0.1)
+    assert found.values["pivot:armature"] == pytest.approx(0.012, rel=0.02)
 
 
 @pytest.mark.slow

@@ -80,7 +80,7 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
     """
     if len(system.joint_names) != 1:
         raise NotForIt("it is asked about rigs of one joint")
-    if not all(run.driven for run in (*train, *heldout)):
+    if not any(run.driven for run in train) or any(run.efforts is None for run in (*train, *heldout)):
         raise NotForIt("it needs a known effort: a free swing is the null vector of its regression")
     joint = system.movable_joints[0]
     if joint.type is JointType.CONTINUOUS:
@@ -150,10 +150,12 @@ def _fitted(system: System, train: Sequence[Run], heldout: Sequence[Run], cutoff
 
 
 def _motion(runs: Sequence[Run], cutoff: float) -> dict[str, Array]:
-    """Recordings one after the other at an even step, their borders cut."""
+    """Recordings one after the other at an even step, their borders cut; those that are hardly more than borders left out."""
     pieces: list[tuple[Array, ...]] = []
     for run in runs:
         assert run.efforts is not None
+        if run.time[-1] - run.time[0] < 4.0 * BORDER:
+            continue
         step = float(np.median(np.diff(run.time)))
         time = np.arange(run.time[0], run.time[-1], step)
         q = np.interp(time, run.time, run.positions[:, 0])

@@ -47,6 +47,17 @@ class Run:
                 found.append(Run(time, self.positions[a:b], None if self.efforts is None else self.efforts[a:b]))
         return found
 
+    def between(self, left_out: Sequence[tuple[float, float]]) -> list[Run]:
+        """What is left of it without some stretches [s], each piece a run."""
+        kept = np.ones(len(self.time), dtype=bool)
+        for first, last in left_out:
+            kept &= (self.time < first) | (self.time > last)
+        edges = np.flatnonzero(np.diff(np.r_[False, kept, False].astype(np.int8)))
+        return [
+            Run(self.time[a:b], self.positions[a:b], None if self.efforts is None else self.efforts[a:b])
+            for a, b in edges.reshape(-1, 2)
+        ]
+
     def thinned(self) -> Run:
         """Every so many-th sample, so that neighbours are not much closer than ``FINEST``; driven ones as they are."""
         every = int(FINEST / float(np.median(np.diff(self.time))) + 1e-6)

@@ -37,6 +37,12 @@ STEP = (
 # or damping begins at 1e-8, and agree once it begins above; ``move_off_bounds`` puts what lies within 0.1 % of a bound at 5 %.
 # On lightly damped swings 5 % of a range can be hundreds of times too much, so smaller ones are tried too, and nominal values.
 STARTS: tuple[float | None, ...] = (None, 1e-4, 1.5e-3, 0.05)
+DISSIPATION = ("viscous", "drag", "dry")
+OFF_BOUND = 1e-4  # of a range: what pieces put at nothing goes on from there
+# Two more starts are what pieces of that length [s] fit, from either end of ``STARTS``: its residual takes "trajectory chunks"
+# (README, section 3), and users on recordings of robots cut them to half a second or one (issue 8 of
+# github.com/iit-DLSLab/sim2real-robot-identification). Whole runs that come to rest have valleys that no start leads out of.
+CHUNK = 0.5
 FIRST_ITERATIONS = 10  # from each start
 ITERATIONS = 60  # from the best of them
 ALPHA = 0.05  # of ``calculate_intervals``, and of its report
@@ -243,7 +249,8 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
     the time of the state that follows them ("sensordata times are shifted by one time step"), while positions out of
     the state have their own; (2) ``normalize_residual`` divides by the norm of what was measured: an angle that is far
     from zero counts less, one that stands still gives nan; here all are divided by the spread over all runs, still ones
-    by one; (3) the bias is added.
+    by one; (3) the bias is added. A run begins where its first reading is less the bias: a bias that moved the whole run against
+    its first state would take both at once, in steps that no Gauss-Newton iteration finds.
     """
     from mujoco import sysid
 
@@ -251,6 +258,10 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
     spread = np.where(rig.spread > 1e-9, rig.spread, 1.0)
     model = rig.spec.compile()
     parts = []
+
+    def biases(p: Any) -> Array:
+        return np.array([float(p[f"{j}:bias"].value[0]) for j in rig.system.joint_names])
+
     for r, run in enumerate(runs):
         time = run.time - run.time[0]
         grid: Array = np.arange(int(np.ceil(time[-1] / step - 1e-9)) + 2, dtype=np.float64) * step
@@ -276,7 +287,7 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
             begun = []
             for start, p in zip(initial_states, param_dicts, strict=True):
                 moved = np.array(start, dtype=np.float64)
-                moved[1 : 1 + n] += p[f"run{r}:position"].value
+                moved[1 : 1 + n] += p[f"run{r}:position"].value - biases(p)
                 moved[1 + n : 1 + 2 * n] += p[f"run{r}:velocity"].value
                 begun.append(moved)
             return sysid.sysid_rollout(
@@ -287,10 +298,10 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
             p: Any, predicted: Any, measured: Any, model: Any, everything: bool = False, *, state: Any, r: int = r,
             first: Array = first, **_: Any,
         ) -> Any:  # fmt: skip
-            begin = first[:n] + p[f"run{r}:position"].value
+            bias = biases(p)
+            begin = first[:n] + p[f"run{r}:position"].value - bias
             times = np.r_[0.0, state[:, 0]]
             path = np.vstack([begin, state[:, 1 : 1 + n]])
-            bias = np.array([float(p[f"{j}:bias"].value[0]) for j in rig.system.joint_names])
             at = np.stack([np.interp(measured.times, times, x) for x in path.T], axis=1) + bias
             told = sysid.TimeSeries(measured.times, at, measured.signal_mapping)
             return np.nan_to_num((at - measured.data) / spread, nan=1e3, posinf=1e3, neginf=-1e3), told, measured
@@ -298,15 +309,66 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
         # One thread: results of its rollouts do not depend on their number, and a proof runs many at once.
         parts.append(
             sysid.build_residual_fn(
-                models_sequences=[sequence], custom_rollout=rollout, modify_residual=differ, n_threads=1
+                models_sequences=[sequence],
+                build_model=_compiled,
+                custom_rollout=rollout,
+                modify_residual=differ,
+                n_threads=1,
             )
         )
 
     def every(x: Array, parameters: Any) -> Any:
-        found = [part(x, parameters) for part in parts]
+        found = [_apart(part, r, x, parameters) for r, part in enumerate(parts)]
         return [r for f in found for r in f[0]], [p for f in found for p in f[1]], [m for f in found for m in f[2]]
 
     return every
+
+
+def _apart(part: Any, run: int, x: Array, parameters: Any) -> Any:
+    """Residuals of one run; of columns that differ in other runs' first states alone, one is simulated for all."""
+    if x.ndim == 1 or x.shape[1] == 1:
+        return part(x, parameters)
+    states = ("position", "velocity")
+    own = np.concatenate(
+        [
+            np.full(p.size, name.split(":")[-1] not in states or name.startswith(f"run{run}:"))
+            for name, p in parameters.items()
+        ]
+    )
+    _, first, same = np.unique(x[own], axis=1, return_index=True, return_inverse=True)
+    left, told, measured = part(x[:, first], parameters)
+    return [np.asarray(r)[:, np.ravel(same)] for r in left], told, measured
+
+
+def _compiled(parameters: Any, spec: Any) -> Any:
+    """The model with these parameters, of a copy: modifiers write into the spec that they are given, where what one set of
+    parameters wrote (``apply_param_modifiers``) would stay for the next."""
+    from mujoco import sysid
+
+    return sysid.apply_param_modifiers(parameters, spec.copy())
+
+
+def _begun(parameters: Any, start: float | None) -> Any:
+    """The parameters where a start of ``STARTS`` has them."""
+    begun = parameters.copy()
+    if start is not None:
+        begun.move_off_bounds()
+        for name, p in begun.items():
+            if name.split(":")[-1] in DISSIPATION:
+                p.update_from_vector(p.min_value + start * (p.max_value - p.min_value))
+    return begun
+
+
+def _as_in(parameters: Any, fitted: Any, names: Sequence[str]) -> Any:
+    """The parameters with what a fit says of those named, dissipation a little off its bounds."""
+    begun = parameters.copy()
+    for name in names:
+        low, high = begun[name].min_value, begun[name].max_value
+        share = (fitted[name].as_vector() - low) / (high - low)
+        if name.split(":")[-1] in DISSIPATION:
+            share = np.maximum(share, OFF_BOUND)
+        begun[name].update_from_vector(low + share * (high - low))
+    return begun
 
 
 def _optimized(parameters: Any, residual: Any, iterations: int) -> tuple[Any, Any, float]:
@@ -346,7 +408,10 @@ def fit_sysid(
 
     logging.set_verbosity(logging.ERROR)
     gaps = left_out or [()] * len(recordings)
-    runs = [w.thinned() for r, g in zip(recordings, gaps, strict=True) for w in r.cut(window, g)]
+    runs, pieces = (
+        [w.thinned() for r, g in zip(recordings, gaps, strict=True) for w in r.cut(length, g)]
+        for length in (window, CHUNK if window is None else min(window, CHUNK))
+    )
     # A step that the samples fall on, where they are even.
     interval = float(np.median(np.diff(runs[0].time)))
     step = interval / max(1, int(np.ceil(interval / STEP - 1e-6)))
@@ -354,16 +419,16 @@ def fit_sysid(
     driven = any(r.driven for r in runs)
     best: tuple[float, Any, dict[str, float], Any, bool] | None = None
     for way in [bool(held)] if held is not None or not driven else [False, True]:
-        residual = _residual(rig, runs, step, way)
+        residual, in_pieces = (_residual(rig, some, step, way) for some in (runs, pieces))
         for freed in inertial:
             parameters, nominal = _parameters(rig, len(runs), freed)
-            for start in starts:
-                begun = parameters.copy()
-                if start is not None:
-                    begun.move_off_bounds()
-                    for name, p in begun.items():
-                        if name.split(":")[-1] in ("viscous", "drag", "dry"):
-                            p.update_from_vector(p.min_value + start * (p.max_value - p.min_value))
+            of_pieces, _ = _parameters(rig, len(pieces), freed)
+            begins = [_begun(parameters, start) for start in starts]
+            if len(pieces) > len(runs):
+                for start in dict.fromkeys((starts[0], starts[-1])):
+                    fitted, _, _ = _optimized(_begun(of_pieces, start), in_pieces, FIRST_ITERATIONS)
+                    begins.append(_as_in(parameters, fitted, list(nominal)))
+            for begun in begins:
                 fitted, _, objective = _optimized(begun, residual, FIRST_ITERATIONS)
                 if best is None or objective < best[0]:
                     best = objective, fitted, nominal, residual, way
@@ -380,7 +445,7 @@ def fit_sysid(
         if name in nominal:
             values[name], halves[name] = float(p.value[0]), float(half[at])
         at += p.size
-    model = sysid.apply_param_modifiers(fitted, rig.spec)
+    model = _compiled(fitted, rig.spec)
     n = len(system.joint_names)
     scaled = np.concatenate([np.reshape(x, (-1, n)) for x in left]) * np.where(rig.spread > 1e-9, rig.spread, 1.0)
     return Sysid(model, system.joint_names, values, halves, nominal, objective, float(np.sqrt(np.mean(scaled**2))), way)
