@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from harness.errors import InputError
+from harness.errors import InputError, unwritable
 
 SCHEMA = "denoc.journal/1"
 
@@ -18,7 +18,7 @@ class Journal:
     """Results by key in a file of JSON lines; the first line says of what run they are.
 
     A line that was cut off, as by a kill or a full disk, counts for nothing. Raises InputError where the file is of another run,
-    or of another version of the code.
+    or of another version of the code, or cannot be written.
     """
 
     def __init__(self, path: str | Path, of: dict[str, Any]) -> None:
@@ -47,20 +47,26 @@ class Journal:
     def add(self, key: str, value: Any) -> None:
         """Keep a result; it is on the disk when this returns."""
         self.found[key] = value
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"key": key, "value": value}) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
+        try:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps({"key": key, "value": value}) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise unwritable(self.path, error) from error
 
     def remove(self) -> None:
         """Once the run has ended, and written what it found elsewhere."""
         self.path.unlink(missing_ok=True)
 
     def _write(self, lines: list[Any]) -> None:
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         partial = self.path.with_name(f".{self.path.name}.partial")
-        partial.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-        partial.replace(self.path)
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            partial.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+            partial.replace(self.path)
+        except OSError as error:
+            raise unwritable(self.path, error) from error
 
 
 def _whole_lines(path: Path) -> list[Any]:

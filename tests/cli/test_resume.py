@@ -142,6 +142,25 @@ def test_a_full_disk_is_one_line(
     assert sorted(tmp_path.rglob("*")) == before  # whole or not at all
 
 
+def test_a_disk_that_fills_up_between_two_results_is_told_with_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a full disk says of a file that is open already names no file."""
+    journal = Journal(tmp_path / "unfinished.jsonl", {})
+    journal.add("first", 1)
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", full)
+        with pytest.raises(
+            InputError, match=r"unfinished\.jsonl: cannot be written: No space left on device \(make room"
+        ):
+            journal.add("second", 2)
+    assert Journal(tmp_path / "unfinished.jsonl", {}).found["first"] == 1
+
+
 def test_an_error_of_the_machine_is_no_defect(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
