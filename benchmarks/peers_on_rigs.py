@@ -21,6 +21,7 @@ from harness.compare.peers.figaroh import fit_figaroh
 from harness.compare.peers.runs import NotForIt, Run, as_run
 from harness.compare.peers.servo_friction import LADDER, climb
 from harness.compare.peers.sysid import WHAT, fit_sysid
+from harness.compare.peers.torque_regression import fit_regression
 from harness.effects.scale import swings
 from harness.proof.peers.servo_friction import arm_of
 from harness.recording import Recording
@@ -46,6 +47,14 @@ class Asked(Case):
             for n, r in zip(recordings, self.runs(recordings), strict=True)
         ]
         return [w.thinned() for part in cut for w in part]
+
+    def free_of_pushes(self, recordings: Sequence[Recording]) -> list[Run]:
+        """The same as long as nothing outside pushes."""
+        return [
+            piece
+            for n, r in zip(recordings, self.runs(recordings), strict=True)
+            for piece in r.between(self.left_out.get(n.name, ()))
+        ]
 
     def folds(self) -> tuple[list[Recording], list[Recording]]:
         """Training recordings to fit and to choose on; the ones held out have no say.
@@ -97,15 +106,20 @@ def ladder(case: Asked) -> Found:
 
 def figaroh(case: Asked) -> Found:
     """FIGAROH on the effort, pushes from outside left out; with how it predicts the effort held out."""
-    runs, held = (
-        [p for n, r in zip(some, case.runs(some), strict=True) for p in r.between(case.left_out.get(n.name, ()))]
-        for some in (case.train, case.heldout)
-    )
+    runs, held = case.free_of_pushes(case.train), case.free_of_pushes(case.heldout)
     found = fit_figaroh(case.system, runs, held, max(swings(case.system)) / (2.0 * np.pi))
     half = {k: 1.96 * v for k, v in found.std.items()}
     kept = [k for k, v in found.values.items() if k[:3] in ("fv_", "fs_", "off") and abs(v) > half[k]]
     told = {"effort_rmse": found.effort_rmse, "effort_held_out": found.prediction, "physical_fit": found.physical}
     return found.free_run, {"kept": kept, "values": dict(found.values), "half95": half, **told}
+
+
+def pysindy(case: Asked) -> Found:
+    """Sparse regression on the torque left over, its threshold chosen by a training recording that is not fitted to."""
+    known, tried = case.folds()
+    found = fit_regression(case.system, case.free_of_pushes(known), case.free_of_pushes(tried))
+    kept = sorted({name for terms in found.terms.values() for name in terms})
+    return found.free_run, {"kept": kept, "values": {j: dict(terms) for j, terms in found.terms.items()}}
 
 
 PEERS: Mapping[str, Callable[[Asked], Found]] = {
@@ -114,6 +128,7 @@ PEERS: Mapping[str, Callable[[Asked], Found]] = {
     "mujoco.sysid": sysid,
     "BAM's ladder": ladder,
     "FIGAROH": figaroh,
+    "pysindy": pysindy,
 }
 
 

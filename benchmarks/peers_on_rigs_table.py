@@ -17,7 +17,7 @@ HERE = Path(__file__).resolve().parents[1]
 BEGIN, END = "<!-- rigs table -->", "<!-- end of rigs table -->"
 NAMES = {
     "published": "published", "practitioner": "practitioner", "mujoco.sysid": "`mujoco.sysid`",
-    "BAM's ladder": "BAM's ladder", "FIGAROH": "FIGAROH",
+    "BAM's ladder": "BAM's ladder", "FIGAROH": "FIGAROH", "pysindy": "`pysindy`",
 }  # fmt: skip
 
 
@@ -29,7 +29,7 @@ def table(peers: Mapping[str, Mapping[str, Any]], ours: Mapping[str, Mapping[str
     ]
     for rig in sorted(peers):
         row = ours.get(rig, {})
-        cells = [errors(peers[rig].get(peer)) for peer in NAMES]
+        cells = [errors(peers[rig][peer]) if peer in peers[rig] else "not asked" for peer in NAMES]
         lines.append(f"| {' | '.join([rig, *cells, errors(row.get('denoc')), errors(row.get('predictive'))])} |")
     return "\n".join(lines)
 

@@ -401,7 +401,7 @@ def fit_sysid(
 
     window [s]; left_out: stretches of each recording [s]. held: whether efforts stay from sample to sample; None:
     whichever fits better. inertial: sets out of ``com`` and ``armature``, tried in turn; the best fit is kept. starts:
-    see ``STARTS``. Raises ImportError where the package is not installed.
+    see ``STARTS``; from a single one, nothing else is tried. Raises ImportError where the package is not installed.
     """
     from absl import logging
     from mujoco import sysid
@@ -424,7 +424,7 @@ def fit_sysid(
             parameters, nominal = _parameters(rig, len(runs), freed)
             of_pieces, _ = _parameters(rig, len(pieces), freed)
             begins = [_begun(parameters, start) for start in starts]
-            if len(pieces) > len(runs):
+            if len(starts) > 1 and len(pieces) > len(runs):
                 for start in dict.fromkeys((starts[0], starts[-1])):
                     fitted, _, _ = _optimized(_begun(of_pieces, start), in_pieces, FIRST_ITERATIONS)
                     begins.append(_as_in(parameters, fitted, list(nominal)))

@@ -96,7 +96,7 @@ def comparable(systems: Sequence[System], driven: bool = False) -> tuple[Number,
     for system in systems:
         if system.flexible:
             raise InputError(
-                "has links that bend, whose parameters cannot be compared yet",
+                "has links that bend, and models are compared by base parameters, which bodies that do not bend have",
                 source=system.source or system.name,
                 mend="compare rigid models",
             )

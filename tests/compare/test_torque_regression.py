@@ -1,0 +1,47 @@
+"""Sparse regression as a peer: what is put in by SciPy is kept, and nothing where nothing is missing."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from harness.compare.peers.runs import Run, heldout_error
+from harness.system import Joint, JointType, Link, System
+from harness.system.description import constant
+
+pytest.importorskip("pysindy")
+
+from harness.compare.peers.torque_regression import fit_regression
+
+INERTIA, WEIGHT, NOISE = 6e-3, 0.2943, 1e-4
+
+
+def rig() -> System:
+    pivot = Joint("pivot", JointType.CONTINUOUS, "base", "rod", axis=constant([0.0, 1.0, 0.0]))
+    rod = Link("rod", 0.2, constant([0.0, 0.0, -0.15]), constant(np.diag([1.5e-3, 1.5e-3, 1e-5])))
+    return System("rig", (pivot,), (rod,))
+
+
+def swing(angle: float, viscous: float, seed: int) -> Run:
+    """J q̈ = −b sin q − viscous q̇."""
+    time = np.arange(0.0, 6.0, 4e-3)
+
+    def rate(_, y):
+        return [y[1], (-WEIGHT * np.sin(y[0]) - viscous * y[1]) / INERTIA]
+
+    q = solve_ivp(rate, (0.0, 6.0), [angle, 0.0], "DOP853", time, rtol=1e-9, atol=1e-11).y[0]
+    return Run(time, (q + NOISE * np.random.default_rng(seed).standard_normal(len(time)))[:, None])
+
+
+def test_the_law_that_acts_is_kept_alone_and_predicts() -> None:
+    runs = [swing(1.3, 2e-3, 1), swing(0.9, 2e-3, 2), swing(1.1, 2e-3, 3)]
+    found = fit_regression(rig(), runs[:2], runs[2:])
+    assert list(found.terms["pivot"]) == ["viscous_damping"]
+    assert found.terms["pivot"]["viscous_damping"] == pytest.approx(2e-3, rel=0.03)
+    assert heldout_error(found.free_run, runs[2:]) < 0.01
+
+
+def test_nothing_is_kept_where_nothing_is_missing() -> None:
+    runs = [swing(1.3, 0.0, 1), swing(0.9, 0.0, 2), swing(1.1, 0.0, 3)]
+    found = fit_regression(rig(), runs[:2], runs[2:])
+    assert found.terms == {"pivot": {}}
+    assert heldout_error(found.free_run, runs[2:]) == pytest.approx(NOISE, rel=0.3)
