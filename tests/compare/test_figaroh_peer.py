@@ -55,3 +55,11 @@ def test_a_free_swing_is_not_for_it() -> None:
     time = np.arange(0.0, 1.0, 0.01)
     with pytest.raises(ValueError, match="known effort"):
         fit_figaroh(rig(), [Run(time, np.cos(time)[:, None])], [Run(time, np.cos(time)[:, None])], 1.0)
+
+
+def test_what_is_left_between_pushes_are_whole_pieces() -> None:
+    time = np.arange(10.0)
+    pieces = Run(time, time[:, None], 2.0 * time[:, None]).between([(2.5, 4.2), (8.5, 20.0)])
+    assert [list(p.time) for p in pieces] == [[0.0, 1.0, 2.0], [5.0, 6.0, 7.0, 8.0]]
+    assert pieces[1].efforts is not None and list(pieces[1].efforts[:, 0]) == [10.0, 12.0, 14.0, 16.0]
+    assert len(Run(time, time[:, None]).between([])) == 1
