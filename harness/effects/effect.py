@@ -292,8 +292,10 @@ class Effect:
 
     @property
     def plain(self) -> bool:
-        """Whether it is a usual law of the motion with a single number, which little else can be bent to."""
-        return self.side == "dynamics" and len(self.parameters) == 1 and self.rarity <= 0.0
+        """Whether it is a usual law of the motion with a single number, which little else can be bent to; none that only says how
+        another one acts.
+        """
+        return self.side == "dynamics" and len(self.parameters) == 1 and self.rarity <= 0.0 and not self.modifies
 
     @property
     def plainness(self) -> tuple[int, bool, float]:

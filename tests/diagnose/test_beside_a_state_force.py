@@ -83,9 +83,10 @@ def test_a_weight_is_told_beside_a_force_that_no_law_describes_and_nothing_curio
 def test_drops_from_one_height_may_not_tell_for_certain_and_tell_nothing_else(tmp_path):
     model = tmp_path / "arm.toml"
     model.write_text(ARM)
-    (found,) = harness.diagnose(drops(ONE_HEIGHT, ADDED), model).findings
-    low, high = found["parameters"]["mass"]["ci95"]
-    assert found["effect"] == "payload_mass" and low < ADDED < high
+    told = {f["effect"]: f for f in harness.diagnose(drops(ONE_HEIGHT, ADDED), model).findings}
+    low, high = told["payload_mass"]["parameters"]["mass"]["ci95"]
+    assert low < ADDED < high
+    assert {name for name, f in told.items() if f["grade"] != "possible"} <= {"payload_mass"}
 
 
 def test_beside_such_a_force_alone_nothing_is_told_for_certain(tmp_path):
@@ -101,3 +102,12 @@ def test_nor_is_it_from_several_heights(tmp_path):
     model.write_text(ARM)
     found = harness.diagnose(drops(HEIGHTS, 0.0), model)
     assert [f["effect"] for f in found.findings if f["grade"] != "possible"] == []
+
+
+def test_nor_is_anything_for_certain_that_there_was_no_time_to_weigh(tmp_path):
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    found = harness.diagnose(drops(HEIGHTS, ADDED), model, time_limit=3.0)
+    assert not found.complete
+    told = {f["effect"] for f in found.findings if f["grade"] != "possible"}
+    assert told <= {"payload_mass"}

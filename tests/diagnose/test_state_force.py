@@ -111,3 +111,22 @@ def test_a_run_with_the_likeliest_force_is_as_likely_as_the_linear_view_says(
         for window, own in zip(windows, free, strict=True)
     ]
     assert force.held(force.sums(windows, after), found.nodes, found.force) == pytest.approx(found.value, rel=1e-9)
+
+
+def test_numbers_are_as_uncertain_as_generalised_least_squares_says(
+    two_windows: tuple[StateForce, list[Window], list[Profiled]], with_numbers: tuple[StateForce, Sums, Numbers]
+) -> None:
+    force, sums, numbers = with_numbers
+    _, windows, _ = two_windows
+    answers = np.vstack([force.answers[window] for window in windows])
+    shared = np.vstack(numbers.shared)
+    root = force.prior_root(ONE)
+    covariance = answers @ root @ root.T @ answers.T + np.diag(np.tile(np.repeat(ONE.louder, 30), 2))
+    # Aitken's estimator with a normal prior.
+    information = shared.T @ np.linalg.solve(covariance, shared) + np.diag(numbers.stiff)
+    expected = np.sqrt(np.diag(np.linalg.inv(information)))
+    assert force.spread(sums, ONE) == pytest.approx(expected, rel=1e-9)
+    # With no force there is only noise, as loud as the residuals are.
+    loud = np.tile(np.repeat(np.maximum(sums.left / sums.counts, 1.0), 30), 2)
+    information = shared.T @ (shared / loud[:, None]) + np.diag(numbers.stiff)
+    assert force.spread(sums, None) == pytest.approx(np.sqrt(np.diag(np.linalg.inv(information))), rel=1e-9)

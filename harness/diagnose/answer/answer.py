@@ -18,8 +18,9 @@ from harness.diagnose.answer.predictive import Predictive, predictive
 from harness.diagnose.answer.replay import LONGEST, Opening
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.answer.zeros import Zero, zeros_of
+from harness.diagnose.claims.averaged import averaged
 from harness.diagnose.claims.conclude import Claim, Conclusion
-from harness.diagnose.claims.grades import POSSIBLE, grade, loosened, repeatability, repeated
+from harness.diagnose.claims.grades import POSSIBLE, foretells, grade, loosened, repeatability, repeated
 from harness.diagnose.claims.held_out_only import held_names
 from harness.diagnose.claims.model_comparison import why_lost
 from harness.diagnose.claims.rivals import ranking as likeliest
@@ -34,6 +35,7 @@ from harness.diagnose.problem.deadline import Stage
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.investigation import Outcome, as_read, judge, trained
 from harness.diagnose.selection.profile_likelihood import as_likely, profiled, spanning
+from harness.diagnose.selection.state_evidence import Evidence
 from harness.diagnose.selection.study import Study
 from harness.parallel import meanwhile
 from harness.recording import Recording
@@ -43,6 +45,10 @@ from harness.system import System
 SHOWN = 8  # hypotheses in the ranking
 # What may be left if the time is up, and what that may change.
 LOCATED = ("where the mismatch lies", NO_FINDING)
+FORETOLD = (
+    "whether what was found foretells the data held out better than the nominal model",
+    "what was found may be firmer than it is told",
+)
 PROFILED = ("other valleys and other sets in which a parameter may lie", "intervals may be too narrow")
 RANKED = ("the errors of other sets on data held out", NO_FINDING)
 ERRORS = ("errors before and after", NO_FINDING)
@@ -72,9 +78,11 @@ def answer(
     )
     values = {key: loosened(outcome, how, key, own) for key, own in told.items()}
     again = {claim.candidate.key: repeatability(outcome, how, claim.candidate.key) for claim in conclusion.claims}
+    foretold = deadline.attempt(*FORETOLD, lambda: foretells(outcome, conclusion), lambda: False, spared=True)
     grades = {
-        claim.candidate.key: grade(outcome, conclusion, claim, values[claim.candidate.key], again[claim.candidate.key])
+        key: grade(outcome, conclusion, claim, values[key], again[key], foretold)
         for claim in conclusion.claims
+        for key in (claim.candidate.key,)
     }
     left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion), lambda: None, spared=True)
     best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None)
@@ -236,6 +244,8 @@ def _short(key: str, site: str) -> str:
 def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
     """Estimates of what is claimed, by the effect's key: as far as other valleys and other sets that are as likely let them be."""
     study, predictor, best = outcome.study, outcome.predictor, conclusion.best
+    if outcome.evidence is not None:
+        return _beside_the_force(outcome, conclusion, outcome.evidence)
     # What shows in the data held out alone can only be told by them.
     source = outcome.study if conclusion.only_held else outcome.training
     own = source.sharpened(best if conclusion.only_held else conclusion.own)
@@ -257,8 +267,19 @@ def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, 
     return values
 
 
+def _beside_the_force(
+    outcome: Outcome, conclusion: Conclusion, evidence: Evidence, *, at_hand: bool = False
+) -> dict[str, dict[str, Estimate]]:
+    """Estimates of what is claimed beside a force over the state."""
+    members = {claim.candidate.key: claim.candidate for claim in conclusion.claims}
+    found = averaged(outcome, evidence, conclusion.own, at_hand=at_hand)
+    return {key: no_more_exact_than_the_law(member, found[key]) for key, member in members.items()}
+
+
 def _curvatures(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
-    """The same by the curvature of the one fit alone."""
+    """The same by what is at hand: the curvature of the one fit alone, or sets that have been looked at beside a force."""
+    if outcome.evidence is not None:
+        return _beside_the_force(outcome, conclusion, outcome.evidence, at_hand=True)
     return {
         claim.candidate.key: estimates(
             outcome.predictor, conclusion.own, conclusion.own.hypothesis.keys.index(claim.candidate.key)
@@ -338,12 +359,14 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for fitted in likeliest(outcome, best, SHOWN):
         error = rmse(outcome, as_read(outcome, judge(outcome, fitted)), 0)
+        # A set that fits better and was not taken beside a force over the state is one whose work that force does as well.
+        imitated = conclusion.imitated if outcome.evidence is None else fitted.hypothesis.keys
         rows.append(
             {
                 "effects": list(fitted.hypothesis.keys),
                 "bic": fitted.score + study.paid(fitted),
                 "heldout_rmse": error,
-                "lost": why_lost(study, best, fitted, error, own, conclusion.imitated),
+                "lost": why_lost(study, best, fitted, error, own, imitated),
             }
         )
     return rows

@@ -21,13 +21,14 @@ from harness.diagnose.criticism.members import beside_force
 from harness.diagnose.criticism.remainder import AT_FLOOR, Remains, answers, asked_of, examine
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
 from harness.diagnose.criticism.unparted import special_case, unparted
-from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.problem.deadline import Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, trained, training_gain
+from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, judged, trained, training_gain
 from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.starts import FOLLOWS
-from harness.diagnose.selection.state_evidence import UNPARTED
+from harness.diagnose.selection.state_evidence import Evidence
 from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
 
 Array = NDArray[np.float64]
@@ -77,7 +78,8 @@ class Conclusion:
     best: the fit claimed, on all recordings; own: on the training ones; held: judged on the data held out. level: what is left of
     those over the noise [1]. unproven: keys of what is doubted because nothing that it was not fitted to bears it out. only_held:
     keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings. cut_short: what the
-    time was up for, of ``UNSEARCHED``, ``UNJUDGED`` and ``UNCRITICISED``, and therefore is not claimed; or empty.
+    time was up for, of ``UNSEARCHED``, ``UNJUDGED`` and ``UNCRITICISED``, and therefore is not claimed; or empty. hurried: whether
+    it was up for any of the search or of what follows it.
     """
 
     verdict: str
@@ -91,6 +93,7 @@ class Conclusion:
     unproven: tuple[str, ...] = ()
     only_held: tuple[str, ...] = ()
     cut_short: str = ""
+    hurried: bool = False
 
     @property
     def imitated(self) -> tuple[str, ...]:
@@ -109,7 +112,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         straightens = _straightens(outcome, smaller, fitted, member)
         # No law that is inexact bends a nominal quantity so far.
         inexact = 0.0 if straightens else (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2
-        enough = gain > max(price, inexact) and _likelier(outcome, smaller, fitted)
+        enough = gain > max(price, inexact)
         visible = gain > PRACTICAL**2 * study.samples
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
@@ -127,19 +130,6 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         if not repeated and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
     return worst < 0, worst
-
-
-def _likelier(outcome: Outcome, smaller: Fit, larger: Fit) -> bool:
-    """Whether a set is likelier than a smaller one with a force over the state that could do the rest; where there is one.
-
-    A plain law may also be as likely: it says more than an unknown force that does its work.
-    """
-    evidence, study = outcome.evidence, outcome.study
-    if evidence is None:
-        return True
-    missing = [m for m in larger.hypothesis.members if m.key not in smaller.hypothesis.keys]
-    spare = UNPARTED if all(member.effect.plain for member in missing) else 0.0
-    return evidence.criterion(study, larger) < evidence.criterion(study, smaller) + spare
 
 
 def _price(study: Study, smaller: Fit, fitted: Fit, k: int) -> float:
@@ -220,8 +210,8 @@ def conclude(outcome: Outcome) -> Conclusion:
         with deadline.spared():
             found = _as_far_as(outcome, reached)
     if unsearched and found.verdict == "consistent":
-        return replace(found, verdict="unexplained", cut_short=UNSEARCHED)
-    return found
+        found = replace(found, verdict="unexplained", cut_short=UNSEARCHED)
+    return replace(found, hurried=unsearched or bool(found.cut_short))
 
 
 def _as_far_as(outcome: Outcome, reached: Reached) -> Conclusion:
@@ -266,6 +256,34 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     )
     deadline.begin(Stage.CRITICISM)
     reached.wanted = wanted
+    if outcome.evidence is None:
+        best, remains, incomplete, doubted, unproven = _criticised(outcome, wanted, reached)
+    else:
+        # What else may have made it, a force that nobody has named above all, is in that evidence, and so are the data held out.
+        best, doubted, unproven = outcome.reweigh(wanted), (), ()
+        remains, incomplete = _remains(outcome, best)
+    # A force that is left out is a remainder, whatever the tests beside it say.
+    incomplete = incomplete or bool(doubted) or outcome.force is not None
+    reached.settled, reached.remains, reached.incomplete, reached.criticised = best, remains, incomplete, True
+    claims = _claims(outcome, best, remains)
+    without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
+    only: tuple[str, ...] = ()
+    if outcome.evidence is None:
+        only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
+    own, held = with_all(outcome, best) if only else (trained(outcome, best), judge(outcome, best))
+    if outcome.evidence is not None and best.hypothesis.members:
+        own, held = _beside_the_force(outcome, outcome.evidence, own)
+    return Conclusion(
+        with_ if claims else without, best, own, held, claims, remains, doubted, _level(outcome, held), unproven, only
+    )
+
+
+def _criticised(
+    outcome: Outcome, wanted: Fit, reached: Reached
+) -> tuple[Fit, Remains, bool, tuple[str, ...], tuple[str, ...]]:
+    """Of a set under noise alone what stands, what that leaves, whether it is more than noise, and keys of what is doubted; the
+    latter again as far as nothing but what it was fitted to bears it out."""
+    study = outcome.study
     best = reached.settled = settle(outcome, wanted)
     doubted: list[str] = []
     if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
@@ -289,22 +307,23 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
         else:
             special = special_case(outcome, best, remains)
             if special is None:
-                break
+                return best, remains, incomplete, tuple(doubted), unproven
             best = outcome.reweigh(special)
             study = outcome.study
         # What has leant on the doubtful must stand without it, beside all that is left then.
         remains, incomplete = _remains(outcome, best)
         shaky = [key for k, key in enumerate(best.hypothesis.keys) if not _stands(outcome, best, k, remains)]
         together = []
-    # A force that is left out is a remainder, whatever the tests beside it say.
-    incomplete = incomplete or bool(doubted) or outcome.force is not None
-    reached.settled, reached.remains, reached.incomplete, reached.criticised = best, remains, incomplete, True
-    claims = _claims(outcome, best, remains)
-    without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
-    verdict = with_ if claims else without
-    only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
-    own, held = with_all(outcome, best) if only else (trained(outcome, best), judge(outcome, best))
-    return Conclusion(verdict, best, own, held, claims, remains, tuple(doubted), _level(outcome, held), unproven, only)
+
+
+def _beside_the_force(outcome: Outcome, evidence: Evidence, own: Fit) -> tuple[Fit, Fit]:
+    """A set with its numbers where they and the force that it leaves out are likeliest by the training recordings, and held out."""
+    training = outcome.training
+    x = evidence.beside(training, own).x
+    objective, frozen = training.objective(own.hypothesis), np.ones(len(x), dtype=bool)
+    there = fit(objective, x, own.states, fixed=frozen, others=training.others(own.hypothesis))
+    view = linearise(objective, x, there.states, upper=objective.bounds()[1], fixed=~own.free)
+    return replace(there, free=own.free, linear=view), judged(outcome, own, there)
 
 
 def _stands(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:

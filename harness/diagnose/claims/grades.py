@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.criticism.held_out import FAKED
+from harness.diagnose.criticism.remainder import AT_FLOOR
 from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
 from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled
-from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.least_squares import Fit, covariance
 from harness.diagnose.estimation.misfit import Misfit, sandwich
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.investigation import Outcome, judge
 from harness.diagnose.selection.state_evidence import placed
 from harness.effects.scale import pull
 
@@ -24,6 +25,7 @@ Array = NDArray[np.float64]
 
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
 BEYOND = 30.0  # times its usual size: of a centre of mass, three lengths of its link
+AS_MUCH = 1.0  # times what is left that a plain law must explain, or it may be part of that
 SURE = 0.95  # posterior probability over all sets, from which on an effect, or one of its class, is more than possible
 VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
 
@@ -32,11 +34,13 @@ VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which rec
 class Repeated:
     """The fit of all recordings seen recording by recording, or stretch by stretch where there are too few of them.
 
-    recordings: whether by recordings.
+    expected: by how much the force that is left out makes standard deviations larger than the curvature says, (P,); None where
+    there is no such force. recordings: whether by recordings.
     """
 
     fitted: Fit
     spread: Dispersion
+    expected: Array | None
     recordings: bool
 
 
@@ -50,7 +54,7 @@ def repeated(outcome: Outcome, best: Fit) -> Repeated | None:
     found = dispersion(best, count, clusters, expected)
     if found is None and expected is not None:
         found = Dispersion(expected, {})
-    return None if found is None else Repeated(best, found, by_recording)
+    return None if found is None else Repeated(best, found, expected, by_recording)
 
 
 def _expected(outcome: Outcome, best: Fit, count: int) -> Array | None:
@@ -58,15 +62,26 @@ def _expected(outcome: Outcome, best: Fit, count: int) -> Array | None:
     left = outcome.study.likelihood.discrepancy
     if not isinstance(left, Misfit):
         return None
+    if outcome.evidence is not None:
+        by_curvature = np.zeros(len(best.x))
+        by_curvature[best.free] = np.sqrt(np.diag(covariance(best, count))[best.free])
+        beside = outcome.evidence.beside(outcome.study, best).spread
+        return np.asarray(np.divide(beside, by_curvature, out=np.ones(len(best.x)), where=by_curvature > 0.0))
     found = responses(outcome.predictor, left.sensors, best, pull(outcome.problem.system), outcome.period)
     return None if found is None else sandwich(best, count, left, found)
 
 
 def loosened(outcome: Outcome, how: Repeated | None, key: str, values: Mapping[str, Estimate]) -> dict[str, Estimate]:
-    """Estimates as far apart as recordings of the rig are; as they are where noise is all that is left."""
+    """Estimates as far apart as recordings of the rig are; as they are where noise is all that is left.
+
+    Those that are averaged over sets beside a force (``averaged``) know of the force; others have it from here.
+    """
     if how is None or outcome.force is None or key not in how.fitted.hypothesis.keys:
         return dict(values)
-    factors = how.spread.factors[_own(outcome, how.fitted, key)]
+    factors = how.spread.factors
+    if outcome.evidence is not None and how.expected is not None:
+        factors = factors / how.expected
+    factors = factors[_own(outcome, how.fitted, key)]
     member = how.fitted.hypothesis.members[how.fitted.hypothesis.keys.index(key)]
     pairs = zip(member.effect.parameters, factors, strict=True)
     return {p.name: scaled(values[p.name], float(factor), p.lower, p.upper) for p, factor in pairs}
@@ -99,34 +114,39 @@ def grade(
     claim: Claim,
     values: Mapping[str, Estimate],
     rows: Sequence[Mapping[str, Any]],
+    foretold: bool = True,
 ) -> str:
     """How firmly a claim stands.
 
-    Where noise is all that is left: established; where an error of a known shape is left, likely, or possible if it is far larger
-    than what it is named for ever is (a model that is far off bends whatever can be bent). Beside a force that is left out:
-    possible, if sets without it and all that it cannot be told from are not much less likely (averaged over all; Hoeting et al.,
-    Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some of what something else makes), if
-    it may as well be absent, or if it is no plain law of a single number and does not explain far more than what is left (it may
-    be bent to what nobody has named); likely, if one of those that it cannot be told from may be in its place, there are too few
-    recordings to say whether it repeats, leaving one out takes it away, or its size is not known to a factor of ten; else
-    established.
+    Where noise is all that is left: established; where an error of a known shape is left, likely, or possible if it may as well be
+    absent, or is far larger than what it is named for ever is (a model that is far off bends whatever can be bent).
 
-    values: its parameters; rows: see ``repeatability``.
+    Where the time was up before sets could be weighed beside the force that they leave out, possible, whatever they leave; or where
+    free runs of what is told are no nearer to the data held out than those of the nominal model.
+
+    Beside a force that is left out: possible, if sets without it and all that it cannot be told from are not much less likely
+    (averaged over all; Hoeting et al., Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some
+    of what something else makes), if it may as well be absent, if it explains less than what is left (it may be part of that), or,
+    being no plain law of a single number, not far more (it may be bent to what nobody has named); likely, if one of those that it
+    cannot be told from may be in its place, there are too few recordings to say whether it repeats, leaving one out takes it away,
+    or its size is not known to a factor of ten; else established.
+
+    values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
+    if conclusion.hurried and outcome.evidence is None and _above_noise(outcome, conclusion):
+        return POSSIBLE
     if outcome.force is None:
         if not conclusion.remains.significant:
             return ESTABLISHED
-        return POSSIBLE if _beyond_belief(claim, values) else LIKELY
+        return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim, values) else LIKELY
     effect = claim.candidate.effect
-    if outcome.evidence is not None and claim.of_class < SURE:
+    if outcome.evidence is not None and (claim.of_class < SURE or not foretold):
         return POSSIBLE
-    if not effect.plain and claim.gain < FAKED * conclusion.remains.excess:
+    if claim.gain < (AS_MUCH if effect.plain else FAKED) * conclusion.remains.excess:
+        return POSSIBLE
+    if placed(claim.candidate) or _may_be_absent(claim, values):
         return POSSIBLE
     first = next(iter(effect.parameters), None)
-    if placed(claim.candidate) or (
-        first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
-    ):
-        return POSSIBLE
     stands = [
         first is None
         or first.name not in row["parameters"]
@@ -136,6 +156,16 @@ def grade(
     vague = first is not None and values[first.name].high > VAGUE * abs(values[first.name].value)
     itself = outcome.evidence is None or claim.probability >= SURE
     return ESTABLISHED if stands and all(stands) and not vague and itself else LIKELY
+
+
+def _above_noise(outcome: Outcome, conclusion: Conclusion) -> bool:
+    floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)
+    return outcome.force is not None or bool(conclusion.level > floor)
+
+
+def foretells(outcome: Outcome, conclusion: Conclusion) -> bool:
+    """Whether free runs of what is told are nearer to the data held out than those of the nominal model within its tolerance."""
+    return outcome.evidence is None or conclusion.held.cost < judge(outcome, outcome.empty).cost
 
 
 def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:
@@ -148,6 +178,12 @@ def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:
             if away > BEYOND * parameter.plausible.size(claim.candidate.references):
                 return True
     return False
+
+
+def _may_be_absent(claim: Claim, values: Mapping[str, Estimate]) -> bool:
+    """Whether the interval of how strongly an effect acts holds that it does not."""
+    first = next(iter(claim.candidate.effect.parameters), None)
+    return first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
 
 
 def _holds(neutral: float, low: float, high: float) -> bool:

@@ -32,25 +32,33 @@ class Posterior:
         return min(1.0, float(sum(share for share, own in self.rows if own & asked)))
 
 
-def posterior(outcome: Outcome, best: Fit) -> Posterior:
-    """Posterior probabilities over the sets fitted; with a force over the state, where there is one.
+def weighed(outcome: Outcome, *, at_hand: bool = False) -> list[tuple[float, Fit]]:
+    """The sets that were fitted, each with its share of the posterior; beside a force over the state, where there is one.
 
-    A set speaks for an effect of ``best`` if it has that on the same side of absence: what is more beside one law and less beside
-    another is not known. Laws that were chosen among many places are pieces of a force over the state, where there is one, and sets
-    with them are none of their own.
+    Laws that were chosen among many places are pieces of such a force, and sets with them are none of their own. at_hand: only
+    those that have been looked at beside that force, so that no run is needed.
     """
     study, evidence = outcome.study, outcome.evidence
     fits = list(study.fits.values())
     if evidence is not None:
-        fits = [f for f in fits if not any(map(placed, f.hypothesis.members))]
+        fits = [f for f in fits if not any(map(placed, f.hypothesis.members)) and (not at_hand or evidence.has(f))]
     if not fits:
-        return Posterior(())  # the time was up before any set was weighed under the last likelihood
+        return []  # the time was up before any set was weighed under the last likelihood
     values = np.array([study.criterion(f) if evidence is None else evidence.criterion(study, f) for f in fits])
     weights = np.exp(-0.5 * (values - values.min()))
-    weights /= weights.sum()
+    return list(zip((weights / weights.sum()).tolist(), fits, strict=True))
+
+
+def posterior(outcome: Outcome, best: Fit) -> Posterior:
+    """Posterior probabilities over the sets fitted.
+
+    A set speaks for an effect of ``best`` if it has that on the same side of absence: what is more beside one law and less beside
+    another is not known.
+    """
+    study, evidence = outcome.study, outcome.evidence
     sides = _sides(study, best.hypothesis, best.x)
     rows = []
-    for f, weight in zip(fits, weights.tolist(), strict=True):
+    for weight, f in weighed(outcome):
         own = _sides(study, f.hypothesis, f.x if evidence is None else evidence.beside(study, f).x)
         rows.append((weight, frozenset(key for key, side in own.items() if side * sides.get(key, side) >= 0.0)))
     return Posterior(rows)

@@ -21,18 +21,19 @@ from harness.diagnose.estimation.linearisation import Linearisation, linearise
 from harness.diagnose.estimation.objective import LOST, Objective, States
 from harness.diagnose.estimation.state_force import Force, Likeliest, Numbers, StateForce, Sums, over_the_state
 from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
 
-ROUNDS = 8  # of pushing the likeliest force and looking again
+ROUNDS = 20  # of pushing the likeliest force and looking again
 FAR = 2.0  # times the noise's variance left, from which on a set is begun where it follows the recorded motion
 ENOUGH = 1.0  # of the surprise, that a further round has to promise
 MOST_STEPS = 6  # of a fit beside a force that is not the last one yet
 CLOSER = 6  # times that the motion which forces act along is brought nearer to the recordings
 CLOSELY = 0.9  # of what is left (squares), above which that has come to an end
 STUCK = 1e-2  # of what joints usually answer to a force, below which they do not
-SHORTER = 0.3  # of a step that has led nowhere
+SHORTER, SHORTEST = 0.3, 0.05  # of a step that has led nowhere; of which none leads anywhere
 NEAR = 1e-2  # how stiffly numbers of effects are held where they stand, in the fit's own coordinates: what is not told stays
 
 
@@ -41,12 +42,14 @@ class Beside:
     """A set beside the force that it leaves out.
 
     surprise: −2 log of how likely the recordings are, that of the nominal quantities' deviations included, up to a constant. x,
-    states: where the set's numbers are likeliest; nodes, shape: the force there, None where none is likelier. residuals: (M,) by
-    window.
+    states: where the set's numbers are likeliest; spread: the numbers' standard deviations there with the force free, (P,). nodes,
+    shape: the force there, None where none is likelier. residuals: (M,) by window.
     """
 
+    hypothesis: Hypothesis
     surprise: float
     x: Array
+    spread: Array
     states: Mapping[Window, Array]
     predictor: Predictor
     residuals: tuple[Array, ...]
@@ -54,54 +57,124 @@ class Beside:
     shape: Force | None = None
 
 
-def beside(force: StateForce, objective: Objective, fitted: Fit, held: NDArray[np.bool_]) -> Beside:
+def beside(
+    force: StateForce, objective: Objective, fitted: Fit, held: NDArray[np.bool_], nears: Sequence[Beside] = ()
+) -> Beside:
     """The set of a fit and the force that it leaves out, together. objective: of its windows under the sensors' noise.
 
-    held: numbers that do not move, (P,).
+    held: numbers that do not move, (P,). nears: where to begin: this set's numbers and states, and a force, each as beside another.
     """
-    predictor = objective.predictor
-    at = linearise(objective, fitted.x, fitted.states, upper=objective.bounds()[1], fixed=held)
-    if at.cost >= LOST:
-        return Beside(np.inf, fitted.x, fitted.states, predictor, at.residuals)
-    sums = _sums(force, objective, fitted.x, at, None)
-    alone = best = Beside(force.without(sums), fitted.x, fitted.states, predictor, at.residuals)
-    nodes, aim = np.zeros(len(force.joint)), force.likeliest(sums)
 
-    def pushed(nodes: Array, x: Array, states: States) -> tuple[Objective, Fit]:
-        with_force = replace(objective, predictor=predictor.pushed(force.pushes(-nodes)))
-        loud = float(np.mean(aim.force.louder * force.together))
-        return with_force, fit(with_force, x, states, fixed=held, most_steps=MOST_STEPS, enough=0.2 * loud, louder=loud)
+    def fitted_at(nodes: Array, x: Array, states: States, force_there: Force) -> Point:
+        there = replace(objective, predictor=objective.predictor.pushed(force.pushes(-nodes)))
+        loud = float(np.mean(force_there.louder * force.together))
+        found = fit(there, x, states, fixed=held, most_steps=MOST_STEPS, enough=0.2 * loud, louder=loud)
+        return Point(there, nodes, found.x, found.states, found.linear)
 
-    def aimed() -> Likeliest:
-        here = replace(objective, predictor=best.predictor)
-        return force.likeliest(_sums(force, here, best.x, at, nodes), best.shape)
+    plain = looked_at(force, objective, None, fitted.x, fitted.states, held)
+    if plain.at.cost >= LOST:
+        return plain.weighed(np.inf, None)
+    sums = plain.sums(force)
+    alone = plain.weighed(force.without(sums), None)
+    begun = []
+    for near in nears:
+        if near.nodes is not None and near.shape is not None:
+            there = fitted_at(near.nodes, near.x, near.states, near.shape)
+            begun.append((_held(force, there, [near.shape]), there))
+    if begun:
+        begun = [min([(alone, plain), *begun], key=lambda row: row[0].surprise)]
+    else:
+        begun = [(alone, plain)]
+        if np.any(sums.left > FAR * sums.counts) and (tracked := _tracking(force, objective, fitted)) is not None:
+            there = fitted_at(*tracked, force.likeliest(sums).force)
+            if there.at.cost < plain.at.cost:
+                # The force there is as rough as readings are; what it says is known after a step from there.
+                begun.append((there.weighed(np.inf, None), there))
+    ends = [(alone, plain), *(_descended(force, fitted, best, here, objective, held) for best, here in begun)]
+    ended, there = min(ends, key=lambda row: row[0].surprise)
+    return replace(ended, spread=force.spread(there.sums(force), ended.shape))
 
-    if np.any(sums.left > FAR * sums.counts) and (begun := _tracking(force, objective, fitted)) is not None:
-        there, after = pushed(*begun)
-        if after.cost < at.cost:
-            # The force there is as rough as readings are; what it says is known after a step from there.
-            best = Beside(np.inf, after.x, after.states, there.predictor, after.linear.residuals)
-            at, nodes = after.linear, begun[0]
-            aim = aimed()
-    share, own = 1.0, False
+
+def _descended(
+    force: StateForce, fitted: Fit, best: Beside, here: Point, objective: Objective, held: NDArray[np.bool_]
+) -> tuple[Beside, Point]:
+    """The mode that Gauss–Newton steps lead to from a point, and how it is weighed."""
+    lower, upper = objective.bounds()
+    share, own, slow = 1.0, False, False
+    aim = force.likeliest(here.sums(force), best.shape)
     for _ in range(ROUNDS):
         if best.surprise - aim.value < ENOUGH:
             break
-        ahead = nodes + share * (aim.nodes - nodes)
-        there, after = pushed(ahead, best.x, best.states)
+        there = looked_at(force, objective, *here.towards(force, aim, share, lower, upper), held)
         shapes = [aim.force] if best.shape is None else [aim.force, best.shape]
-        found = _held(force, there, after, ahead, shapes)
+        found = _held(force, there, shapes)
         if found.surprise < best.surprise:
-            best, at, nodes, share = found, after.linear, ahead, 1.0
-            aim = aimed()
+            # Along a valley each step gains a little less than the one before: two in a row that gain nothing end it.
+            before, slow = slow, best.surprise - found.surprise < ENOUGH
+            best, here, share = found, there, min(1.0, share / SHORTER)
+            if slow and before:
+                break
+        elif share >= SHORTEST:
+            share *= SHORTER
+            continue
         elif not own:
             # This set moves otherwise than the one that answers are along.
-            own, moving = True, replace(fitted, x=best.x, states=best.states, linear=at)
-            force = force.along(best.predictor, objective.likelihood, moving)
-            aim = aimed()
+            own, share = True, 1.0
+            moving = replace(fitted, x=here.x, states=here.states, linear=here.at)
+            force = force.along(here.objective.predictor, objective.likelihood, moving)
         else:
-            share *= SHORTER
-    return min(alone, best, key=lambda b: b.surprise)
+            break
+        aim = force.likeliest(here.sums(force), best.shape)
+    return best, here
+
+
+def looked_at(
+    force: StateForce, objective: Objective, nodes: Array | None, x: Array, states: States, held: NDArray[np.bool_]
+) -> Point:
+    """Runs of a set with the force at the nodes, if there is one, and a linear view of them. held: numbers that do not move."""
+    if nodes is not None:
+        objective = replace(objective, predictor=objective.predictor.pushed(force.pushes(-nodes)))
+    _, upper = objective.bounds()
+    return Point(objective, nodes, x, states, linearise(objective, x, states, upper=upper, fixed=held))
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """Where a set and the force at the nodes, if there is one, are looked at: runs with it, and a linear view of them."""
+
+    objective: Objective
+    nodes: Array | None
+    x: Array
+    states: States
+    at: Linearisation
+
+    def sums(self, force: StateForce) -> Sums:
+        """What the linear view says of forces and numbers."""
+        return _sums(force, self.objective, self.x, self.at, self.nodes)
+
+    def weighed(self, surprise: float, shape: Force | None) -> Beside:
+        """This surprise, spreads not known yet."""
+        nodes, open_ = None if shape is None else self.nodes, np.full(len(self.x), np.inf)
+        there = self.objective
+        return Beside(
+            there.hypothesis, surprise, self.x, open_, self.states, there.predictor, self.at.residuals, nodes, shape
+        )
+
+    def towards(
+        self, force: StateForce, aim: Likeliest, share: float, lower: Array, upper: Array
+    ) -> tuple[Array, Array, States]:
+        """Nodes, numbers and initial states a share of the way to where a linear view is likeliest."""
+        nodes = np.zeros(len(aim.nodes)) if self.nodes is None else self.nodes
+        ahead = nodes + share * (aim.nodes - nodes)
+        x = np.clip(self.x + share * aim.numbers, lower, upper)
+        states = {}
+        windows = self.objective.windows
+        for window, basis, shared, residual in zip(
+            windows, self.at.bases, self.at.shared, self.at.residuals, strict=True
+        ):
+            after = share * residual + shared @ (x - self.x) - force.answers[window] @ (ahead - nodes)
+            states[window] = self.states[window] - np.linalg.lstsq(basis, after, rcond=1e-9)[0]
+        return ahead, x, states
 
 
 def along_the_recordings(
@@ -127,16 +200,18 @@ def along_the_recordings(
     return force
 
 
-def _held(force: StateForce, pushed: Objective, after: Fit, nodes: Array, shapes: Sequence[Force]) -> Beside:
+def _held(force: StateForce, there: Point, shapes: Sequence[Force]) -> Beside:
     """The set and the force at the nodes as runs with it leave them, under the likelier one of these shapes."""
     surprise, best = np.inf, None
-    if after.cost < LOST:
-        sums = _sums(force, pushed, after.x, after.linear, None)
+    if there.at.cost < LOST and there.nodes is not None:
+        sums = _sums(force, there.objective, there.x, there.at, None)
         # On the way there noise is as loud as what is left.
         louder = np.maximum(sums.left / sums.counts, 1.0)
-        rows = [(force.held(sums, nodes, own), own) for own in (replace(shape, louder=louder) for shape in shapes)]
+        rows = [
+            (force.held(sums, there.nodes, own), own) for own in (replace(shape, louder=louder) for shape in shapes)
+        ]
         surprise, best = min(rows, key=lambda row: row[0])
-    return Beside(surprise, after.x, after.states, pushed.predictor, after.linear.residuals, nodes, best)
+    return there.weighed(surprise, best)
 
 
 def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Array, Array, States] | None:
@@ -156,7 +231,10 @@ def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Arr
     places = [mechanism.names.index(name) for name in force.names]
     needed: dict[Window, Array] = {}
     states = dict(fitted.states)
-    for window, motion in force.motions.items():
+    for window in objective.windows:
+        motion = force.motions.get(window)
+        if motion is None:
+            continue
         points, copies = len(motion.time) - 1, 1 + len(places)
         row = predictor.row_in(hypothesis, x, window.run)
         tau = predictor.acting(hypothesis, x[None], mechanism, [(0, window, states[window])], motion.time)
@@ -184,8 +262,13 @@ def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Arr
     return force.over(needed), x, states
 
 
+def stiffness(size: int, nominal: int) -> Array:
+    """How stiffly each of a set's numbers is held where it stands, (P,); the leading ``nominal`` ones by a unit normal prior."""
+    return np.where(np.arange(size) < nominal, 1.0, NEAR)
+
+
 def _sums(force: StateForce, objective: Objective, x: Array, here: Linearisation, nodes: Array | None) -> Sums:
     """What a linear view says of forces and numbers, beside ``nodes`` that are pushed already."""
     nominal = np.arange(len(x)) < objective.nominal
-    numbers = Numbers(here.shared, np.where(nominal, 1.0, NEAR), np.where(nominal, x, 0.0))
+    numbers = Numbers(here.shared, stiffness(len(x), objective.nominal), np.where(nominal, x, 0.0))
     return force.sums(objective.windows, profiled(here), nodes, numbers)

@@ -17,7 +17,7 @@ from harness.diagnose.problem.windows import Window
 Array = NDArray[np.float64]
 States = Mapping[Window, Array]
 
-LOST = 1e15  # cost of a run that left the numbers
+LOST = 1e30  # cost of a run that left the numbers; what is merely far off costs less beside any noise
 Residuals = tuple[float, tuple[Array, ...]]
 """Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.linalg import block_diag, cho_solve, cholesky, solve_triangular
 from scipy.optimize import minimize
 
 from harness.diagnose.estimation.discrepancy import (
@@ -89,11 +89,16 @@ class Numbers:
 
 @dataclass(frozen=True, eq=False)
 class Likeliest:
-    """The likeliest size and shape of a force: its surprise, and the forces at the nodes (k,)."""
+    """The likeliest size and shape of a force: its surprise, the forces at the nodes (k,), what numbers move by (P,)."""
 
     value: float
     force: Force
     nodes: Array
+    numbers: Array
+
+
+Set = tuple[frozenset[str], tuple[Window, ...]]
+"""A set of laws in some windows."""
 
 
 @dataclass(eq=False)
@@ -104,7 +109,7 @@ class StateForce:
     by window. motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the
     joints; torque: natural force that nodes are in. together: samples of every channel that err together beside the force. shape:
     of the force that the reference leaves, where the search for that of others begins. known: what has been worked out beside the
-    force, by set and windows.
+    force, by set and windows; begun: the same from parts of these sets.
     """
 
     joint: NDArray[np.intp]
@@ -118,7 +123,8 @@ class StateForce:
     coordinates: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
     torque: float = 1.0
-    known: dict[tuple[frozenset[str], tuple[Window, ...]], Any] = field(default_factory=dict)
+    known: dict[Set, Any] = field(default_factory=dict)
+    begun: set[tuple[Set, frozenset[str]]] = field(default_factory=set)
 
     @property
     def joints(self) -> int:
@@ -171,12 +177,13 @@ class StateForce:
         if found is None:
             return self
         answers = {}
-        for window, shares in self.shares.items():
-            motion = found.motion(window)
-            assert motion is not None  # a fit has one in each of its windows
+        for window in fitted.windows:
+            motion, shares = found.motion(window), self.shares.get(window)
+            if motion is None or shares is None:
+                continue
             own = [found.moved(motion, place, shares[self.joint == k]) for k, place in enumerate(found.places)]
             answers[window] = np.nan_to_num(np.hstack(own))
-        return replace(self, answers={**self.answers, **answers}, known={})
+        return replace(self, answers={**self.answers, **answers}, known={}, begun=set())
 
     def sums(
         self,
@@ -231,6 +238,17 @@ class StateForce:
             np.sum(sums.deviations**2)
         )
 
+    def spread(self, sums: Sums, force: Force | None) -> Array:
+        """Standard deviations of a set's numbers (P,) where these residuals are left, the force at the nodes free as well."""
+        louder = np.maximum(sums.left / sums.counts, 1.0) if force is None else force.louder
+        k, count = len(self.joint), len(sums.products[0])
+        root = np.zeros((k, 0)) if force is None else self.prior_root(force)
+        scale = block_diag(root, np.eye(count - k))
+        inside = scale.T @ np.einsum("c,cij->ij", 1.0 / (louder * self.together), sums.squares) @ scale
+        inside[np.diag_indices(len(inside))] += np.concatenate([np.ones(root.shape[1]), sums.stiff])
+        half = solve_triangular(_root(inside), np.eye(len(inside)), lower=True, check_finite=False)
+        return np.sqrt(np.sum(half**2, axis=0))[root.shape[1] :]
+
     def _noise(self, sums: Sums, force: Force, left: float) -> float:
         usual = float(np.sum(cauchy_surprise(force.sizes / USUAL)))
         return usual + float(np.sum(sums.counts / self.together * np.log(force.louder))) + float(left)
@@ -268,7 +286,7 @@ class StateForce:
         usual = force.sizes / USUAL
         sizes = 2.0 * np.bincount(self.joint, rows, self.joints) + 4.0 * usual**2 / (1.0 + usual**2)
         lengths = [float(np.sum(change * (self._apart[:, :, d] / force.lengths[d]) ** 2)) for d in (0, 1)]
-        return Likeliest(value, force, both[:k]), np.concatenate([sizes, slope_louder, lengths])
+        return Likeliest(value, force, both[:k], both[k:]), np.concatenate([sizes, slope_louder, lengths])
 
     def likeliest(self, sums: Sums, near: Force | None = None) -> Likeliest:
         """The least surprise over size, shape and loudness. near: where to begin, if something is known."""

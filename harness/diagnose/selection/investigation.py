@@ -377,7 +377,7 @@ def trained(outcome: Outcome, fitted: Fit) -> Fit:
 
 def judge(outcome: Outcome, fitted: Fit) -> Fit:
     """The free run over the held-out windows of what was fitted to the training: nothing but the initial states is fitted."""
-    return _judged(outcome, fitted, trained(outcome, fitted))
+    return judged(outcome, fitted, trained(outcome, fitted))
 
 
 def judge_straight(outcome: Outcome, fitted: Fit) -> Fit:
@@ -392,10 +392,10 @@ def judge_straight(outcome: Outcome, fitted: Fit) -> Fit:
             training.objective(fitted.hypothesis), x,
             training.states_for(fitted.hypothesis, fitted), fixed=held, others=training.others(fitted.hypothesis),
         )  # fmt: skip
-    return _judged(outcome, fitted, outcome.straight[key])
+    return judged(outcome, fitted, outcome.straight[key])
 
 
-def _judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
+def judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
     """What ``own``, fitted to the training alone, predicts of the data held out. fitted: on all recordings, for its states."""
     known = outcome.judged.get(id(own))
     if known is not None:

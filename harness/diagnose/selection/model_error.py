@@ -9,7 +9,7 @@ err together cannot make look large.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,17 +29,16 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere, with_one_change
 from harness.diagnose.selection.rewrites.special_case import specialized
+from harness.diagnose.selection.search_beside_force import likeliest_beside, plain_instead
 from harness.diagnose.selection.state_evidence import (
     Evidence,
-    curious,
     evidence_over_the_state,
-    plainest,
-    without_placed,
 )
 from harness.diagnose.selection.study import HOPELESS, Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
 
+RETAINED = 24  # sets that are fitted anew under what the best one leaves
 COMPARED = 12  # sets whose own force is estimated, to choose the one that the first likelihood is made from
 SETTLED = 0.2  # relative change of a variance, or of samples that count as one, that changes no weighing
 ROUNDS = 5  # of estimating the force and weighing again
@@ -146,70 +145,113 @@ def under_model_error(
     swing [s]. structure: a force of no shape has to be likelier than one error of a shape that is known.
     reached: told of every study that is begun. early: nothing was searched for before.
     """
-    if study.only_noise(ordered[0]) and not any(colour.coloured > 0.0 for colour in study.likelihood.colours):
+    alone = study.only_noise(ordered[0]) and not any(colour.coloured > 0.0 for colour in study.likelihood.colours)
+    instead = plain_instead(study, ordered[0], progress) if alone else None
+    if alone and instead is None:
         return None
     ways = answers(study, ordered[0], period)
     if not ways:
         return None
-    near = sorted(study.fits.values(), key=study.criterion)[:COMPARED]
+    near = [instead] if instead is not None else sorted(study.fits.values(), key=study.criterion)[:COMPARED]
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
-    if rows[0].force is None or not (early or _shapeless(study, rows[0].value, structure, False)):
+    asked = not early and instead is None
+    if rows[0].force is None or (asked and not _shapeless(study, rows[0].value, structure, False)):
         return None
     progress("a force that is left out")
     rough = _as_scattered(study)
-    drawn: list[Fit] = []
-    taken, ranked, search = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows], True
-    evidence: Evidence | None = None
+    taken, ranked = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows]
+    search = True
     for _ in range(ROUNDS):
         wider = study.unfitted((taken.fainter(SOUGHT) if early and search else taken).likelihood)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
+        drawn: list[Fit] = []
         if search:
             empty = wider.fit(Hypothesis(), [study.empty().x], study.empty())
             if reached is not None:
                 reached.append(wider)
             progress("one thing that is not as drawn")
             drawn = with_one_change(wider, min([empty, *fits], key=wider.criterion))
-            fits = grow(wider, [empty, *fits, *drawn], effort, progress)
-            if not early:
-                fits = polish(wider, fits, effort, progress)
-            if drawn:
-                evidence = evidence_over_the_state(wider, rough, min(fits, key=lambda f: f.score), drawn[0])
-        asked = [*sorted(fits, key=wider.criterion)[:COMPARED], *(drawn if search else [])]
-        best = least(wider, rough, taken.together, asked, progress, evidence)
+            every = [empty, *fits, *drawn]
+            nearest = min(every, key=lambda f: f.score)
+            evidence = evidence_over_the_state(wider, rough, nearest, drawn[0]) if drawn else None
+            if evidence is not None:
+                best = likeliest_beside(wider, evidence, every, progress)
+                with study.predictor.deadline.spared():
+                    # What the time was up for has been noted; no answer should do without the rest.
+                    replaced = [] if instead is None else [ordered[0]]
+                    return _beside_the_state(
+                        study, wider, ways, evidence, best, replaced, period, structure, reached, early=early
+                    )
+            fits = grow(wider, every, effort, progress)
+            fits = fits if early else polish(wider, fits, effort, progress)
+        members = [*sorted(fits, key=wider.criterion)[:COMPARED], *drawn]
+        best = least(wider, rough, taken.together, members, progress)
         ranked = [best, *(f for f in fits if f is not best)]
         found = weighed(wider, ways, best)
         if found.force is None:
-            # What was found on the way leaves nothing but noise: no force is left out.
-            plain = study.unfitted(found.sensors)
-            return plain, sorted(
-                (plain.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]), key=plain.criterion
-            )
-        after = _left(rough, study, best, found.force, evidence)
+            return _noise_after_all(study, found, ranked[: 2 * effort.beam])
+        after = _left(rough, wider, best, found.force)
         settled, search, taken = _alike(taken, after), _shrunk(taken, after), after
         if settled:
             break
-    if early:
-        # What was found is held against errors of a shape that is known, as it stands under the sensors' noise alone. The colour
-        # of noise that was estimated beside a nominal model that is far off could explain anything.
-        alone = study.unfitted(rough)
-        part = alone.fit(ranked[0].hypothesis, [ranked[0].x], ranked[0])
-        while part.hypothesis.members:
-            part = min((alone.below(part, k) for k in range(len(part.hypothesis.members))), key=alone.criterion)
-        own = weighed(alone, answers(alone, ranked[0], period), ranked[0])
-        if not _shapeless(alone, own.value, structure, evidence is None):
-            return None
+    if early and not _of_no_known_shape(study.unfitted(rough), ranked[0], period, structure, True):
+        return None
     wider = study.unfitted(taken.likelihood)
     wider.fit(Hypothesis(), [study.empty().x], study.empty())
     if reached is not None:
         reached.append(wider)
     fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
-    likeliest = fits[0]
-    fits = polish(wider, sorted(fits, key=wider.criterion), effort, progress)
-    if evidence is not None:
-        every = sorted(wider.fits.values(), key=wider.criterion)[:COMPARED]
-        best = least(wider, rough, taken.together, [likeliest, *every], progress, evidence)
-        fits = [best, *(f for f in fits if f is not best)]
-    return wider, fits
+    return wider, polish(wider, sorted(fits, key=wider.criterion), effort, progress)
+
+
+def _beside_the_state(
+    study: Study,
+    wider: Study,
+    ways: Sequence[Responses],
+    evidence: Evidence,
+    best: Fit,
+    replaced: Sequence[Fit],
+    period: float,
+    structure: Structure,
+    reached: list[Study] | None,
+    *,
+    early: bool,
+) -> tuple[Study, list[Fit]] | None:
+    """The study under what the best set leaves, sets of ``wider`` having been weighed beside a force over the state.
+
+    These do not depend on how large what is left was taken to be, so that once is enough. replaced: sets in whose place they are,
+    which are kept to be told of.
+    """
+    found = weighed(wider, ways, best)
+    others = sorted((f for f in wider.fits.values() if f is not best), key=lambda f: evidence.criterion(wider, f))
+    ranked = [best, *others[:RETAINED]]
+    if found.force is None:
+        return _noise_after_all(study, found, ranked)
+    if early and not _of_no_known_shape(study.unfitted(evidence.rough), best, period, structure, False):
+        return None
+    final = study.unfitted(_left(evidence.rough, wider, best, found.force, evidence).likelihood)
+    final.fit(Hypothesis(), [study.empty().x], study.empty())
+    if reached is not None:
+        reached.append(final)
+    return final, [final.fit(f.hypothesis, [f.x], f) for f in [*ranked, *replaced]]
+
+
+def _noise_after_all(study: Study, found: Weighed, ranked: Sequence[Fit]) -> tuple[Study, list[Fit]]:
+    """What was found on the way leaves nothing but noise: no force is left out."""
+    plain = study.unfitted(found.sensors)
+    return plain, sorted((plain.fit(f.hypothesis, [f.x], f) for f in ranked), key=plain.criterion)
+
+
+def _of_no_known_shape(alone: Study, best: Fit, period: float, structure: Structure, of_state: bool) -> bool:
+    """Whether what is left beside a set, as it stands under the sensors' noise alone, is no error of a shape that is known.
+
+    The colour of noise that was estimated beside a nominal model that is far off could explain anything.
+    """
+    part = alone.fit(best.hypothesis, [best.x], best)
+    while part.hypothesis.members:
+        part = min((alone.below(part, k) for k in range(len(part.hypothesis.members))), key=alone.criterion)
+    own = weighed(alone, answers(alone, best, period), best)
+    return _shapeless(alone, own.value, structure, of_state)
 
 
 def reweighed(study: Study, fitted: Fit) -> Study | None:
@@ -295,21 +337,13 @@ def least(
     together: Sequence[float],
     ordered: Sequence[Fit],
     progress: Callable[[str], None],
-    evidence: Evidence | None = None,
 ) -> Fit:
     """The likeliest set, what it leaves as loud as it is, of those found and the best ones' parts, member after member left out.
 
-    together: samples of every channel that err together. evidence: beside a force over the state, by which the plainest of the
-    sets that are not parted is taken; None where channels do not answer to forces.
+    together: samples of every channel that err together.
     """
-    known: dict[frozenset[str], tuple[float, Fit]] = {}
 
     def value(fitted: Fit) -> float:
-        own = evidence.criterion(study, fitted) if evidence is not None else _by_variance(fitted)
-        known[fitted.hypothesis.identity] = own, fitted
-        return own
-
-    def _by_variance(fitted: Fit) -> float:
         _, residuals = study.objective_under(sensors, fitted).residuals([(fitted.x, fitted.states)])[0]
         left, sizes = squares(sensors, fitted.windows, residuals)
         # −2 log L with the variance of every channel at its likeliest, one of the sensors' at least.
@@ -317,32 +351,19 @@ def least(
         own = np.sum(sizes / np.array(together) * (np.log(variance) + left / sizes / variance))
         return float(own) + study.criterion(fitted) - fitted.cost
 
-    def likeliest(weighed: Iterable[tuple[float, Fit]]) -> list[tuple[float, Fit]]:
-        rows = sorted(weighed, key=lambda pair: pair[0])
-        if evidence is None:
-            return rows[:ABREAST]
-        # The plainest of what is not parted will be taken: that is looked for as well.
-        return rows[:ABREAST] + [row for row in rows[ABREAST:] if not curious(row[1])][:1]
-
-    if evidence is not None:
-        ordered = list({id(f): f for f in (without_placed(study, fitted) for fitted in ordered)}.values())
-    front = likeliest((value(fitted), fitted) for fitted in ordered)
+    front = sorted(((value(fitted), fitted) for fitted in ordered), key=lambda pair: pair[0])[:ABREAST]
     lowest, best = front[0]
     while front:
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
         shorter: dict[frozenset[str], tuple[float, Fit]] = {}
         for above, fitted in front:
             members = range(len(fitted.hypothesis.members))
-            if evidence is None:
-                smaller = [study.below(fitted, k) for k in members if not _needed(study, fitted, k)]
-            else:
-                # What a set leaves far more without, a force over the state may do as well.
-                smaller = [study.reduce(fitted, k) for k in members]
+            smaller = [study.below(fitted, k) for k in members if not _needed(study, fitted, k)]
             for plainer in smaller + specialized(study, fitted):
                 if (own := value(plainer)) < above:
                     shorter[plainer.hypothesis.identity] = own, plainer
-        front = likeliest(shorter.values())
+        front = sorted(shorter.values(), key=lambda pair: pair[0])[:ABREAST]
         if front and front[0][0] < lowest:
             lowest, best = front[0]
             progress(" + ".join(best.hypothesis.keys) or "nothing")
-    return best if evidence is None else plainest(known.values())
+    return best

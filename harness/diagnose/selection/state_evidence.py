@@ -6,23 +6,29 @@ those that are not parted so the plainest is taken: what nobody would look for f
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.diagnose.estimation.beside_state_force import Beside, along_the_recordings, beside
+from harness.diagnose.estimation.beside_state_force import ENOUGH, Beside, along_the_recordings, beside
 from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.objective import LOST
 from harness.diagnose.estimation.state_force import StateForce
-from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate
+from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate, Hypothesis
 from harness.diagnose.selection.scans.catalogue import scanned
+from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.study import Study
+from harness.diagnose.selection.wald_test import absent
 from harness.effects.scale import pull
 
+Array = NDArray[np.float64]
+
 UNPARTED = 10.0  # twice the logarithm of the odds, below which sets cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
+STRONGLY = 6.0  # the same, from which on evidence is called strong
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,13 +38,87 @@ class Evidence:
     force: StateForce
     rough: Likelihood
 
-    def beside(self, study: Study, fitted: Fit) -> Beside:
-        """A set and the force that it leaves out, together; however the set was weighed for the fit that this begins at."""
-        key = fitted.hypothesis.identity, fitted.windows
-        if key not in self.force.known:
-            self.force.known[key] = _beside(self.force, study, self.rough, fitted)
-        found: Beside = self.force.known[key]
+    def has(self, fitted: Fit) -> bool:
+        """Whether a set has been looked at in its windows."""
+        return (fitted.hypothesis.identity, fitted.windows) in self.force.known
+
+    def beside(self, study: Study, fitted: Fit, *, by_itself: bool = False) -> Beside:
+        """A set and the force that it leaves out, together; however the set was weighed for the fit that this begins at.
+
+        It is begun from sets that have been looked at, where there are such ones; by_itself: from its own fit, too.
+        """
+        own, key = fitted.hypothesis.identity, (fitted.hypothesis.identity, fitted.windows)
+        found: Beside | None = self.force.known.get(key)
+        part = self._likeliest_of(fitted, lambda other: other < own)
+        whole = self._likeliest_of(fitted, lambda other: own < other and len(other) == len(own) + 1)
+
+        def behind(other: Beside | None, by: float) -> bool:
+            return other is not None and (found is None or other.surprise < found.surprise - by)
+
+        def begun(at: Beside | None) -> Beside | None:
+            pair = key, own if at is None else at.hypothesis.identity
+            if pair in self.force.begun:
+                return found
+            self.force.begun.add(pair)
+            starts = () if at is None else self._starts(study, fitted, at)
+            objective = study.objective_under(self.rough, fitted)
+            other = beside(self.force, objective, fitted, study.whole(fitted.hypothesis), starts)
+            return other if found is None or other.surprise < found.surprise else found
+
+        # No part of a set is likelier than the set: where it seems so, the set has ended elsewhere. What is far less likely than a
+        # set of one more may have ended where a joint sticks in the wrong place.
+        if behind(part, ENOUGH):
+            found = begun(part)
+        if behind(whole, 2.0 * UNPARTED):
+            found = begun(whole)
+        if by_itself or found is None or (part is None and behind(whole, 2.0 * UNPARTED)):
+            found = begun(None)
+        assert found is not None  # begun by itself at the latest
+        self.force.known[key] = found
         return found
+
+    def _likeliest_of(self, fitted: Fit, such: Callable[[frozenset[str]], bool]) -> Beside | None:
+        """The likeliest of such sets that have been looked at in the same windows, with a force beside it."""
+        rows = [
+            found
+            for (identity, windows), found in self.force.known.items()
+            if windows == fitted.windows and such(identity) and found.nodes is not None
+        ]
+        return min(rows, key=lambda found: found.surprise, default=None)
+
+    def _starts(self, study: Study, fitted: Fit, other: Beside) -> list[Beside]:
+        """A set from where another one stands beside the force; what that has not as the own fit has it, and absent."""
+        hypothesis, count, keys = fitted.hypothesis, len(study.predictor.nominal), other.hypothesis.keys
+        x = fitted.x.copy()
+        x[:count] = other.x[:count]
+        new = []
+        for k, member in enumerate(hypothesis.members):
+            span = hypothesis.span(k)
+            place = slice(count + span.start, count + span.stop)
+            if member.key in keys:
+                known = other.hypothesis.span(keys.index(member.key))
+                x[place] = other.x[count + known.start : count + known.stop]
+            elif member.size:
+                new.append((place.start, absent(member, x[place])))
+        states = {w: carry_state(study.predictor, other.hypothesis, hypothesis, s) for w, s in other.states.items()}
+        starts = [x]
+        if new and all(np.isfinite(value) for _, value in new):
+            starts.append(x.copy())
+            for place, value in new:
+                starts[-1][place] = value
+        return [replace(other, x=start, states=states) for start in starts]
+
+    def loudness(self, found: Beside) -> Array:
+        """Variance of every channel beside a set and its force, in units of the sensors', as samples that err together leave it."""
+        if found.shape is not None:
+            return np.asarray(found.shape.louder * self.force.together)
+        left = sum(np.sum(r.reshape(self.force.channels, -1) ** 2, axis=1) for r in found.residuals)
+        counts = sum(np.count_nonzero(r.reshape(self.force.channels, -1), axis=1) for r in found.residuals)
+        return np.asarray(np.maximum(left / np.maximum(counts, 1), 1.0) * self.force.together)
+
+    def price(self, study: Study, member: Candidate) -> float:
+        """What a further member has to gain."""
+        return study.numbers(member) * float(np.log(study.samples)) + _odds(study, member)
 
     def criterion(self, study: Study, fitted: Fit) -> float:
         """−2 log of how likely the recordings are under a set, the price of its numbers, and how plausible they and its members
@@ -53,10 +133,6 @@ class Evidence:
         return found.surprise + prior + sum(_odds(study, m) for m in fitted.hypothesis.members)
 
 
-def _beside(force: StateForce, study: Study, rough: Likelihood, fitted: Fit) -> Beside:
-    return beside(force, study.objective_under(rough, fitted), fitted, study.whole(fitted.hypothesis))
-
-
 def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, reference: Fit) -> Evidence | None:
     """The measure for sets of a study; None where channels do not answer linearly to forces.
 
@@ -69,8 +145,14 @@ def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, referen
     force = along_the_recordings(study.objective_under(rough, along), along, held, torque, study.swing)
     if force is None:
         return None
-    usual = _beside(force, study, rough, reference)
-    force.together = np.maximum(hanging_together([r.reshape(force.channels, -1) for r in usual.residuals]), 1.0)
+
+    def err_together(residuals: Sequence[Array]) -> Array:
+        return np.maximum(hanging_together([r.reshape(force.channels, -1) for r in residuals]), 1.0)
+
+    # Beside white noise the force would be as rough as it takes to leave nothing else.
+    force.together = err_together(along.linear.residuals)
+    usual = beside(force, study.objective_under(rough, reference), reference, study.whole(reference.hypothesis))
+    force.together = err_together(usual.residuals)
     force.shape = usual.shape
     return Evidence(force, rough)
 
@@ -85,21 +167,33 @@ def without_placed(study: Study, fitted: Fit) -> Fit:
 
     One of the places always fits some of what any force does, and recordings of one rig repeat that.
     """
-    while any(map(placed, fitted.hypothesis.members)):
-        fitted = study.reduce(fitted, [placed(member) for member in fitted.hypothesis.members].index(True))
-    return fitted
+    kept = [k for k, member in enumerate(fitted.hypothesis.members) if not placed(member)]
+    if len(kept) == len(fitted.hypothesis.members):
+        return fitted
+    hypothesis = Hypothesis(tuple(fitted.hypothesis.members[k] for k in kept))
+    count = len(study.predictor.nominal)
+    spans = [fitted.hypothesis.span(k) for k in kept]
+    x = np.concatenate([fitted.x[:count], *(fitted.x[count + span.start : count + span.stop] for span in spans)])
+    return study.known(hypothesis) or study.fit(hypothesis, [x], fitted)
 
 
 def plainest(weighed: Iterable[tuple[float, Fit]]) -> Fit:
-    """Of fits that are not parted from the best one by their criteria, the one that leaves least with the fewest curious laws.
+    """Of fits that are not parted from the best one by their criteria, the one that predicts best with the fewest curious laws.
 
-    Laws that are no plain ones can be bent to what nobody has named. Of plain laws and an unknown force that do as well, the laws
-    say more.
+    Laws that are no plain ones can be bent to what nobody has named. Of plain laws and an unknown force that do about as well, the
+    laws say more: those that make free runs better (Akaike's criterion) stand.
     """
     rows = list(weighed)
+    alike = _within(rows, UNPARTED)
+    fewest = min(curious(fitted) for _, fitted in alike)
+    plain = _within([row for row in alike if curious(row[1]) == fewest], STRONGLY)
+    return min((fitted for _, fitted in plain), key=lambda fitted: fitted.score + 2.0 * fitted.hypothesis.size)
+
+
+def _within(rows: Sequence[tuple[float, Fit]], spare: float) -> list[tuple[float, Fit]]:
+    """Those whose criterion is no more than so far from the lowest."""
     lowest = min(value for value, _ in rows)
-    alike = [(value, fitted) for value, fitted in rows if value < lowest + UNPARTED]
-    return min(alike, key=lambda row: (curious(row[1]), row[1].cost))[1]
+    return [row for row in rows if row[0] <= lowest + spare]
 
 
 def _odds(study: Study, member: Candidate) -> float:

@@ -25,7 +25,7 @@ def rise_without(fitted: Fit, nominal: int, k: int) -> float:
     own = fitted.x[nominal + span.start : nominal + span.stop]
     if not member.effect.parameters:
         return np.inf
-    away = _absent(member, own) - own[0]
+    away = absent(member, own) - own[0]
     if not np.isfinite(away):
         return np.inf
     free = fitted.free.copy()
@@ -39,7 +39,7 @@ def rise_without(fitted: Fit, nominal: int, k: int) -> float:
     return float(left @ left - here @ here)
 
 
-def _absent(member: Candidate, own: Array) -> float:
+def absent(member: Candidate, own: Array) -> float:
     """Where a member's first coordinate stands when it is absent."""
     values = from_internal(member, own)
     values[0] = member.effect.parameters[0].neutral

@@ -1,0 +1,79 @@
+"""Intervals beside a force over the state: what every set that the recordings speak for says of an effect's numbers, averaged.
+
+A set's numbers are where it and the force that it leaves out are likeliest together, as uncertain as the curvature there says with
+that force free; sets count by their evidence (Bayesian model averaging; Hoeting et al., Stat. Sci. 14 (1999) 382).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.stats import norm
+
+from harness.diagnose.claims.posterior import weighed
+from harness.diagnose.estimation.intervals import WIDE, Estimate
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.prediction.coordinates import from_internal
+from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.state_evidence import Evidence
+
+Array = NDArray[np.float64]
+
+NOTHING = 1e-6  # share of the posterior that changes no quantile
+FARTHEST = 10.0  # standard deviations, within which a quantile of a mixture is looked for
+
+
+def averaged(
+    outcome: Outcome, evidence: Evidence, told: Fit, *, at_hand: bool = False
+) -> dict[str, dict[str, Estimate]]:
+    """Estimates of every member of ``told`` by its key and parameter; values are those of ``told``.
+
+    at_hand: by the sets that have been looked at, so that no run is needed.
+    """
+    study, count = outcome.study, len(outcome.predictor.nominal)
+    rows: dict[str, list[tuple[float, Array, Array]]] = {member.key: [] for member in told.hypothesis.members}
+    for share, fitted in weighed(outcome, at_hand=at_hand):
+        found = evidence.beside(study, fitted)
+        if share < NOTHING or not np.isfinite(found.spread).all():
+            continue
+        for k, member in enumerate(fitted.hypothesis.members):
+            if member.key in rows:
+                span = fitted.hypothesis.span(k)
+                place = slice(count + span.start, count + span.stop)
+                rows[member.key].append((share, found.x[place], found.spread[place]))
+    out = {}
+    for k, member in enumerate(told.hypothesis.members):
+        span = told.hypothesis.span(k)
+        out[member.key] = _estimates(member, told.x[count + span.start : count + span.stop], rows[member.key])
+    return out
+
+
+def _estimates(member: Candidate, own: Array, rows: Sequence[tuple[float, Array, Array]]) -> dict[str, Estimate]:
+    values = from_internal(member, own)
+    out = {}
+    for j, parameter in enumerate(member.effect.parameters):
+        ends = [own[j]] * 2
+        if rows:
+            weights, means, spreads = (
+                np.array(column) for column in zip(*((w, x[j], s[j]) for w, x, s in rows), strict=True)
+            )
+            ends += [quantile(weights, means, spreads, level) for level in (norm.cdf(-WIDE), norm.cdf(WIDE))]
+        there = [float(from_internal(member, np.where(np.arange(len(own)) == j, end, own))[j]) for end in ends]
+        low, high = max(min(there), parameter.lower), min(max(there), parameter.upper)
+        out[parameter.name] = Estimate(float(values[j]), (high - low) / (2.0 * WIDE), low, high)
+    return out
+
+
+def quantile(weights: Array, means: Array, spreads: Array, level: float) -> float:
+    """Of a mixture of normal distributions, each (K,)."""
+    share = weights / weights.sum()
+    spreads = np.maximum(spreads, 1e-12)
+
+    def beyond(x: float) -> float:
+        return float(share @ norm.cdf((x - means) / spreads)) - level
+
+    return float(brentq(beyond, np.min(means - FARTHEST * spreads), np.max(means + FARTHEST * spreads)))

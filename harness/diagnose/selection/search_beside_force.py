@@ -1,0 +1,127 @@
+"""The search for sets of laws beside a force over the state: sets grow and shrink by that evidence alone.
+
+Sets that leave a force out are not told apart by what they leave of free runs: the force is in the evidence, and what a law is
+worth is what the recordings say beyond it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.hypothesis import Candidate, dear
+from harness.diagnose.selection.rewrites.special_case import specialized
+from harness.diagnose.selection.score_beside_force import promised, ranked_beside
+from harness.diagnose.selection.score_tests import Score
+from harness.diagnose.selection.state_evidence import (
+    UNPARTED,
+    Evidence,
+    curious,
+    evidence_over_the_state,
+    placed,
+    plainest,
+    without_placed,
+)
+from harness.diagnose.selection.study import Study
+
+ABREAST = 2  # sets that are grown and shrunk side by side: of two that are as good, one may have the wrong law
+TRIES = 3  # further members that are fitted beside a set, of those that promise most
+GENEROUS = 2.0  # times what the linear view promises
+HOPE = (
+    0.5 * UNPARTED
+)  # by which a set may turn out likelier than a linear view promises: the force beside it moves otherwise
+BEHIND = 2.0 * UNPARTED  # the best set, from which on nothing is tried beside a set
+OUT_OF_REACH = 10.0 * UNPARTED  # of a set, from which on further plain laws are not asked about
+MOST_ROUNDS = 12
+LEFT = "further sets of effects beside the force that is left out", "another set may be likelier, or as likely"
+
+
+def likeliest_beside(study: Study, evidence: Evidence, seeds: Sequence[Fit], progress: Callable[[str], None]) -> Fit:
+    """The plainest of the sets that are not parted from the likeliest one, of the seeds and what can be reached from them."""
+    return plainest(_reached(study, evidence, seeds, progress, [c for c in study.candidates if not placed(c)]))
+
+
+def plain_instead(study: Study, found: Fit, progress: Callable[[str], None]) -> Fit | None:
+    """The plain set that beside a force over the state is likelier than this one, where there is such a one.
+
+    Of a set that leaves nothing but noise: laws that can be bent to many shapes may be pieces of what nobody has named. Where one
+    was chosen among many places, it is enough that the two are not parted.
+    """
+    if not curious(found):
+        return None
+    plain = sorted((f for f in study.fits.values() if not curious(f)), key=study.criterion)[:ABREAST]
+    if not plain:
+        return None
+    evidence = evidence_over_the_state(study, study.likelihood.of_sensors, found, plain[0])
+    if evidence is None:
+        return None
+    progress("plain laws and a force that is left out")
+    own = evidence.criterion(study, found)
+    if min(evidence.criterion(study, f) for f in plain) > own + OUT_OF_REACH:
+        return None
+    rows = _reached(study, evidence, plain, progress, [c for c in study.candidates if c.effect.plain])
+    value, likeliest = min(rows, key=lambda row: row[0])
+    spare = UNPARTED if any(map(placed, found.hypothesis.members)) else 0.0
+    return likeliest if value < own + spare else None
+
+
+def _reached(
+    study: Study,
+    evidence: Evidence,
+    seeds: Sequence[Fit],
+    progress: Callable[[str], None],
+    candidates: Sequence[Candidate],
+) -> list[tuple[float, Fit]]:
+    """The sets that can be reached from some with these candidates, each with its criterion."""
+    known: dict[frozenset[str], tuple[float, Fit]] = {}
+    expanded: set[frozenset[str]] = set()
+
+    def weigh(fitted: Fit) -> None:
+        if fitted.hypothesis.identity not in known:
+            known[fitted.hypothesis.identity] = evidence.criterion(study, fitted), fitted
+
+    def front() -> list[Fit]:
+        rows = sorted(known.values(), key=lambda row: row[0])
+        rows = [row for row in rows if row[0] < rows[0][0] + BEHIND]
+        # The plainest of what is not parted will be taken: that is looked for as well.
+        chosen = rows[:ABREAST] + [row for row in rows[ABREAST:] if not curious(row[1])][:1]
+        return [fitted for _, fitted in chosen if fitted.hypothesis.identity not in expanded]
+
+    begun = [without_placed(study, fitted) for fitted in seeds]
+    for fitted in begun:
+        # Where one of them has ended in a wrong valley, the others begun from it would end there too.
+        evidence.beside(study, fitted, by_itself=True)
+    for fitted in begun:
+        weigh(fitted)
+
+    def grown() -> None:
+        for _ in range(MOST_ROUNDS):
+            asked = front()
+            if not asked:
+                return
+            progress(" + ".join(asked[0].hypothesis.keys) or "nothing")
+            for fitted in asked:
+                expanded.add(fitted.hypothesis.identity)
+                for k in range(len(fitted.hypothesis.members)):
+                    weigh(study.reduce(fitted, k))
+                for special in specialized(study, fitted):
+                    weigh(special)
+                for found in _promising(study, evidence, fitted, candidates):
+                    weigh(study.extend(fitted, found))
+
+    study.predictor.deadline.attempt(*LEFT, grown, lambda: None)
+    return list(known.values())
+
+
+def _promising(study: Study, evidence: Evidence, fitted: Fit, candidates: Sequence[Candidate]) -> list[Score]:
+    """Further members that are worth fitting beside a set and its force, those that promise most first.
+
+    The usual laws are all asked about; of others those by whose score they might pay. What is dear to run is weighed only where the
+    search under noise alone came upon it.
+    """
+    ranked = ranked_beside(evidence, study, fitted, [c for c in candidates if not dear(c)])
+    usual = [s for s in ranked if s.candidate.effect.plain]
+    others = [s for s in ranked if not s.candidate.effect.plain]
+    asked = usual + [s for s in others if GENEROUS * s.gain > evidence.price(study, s.candidate)][:TRIES]
+    rows = [(promised(evidence, study, fitted, s), s) for s in asked]
+    return [s for gain, s in sorted(rows, key=lambda row: -row[0]) if gain > -HOPE][:TRIES]
