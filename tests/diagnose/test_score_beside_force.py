@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from harness.diagnose.estimation.beside_state_force import Beside
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linearisation import Linearisation
 from harness.diagnose.estimation.state_force import Force, StateForce
@@ -34,9 +33,8 @@ def test_a_direction_gains_what_generalised_least_squares_says() -> None:
     linear = Linearisation(0.0, tuple(residuals), (), np.zeros((0, 2)), np.zeros(0), tuple(bases), tuple(shared))
     states = {w: np.zeros(STATES) for w in windows}
     here = Fit(Hypothesis(), windows, x, states, linear, 0.0, True, np.ones(2, dtype=bool))
-    found = Beside(Hypothesis(), 0.0, x, np.ones(2), states, None, tuple(residuals), nodes, shape)  # type: ignore[arg-type]
 
-    space = adjustable(force, found, here, 1, loud)
+    space = adjustable(force, shape, nodes, here, 1, loud)
     columns = [random.normal(size=(1, READINGS)) for _ in windows]
     gain = space.measure(columns).gains()[0]
 

@@ -142,21 +142,7 @@ def test_the_examples_work_of_friction_is_what_a_swing_loses(dry: float, viscous
 
 @pytest.mark.parametrize(("viscous", "dry"), [(2e-3, 0.0), (0.0, 2e-3)])
 def test_the_example_sees_friction_of_swings_that_stay_large(tmp_path, viscous: float, dry: float) -> None:
-    (tmp_path / "model.toml").write_text(
-        """name = "rig"
-[[joint]]
-name = "pivot"
-type = "continuous"
-parent = "base"
-child = "bar"
-axis = [0, 1, 0]
-[[link]]
-name = "bar"
-mass = 0.5
-com = [0, 0, -0.2]
-inertia = [0.004, 0.004, 1e-6]
-"""
-    )
+    (tmp_path / "model.toml").write_text(MODEL)
     rng = np.random.default_rng(2)
     time = np.arange(0.0, 6.0, 5e-3)
     for k, angle in enumerate((0.97, 0.67, 0.8), 1):

@@ -77,13 +77,10 @@ def answer(
         *PROFILED, lambda: _intervals(outcome, conclusion), lambda: _curvatures(outcome, conclusion)
     )
     values = {key: loosened(outcome, how, key, own) for key, own in told.items()}
-    again = {claim.candidate.key: repeatability(outcome, how, claim.candidate.key) for claim in conclusion.claims}
+    claims = {claim.candidate.key: claim for claim in conclusion.claims}
+    again = {key: repeatability(outcome, how, key) for key in claims}
     foretold = deadline.attempt(*FORETOLD, lambda: foretells(outcome, conclusion), lambda: False, spared=True)
-    grades = {
-        key: grade(outcome, conclusion, claim, values[key], again[key], foretold)
-        for claim in conclusion.claims
-        for key in (claim.candidate.key,)
-    }
+    grades = {k: grade(outcome, conclusion, claim, values[k], again[k], foretold) for k, claim in claims.items()}
     left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion), lambda: None, spared=True)
     best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None)
     zeros: dict[str, list[Zero]] = {key: [] for key in values}

@@ -37,8 +37,10 @@ def averaged(
     study, count = outcome.study, len(outcome.predictor.nominal)
     rows: dict[str, list[tuple[float, Array, Array]]] = {member.key: [] for member in told.hypothesis.members}
     for share, fitted in weighed(outcome, at_hand=at_hand):
+        if share < NOTHING:
+            continue
         found = evidence.beside(study, fitted)
-        if share < NOTHING or not np.isfinite(found.spread).all():
+        if not np.isfinite(found.spread).all():
             continue
         for k, member in enumerate(fitted.hypothesis.members):
             if member.key in rows:

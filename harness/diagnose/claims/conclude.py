@@ -18,7 +18,7 @@ from harness.diagnose.criticism.checks.held_out_misfit import WORSE
 from harness.diagnose.criticism.doubt import doubtful, doubtful_together
 from harness.diagnose.criticism.held_out import CARRIES, a_force_as_well, carries, firm
 from harness.diagnose.criticism.members import beside_force
-from harness.diagnose.criticism.remainder import AT_FLOOR, Remains, answers, asked_of, examine
+from harness.diagnose.criticism.remainder import Remains, above_floor, answers, asked_of, examine
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
 from harness.diagnose.criticism.unparted import special_case, unparted
 from harness.diagnose.estimation.least_squares import Fit, fit
@@ -380,8 +380,10 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
         further = [test for _, test in answers(left, asked_of(Asked.BESIDE_A_REMAINDER))]
         remains = replace(remains, tests=(*remains.tests, *further))
     # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
-    floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)
-    above = _level(outcome, held) > floor and follows_itself(by_channel(held, held.windows)) < LEVEL
+    above = (
+        above_floor(_level(outcome, held), outcome.study.likelihood)
+        and follows_itself(by_channel(held, held.windows)) < LEVEL
+    )
     return remains, remains.significant or above
 
 

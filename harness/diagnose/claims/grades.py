@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.criticism.held_out import FAKED
-from harness.diagnose.criticism.remainder import AT_FLOOR
+from harness.diagnose.criticism.remainder import above_floor
 from harness.diagnose.estimation.discrepancy import responses
 from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
 from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled
@@ -133,7 +133,8 @@ def grade(
 
     values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
-    if conclusion.hurried and outcome.evidence is None and _above_noise(outcome, conclusion):
+    unweighed = conclusion.hurried and outcome.evidence is None
+    if unweighed and (outcome.force is not None or above_floor(conclusion.level, outcome.study.likelihood)):
         return POSSIBLE
     if outcome.force is None:
         if not conclusion.remains.significant:
@@ -156,11 +157,6 @@ def grade(
     vague = first is not None and values[first.name].high > VAGUE * abs(values[first.name].value)
     itself = outcome.evidence is None or claim.probability >= SURE
     return ESTABLISHED if stands and all(stands) and not vague and itself else LIKELY
-
-
-def _above_noise(outcome: Outcome, conclusion: Conclusion) -> bool:
-    floor = AT_FLOOR * np.sqrt(outcome.study.likelihood.rounded)
-    return outcome.force is not None or bool(conclusion.level > floor)
 
 
 def foretells(outcome: Outcome, conclusion: Conclusion) -> bool:

@@ -17,10 +17,16 @@ import numpy as np
 from harness.diagnose.criticism.check import LEVEL, Asked, Check, Form, Map, Remainder, Test
 from harness.diagnose.criticism.checks.catalogue import checks
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.selection.study import Study
 from harness.parallel import meanwhile
 
 AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
+
+
+def above_floor(level: float, likelihood: Likelihood) -> bool:
+    """Whether what is left of data held out, over the noise, is more than a complete model leaves of readings so rounded."""
+    return bool(level > AT_FLOOR * np.sqrt(likelihood.rounded))
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,7 +66,7 @@ def beside(
     """
 
     def fitted_at(nodes: Array, x: Array, states: States, force_there: Force) -> Point:
-        there = replace(objective, predictor=objective.predictor.pushed(force.pushes(-nodes)))
+        there = _pushed(force, objective, nodes)
         loud = float(np.mean(force_there.louder * force.together))
         found = fit(there, x, states, fixed=held, most_steps=MOST_STEPS, enough=0.2 * loud, louder=loud)
         return Point(there, nodes, found.x, found.states, found.linear)
@@ -128,12 +128,17 @@ def _descended(
     return best, here
 
 
+def _pushed(force: StateForce, objective: Objective, nodes: Array) -> Objective:
+    """The same with what a set leaves out pushed, the forces at the nodes less than nothing."""
+    return replace(objective, predictor=objective.predictor.pushed(force.pushes(-nodes)))
+
+
 def looked_at(
     force: StateForce, objective: Objective, nodes: Array | None, x: Array, states: States, held: NDArray[np.bool_]
 ) -> Point:
     """Runs of a set with the force at the nodes, if there is one, and a linear view of them. held: numbers that do not move."""
     if nodes is not None:
-        objective = replace(objective, predictor=objective.predictor.pushed(force.pushes(-nodes)))
+        objective = _pushed(force, objective, nodes)
     _, upper = objective.bounds()
     return Point(objective, nodes, x, states, linearise(objective, x, states, upper=upper, fixed=held))
 
@@ -206,7 +211,7 @@ def _held(force: StateForce, there: Point, shapes: Sequence[Force]) -> Beside:
     if there.at.cost < LOST and there.nodes is not None:
         sums = _sums(force, there.objective, there.x, there.at, None)
         # On the way there noise is as loud as what is left.
-        louder = np.maximum(sums.left / sums.counts, 1.0)
+        louder = sums.louder
         rows = [
             (force.held(sums, there.nodes, own), own) for own in (replace(shape, louder=louder) for shape in shapes)
         ]

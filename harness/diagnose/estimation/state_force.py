@@ -76,6 +76,11 @@ class Sums:
     stiff: Array
     deviations: Array
 
+    @property
+    def louder(self) -> Array:
+        """Variance of what is left, in units of the sensors', (C,)."""
+        return np.asarray(np.maximum(self.left / self.counts, 1.0))
+
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
@@ -232,22 +237,26 @@ class StateForce:
 
     def without(self, sums: Sums) -> float:
         """The same with no force at all."""
-        louder = np.maximum(sums.left / sums.counts, 1.0)
-        none = Force(np.full(self.joints, SMALLEST), np.ones(2), louder)
-        return self._noise(sums, none, float(np.sum(sums.left / louder / self.together))) + float(
+        none = Force(np.full(self.joints, SMALLEST), np.ones(2), sums.louder)
+        return self._noise(sums, none, float(np.sum(sums.left / sums.louder / self.together))) + float(
             np.sum(sums.deviations**2)
         )
 
     def spread(self, sums: Sums, force: Force | None) -> Array:
         """Standard deviations of a set's numbers (P,) where these residuals are left, the force at the nodes free as well."""
-        louder = np.maximum(sums.left / sums.counts, 1.0) if force is None else force.louder
-        k, count = len(self.joint), len(sums.products[0])
-        root = np.zeros((k, 0)) if force is None else self.prior_root(force)
-        scale = block_diag(root, np.eye(count - k))
-        inside = scale.T @ np.einsum("c,cij->ij", 1.0 / (louder * self.together), sums.squares) @ scale
-        inside[np.diag_indices(len(inside))] += np.concatenate([np.ones(root.shape[1]), sums.stiff])
+        root = np.zeros((len(self.joint), 0)) if force is None else self.prior_root(force)
+        _, inside = self._information(sums, root, sums.louder if force is None else force.louder)
         half = solve_triangular(_root(inside), np.eye(len(inside)), lower=True, check_finite=False)
         return np.sqrt(np.sum(half**2, axis=0))[root.shape[1] :]
+
+    def _information(self, sums: Sums, root: Array, louder: Array) -> tuple[Array, Array]:
+        """What forces, in units of their prior's root (k, K), and numbers are scaled by, and how well readings and priors know both
+        so scaled, (K + P, K + P)."""
+        scale = block_diag(root, np.eye(len(sums.stiff)))
+        inside = scale.T @ np.einsum("c,cij->ij", 1.0 / (louder * self.together), sums.squares) @ scale
+        # A weak prior keeps numbers that nothing tells where they are.
+        inside[np.diag_indices(len(inside))] += np.concatenate([np.ones(root.shape[1]), sums.stiff])
+        return np.asarray(scale), np.asarray(inside)
 
     def _noise(self, sums: Sums, force: Force, left: float) -> float:
         usual = float(np.sum(cauchy_surprise(force.sizes / USUAL)))
@@ -257,13 +266,8 @@ class StateForce:
         """What one size and shape say, and the slope of its surprise in the logarithms of sizes, loudness and lengths."""
         weights = 1.0 / (force.louder * self.together)
         root = self.prior_root(force)
-        k, count = len(root), len(sums.products[0])
-        scale = np.zeros((count, count))
-        scale[:k, :k], scale[k:, k:] = root, np.eye(count - k)
-        measured = np.einsum("c,cij->ij", weights, sums.squares)
-        inside = scale.T @ measured @ scale
-        # A weak prior keeps numbers that nothing tells where they are.
-        inside[np.diag_indices(count)] += np.concatenate([np.ones(k), sums.stiff])
+        k = len(root)
+        scale, inside = self._information(sums, root, force.louder)
         seen = scale.T @ (weights @ sums.products)
         seen[k:] -= sums.deviations
         lower = _root(inside)
@@ -291,7 +295,7 @@ class StateForce:
     def likeliest(self, sums: Sums, near: Force | None = None) -> Likeliest:
         """The least surprise over size, shape and loudness. near: where to begin, if something is known."""
         joints, count = self.joints, self.channels
-        loud = np.maximum(sums.left / sums.counts, 1.0)
+        loud = sums.louder
 
         def force(z: Array) -> Force:
             return Force(np.exp(z[:joints]), np.exp(z[joints + count :]), np.exp(z[joints : joints + count]))

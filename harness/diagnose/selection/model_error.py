@@ -29,11 +29,8 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.dissipation_starts import everywhere, with_one_change
 from harness.diagnose.selection.rewrites.special_case import specialized
-from harness.diagnose.selection.search_beside_force import likeliest_beside, plain_instead
-from harness.diagnose.selection.state_evidence import (
-    Evidence,
-    evidence_over_the_state,
-)
+from harness.diagnose.selection.search_beside_force import ABREAST, likeliest_beside, plain_instead
+from harness.diagnose.selection.state_evidence import Evidence, evidence_over_the_state
 from harness.diagnose.selection.study import HOPELESS, Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
@@ -45,7 +42,6 @@ ROUNDS = 5  # of estimating the force and weighing again
 SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
 SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
 LINEAR = 0.2  # of what laws leave (RMS), by which a linear view of an error that would explain it may be wrong
-ABREAST = 2  # sets that members are left out of side by side: of two that are as good, one may have the wrong law
 PLAINLY = (
     8.0  # of what a set leaves (squares): three times the error is more than a law costs, whatever else is fitted anew
 )

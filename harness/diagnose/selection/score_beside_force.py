@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, cholesky, solve_triangular
 
-from harness.diagnose.estimation.beside_state_force import Beside, looked_at, stiffness
+from harness.diagnose.estimation.beside_state_force import looked_at, stiffness
 from harness.diagnose.estimation.discrepancy import profiled
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linearisation import linearise
-from harness.diagnose.estimation.state_force import StateForce
+from harness.diagnose.estimation.state_force import Force, StateForce
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, compatible
 from harness.diagnose.selection.score_tests import Nuisance, Score, carry_state, score
@@ -37,7 +37,7 @@ def ranked_beside(evidence: Evidence, study: Study, fitted: Fit, candidates: Seq
         objective, found.x, found.states, upper=objective.bounds()[1], fixed=study.whole(fitted.hypothesis)
     )  # fmt: skip
     here = replace(fitted, x=found.x, states=found.states, linear=at)
-    space = adjustable(evidence.force, found, here, objective.nominal, loud)
+    space = adjustable(evidence.force, found.shape, found.nodes, here, objective.nominal, loud)
     asked = [c for c in candidates if compatible(fitted.hypothesis, c) and not c.effect.switch]
     return score(here, found.predictor, likelihood, asked, study.problem, [space])
 
@@ -58,14 +58,16 @@ def promised(evidence: Evidence, study: Study, fitted: Fit, found: Score) -> flo
     return beside.surprise - aim.value - evidence.price(study, found.candidate)
 
 
-def adjustable(force: StateForce, found: Beside, here: Fit, nominal: int, loud: Array) -> Nuisance:
+def adjustable(
+    force: StateForce, shape: Force | None, nodes: Array | None, here: Fit, nominal: int, loud: Array
+) -> Nuisance:
     """What a set and the force beside it may adjust, at their mode. loud: variance by which channels are whitened."""
     size, free = len(here.x), here.free
     root = np.zeros((len(force.joint), 0))
     away = np.zeros(0)
-    if found.shape is not None and found.nodes is not None:
-        root = force.prior_root(found.shape)
-        away = solve_triangular(root, found.nodes, lower=True, check_finite=False)
+    if shape is not None and nodes is not None:
+        root = force.prior_root(shape)
+        away = solve_triangular(root, nodes, lower=True, check_finite=False)
     own = profiled(here.linear)
     columns = []
     for window, part, shared in zip(here.windows, own, here.linear.shared, strict=True):
