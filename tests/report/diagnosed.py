@@ -43,7 +43,7 @@ def document() -> dict[str, Any]:
         "summary": "The nominal model leaves the recordings by 100 times the noise; dry friction at pivot (torque 0.0118 N*m) "
         "holds up on data held out, but a significant remainder stays. What is left shows as a force over the state (pivot).",
         "complete": False,
-        "not_tried": ["backlash@pivot"],
+        "not_tried": [{"what": "sets with backlash at pivot", "may_change": "another set may be likelier"}],
         "explained_share": 0.9987,
         "notes": ["2 tendons of rig.xml are left out", {"where": "run1.csv", "what": "12 samples are missing", "done": "left out"}],
         "noise": [{"channel": "pivot.position", "std": NOISE, "unit": "rad"}],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 
+from diagnosed import document
 from lxml import html as lxml_html
 from rich.console import Console
 
@@ -113,6 +114,12 @@ def test_the_page_shows_everything_and_escapes_it():
         assert word in text
     assert NASTY not in page
     assert not re.findall(r"""(?:src|href)\s*=\s*["'](?!#)""", page)
+
+
+def test_what_there_was_no_time_for_is_said_in_words():
+    text = lxml_html.fromstring(diagnosis_html(document())).text_content()
+    assert "Not tried: sets with backlash at pivot." in text
+    assert "may_change" not in text
 
 
 def test_the_page_of_a_consistent_model():
