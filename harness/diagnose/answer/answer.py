@@ -11,7 +11,7 @@ from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis
-from harness.diagnose.answer.explain import NO_FINDING, finding_words, plainest, summary, untried
+from harness.diagnose.answer.explain import NO_FINDING, finding_words, foretelling, plainest, summary, untried
 from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.predictive import Predictive, predictive
@@ -98,6 +98,7 @@ def answer(
     ranked = deadline.attempt(*RANKED, lambda: _ranking(outcome, conclusion), lambda: _likeliest(outcome, conclusion))
     proposed = next_experiment()
     text = [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
+    text += [foretelling(best.fitted.hypothesis.keys, rows)] if best is not None and rows else []
     return Diagnosis(
         verdict=conclusion.verdict,
         summary=" ".join(filter(None, [*text, untried(deadline.not_tried)])),
@@ -111,6 +112,7 @@ def answer(
         discrepancy=left.document() if left is not None else [],
         predicting=best.fitted.hypothesis.keys if best is not None else (),
         predictive=best.system if best is not None else None,
+        unnamed_force=best.table if best is not None else None,
         next_experiment=proposed,
         quality=[
             {"recording": r.name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}

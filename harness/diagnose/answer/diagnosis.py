@@ -13,6 +13,7 @@ from harness.diagnose.answer.curves import Curves
 from harness.diagnose.answer.findings import MODIFIED_BY, Findings, numbers_of, one_by_one, rivals_of
 from harness.diagnose.answer.replay import Opening, replay, replayable
 from harness.diagnose.problem.deadline import NotTried
+from harness.effects.force_table import ForceTable
 from harness.system import System
 
 SCHEMA = "denoc.diagnosis/1"
@@ -28,7 +29,8 @@ class Diagnosis:
     engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
     with its laws fitted beside such levels, where recordings ask for them. explained_share: share of the nominal model's
     mean-square mismatch on data held out that the findings remove. discrepancy: the force that they leave out, a row a joint.
-    predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them. provenance:
+    predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them;
+    unnamed_force: the force over the state that is one of them, if it is. provenance:
     what the answer was made from. correlations: of the parameters told. notes: what reading the model left out, one line each.
     not_tried: what was left when the time was up.
     """
@@ -53,6 +55,7 @@ class Diagnosis:
     discrepancy: Sequence[Mapping[str, Any]] = ()
     predicting: Sequence[str] = ()
     predictive: System | None = None
+    unnamed_force: ForceTable | None = None
     provenance: Mapping[str, Any] | None = None
     correlations: Mapping[str, Any] | None = None
     notes: Sequence[str] = ()

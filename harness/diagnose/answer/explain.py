@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import floor, log10
+from typing import Any
 
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
@@ -54,6 +55,7 @@ def finding_words(
     return f"{title} at {site} ({said})" if said else f"{title} at {site}"
 
 
+BETTER = 0.9  # of the error on data held out: from there on another set predicts plainly better
 # Share of the greatest gain that a test must have to be told instead, because it says more.
 TELLING = 0.25
 
@@ -144,6 +146,22 @@ def _beside_a_force(
     if conclusion.doubted:
         sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
     return sentences
+
+
+def foretelling(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """The set that predicts best, in a sentence, where it predicts plainly better than what is claimed; or nothing.
+
+    rows: errors of every channel, of what is claimed and of that set.
+    """
+    better = [r for r in rows if r["predictive"]["heldout_rmse"] < BETTER * r["augmented"]["heldout_rmse"]]
+    if not better or not keys:
+        return ""
+    row = better[0]
+    errors = [f"{row[name]['heldout_rmse']:.2g}" for name in ("predictive", "augmented")]
+    return (
+        f"Best predicts, by the training recordings, {' + '.join(keys)} (predictive.toml): of the data held out it leaves "
+        f"{errors[0]} {written(row['unit'])} at {row['channel']}, what is claimed {errors[1]}."
+    )
 
 
 def percent(share: float) -> str:

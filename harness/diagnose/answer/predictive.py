@@ -1,70 +1,140 @@
 """The model that predicts best, beside the one that is claimed: doubt costs a claim, and need not cost a prediction.
 
 What may be claimed has to stand against everything that could imitate it; what predicts has only to predict. Sets that the search
-came near, and the ordinary dissipation of every joint all at once, are held against one another by cross-validation within the
-training recordings (Stone, J. R. Statist. Soc. B 36 (1974) 111), fitted by least squares of what the sensors read. The data held
-out have no say in the choice.
+came near, the ordinary dissipation of every joint all at once, and a few of these with the force over the state that they leave
+out are held against one another by cross-validation within the training recordings (Stone, J. R. Statist. Soc. B 36 (1974) 111).
+Sets are fitted by least squares of what the sensors read. The data held out have no say in the choice.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.answer.augmented import augmented
+from harness.diagnose.answer.augmented import attached, augmented
+from harness.diagnose.answer.ways_to_predict import Alone, Learned, Way, WithForce, can_have_force, free_run, left
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.estimation.intervals import estimates
-from harness.diagnose.estimation.least_squares import Fit, fit
-from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.dissipation_starts import plain_set
 from harness.diagnose.selection.investigation import Outcome
-from harness.system import System
+from harness.diagnose.selection.wald_test import absent
+from harness.effects.force_table import NAME, ForceTable
+from harness.system import Attachment, System
+
+Array = NDArray[np.float64]
 
 ZERO = "sensor_offset"  # of the ordinary set
 NEAREST = 3  # sets of the search beside the one claimed
 MOST_FOLDS = 3
 MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
 FEWEST_IN_PART = 25  # samples of a stretch that is left out
-STEPS = 15
 
 
 @dataclass(frozen=True, eq=False)
 class Predictive:
-    """The best predicting set: fitted to the training recordings, judged on the data held out, and the model with it."""
+    """The best predicting set: fitted to the training recordings, judged on the data held out, and the model with it.
+
+    table: the force over the state that acts in it, if one does.
+    """
 
     fitted: Fit
     held: Fit
     system: System
+    table: ForceTable | None = None
 
 
 def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
-    """The set that predicts best; None where noise is all that is left, or there is nothing to cross-validate by."""
+    """The way that predicts best; None where noise is all that is left, or there is nothing to cross-validate by."""
     folds = _folds(outcome)
     if outcome.force is None or len(folds) < 2:
         return None
+    fits = _fitted(outcome, _sets(outcome, conclusion))
+    ways: list[Way] = [Alone(outcome, own.hypothesis, own.x) for own in fits]
+    whole = all(w in outcome.training.windows for fold in folds for w in fold)
+    if outcome.evidence is not None and whole:
+        asked = (conclusion.own.hypothesis.identity, _ordinary(outcome).identity, frozenset[str]())
+        ways += [
+            WithForce(outcome, outcome.evidence, own)
+            for own in fits
+            if own.hypothesis.identity in asked and can_have_force(outcome, own.hypothesis)
+        ]
+    best = min(ways, key=lambda way: left(outcome, way, folds))
+    found = best.learned(outcome.training.windows)
+    if found is None:
+        return None
+    own = found.fitted
+    held = free_run(outcome, own.hypothesis, own.x, outcome.held_windows)
+    return Predictive(own, held, _system(outcome, found), found.table)
+
+
+def _sets(outcome: Outcome, conclusion: Conclusion) -> list[tuple[Hypothesis, Array]]:
+    """Sets that may predict best, each with numbers to begin at; those with fewer members first."""
     near = [f for f in outcome.ordered if f.hypothesis.keys != conclusion.own.hypothesis.keys][:NEAREST]
-    starts = [(f.hypothesis, f.x) for f in (conclusion.own, *near)]
-    ordinary = _ordinary(outcome)
-    if ordinary is not None:
-        starts.append(ordinary)
-    ranked = [(_left(outcome, hypothesis, x, folds), k) for k, (hypothesis, x) in enumerate(starts)]
-    hypothesis, x = starts[min(ranked)[1]]
-    objective = _objective(outcome, hypothesis)
-    own = fit(
-        objective.on(outcome.training.windows),
-        x,
-        _states(outcome, hypothesis, outcome.training.windows),
-        most_steps=2 * STEPS,
-    )
-    held = _free_run(outcome, own, outcome.held_windows)
-    members = [(m, estimates(outcome.predictor, own, k)) for k, m in enumerate(hypothesis.members)]
-    return Predictive(own, held, augmented(outcome.problem.system, outcome.predictor.nominal, own.x, members))
+    found = {f.hypothesis.identity: (f.hypothesis, f.x) for f in (conclusion.own, *near)}
+    nominal = np.zeros(len(outcome.predictor.nominal))
+    for hypothesis in (Hypothesis(), _ordinary(outcome)):
+        start = np.concatenate([nominal, *map(start_vector, hypothesis.members)])
+        found.setdefault(hypothesis.identity, (hypothesis, start))
+    return sorted(found.values(), key=lambda pair: len(pair[0].members))
+
+
+def _ordinary(outcome: Outcome) -> Hypothesis:
+    """The ordinary dissipation of every joint, an inertia and a zero: what a plain least-squares fit has."""
+    if len(outcome.problem.system.movable_joints) > MOST_JOINTS:
+        return Hypothesis()
+    return plain_set(outcome.study.candidates, ZERO)
+
+
+def _fitted(outcome: Outcome, sets: Sequence[tuple[Hypothesis, Array]]) -> list[Fit]:
+    """Sets fitted to the training windows.
+
+    A set leaves no more than any part of it: each is begun from its parts as well, with what these have not absent.
+    """
+    windows, found = outcome.training.windows, list[Fit]()
+    for hypothesis, x in sets:
+        own = Alone(outcome, hypothesis, x).learned(windows).fitted
+        for part in [f for f in found if f.hypothesis.identity < hypothesis.identity]:
+            if part.score < own.score and (start := _from_part(outcome, part, hypothesis)) is not None:
+                own = min(own, Alone(outcome, hypothesis, start).learned(windows).fitted, key=lambda f: f.score)
+        found.append(own)
+    return found
+
+
+def _from_part(outcome: Outcome, part: Fit, hypothesis: Hypothesis) -> Array | None:
+    """A set's numbers where it is what a part of it is; None where a further member has no size at which it is absent."""
+    count = len(outcome.predictor.nominal)
+    pieces = [part.x[:count]]
+    for member in hypothesis.members:
+        if member.key in part.hypothesis.keys:
+            span = part.hypothesis.span(part.hypothesis.keys.index(member.key))
+            pieces.append(part.x[count + span.start : count + span.stop])
+            continue
+        own = start_vector(member)
+        if member.size:
+            own[0] = absent(member, own)
+        pieces.append(own)
+    x = np.concatenate(pieces)
+    return x if np.isfinite(x).all() else None
+
+
+def _system(outcome: Outcome, found: Learned) -> System:
+    """The model with what predicts best attached."""
+    own = found.fitted
+    named = [
+        (m, estimates(outcome.predictor, own, k)) for k, m in enumerate(own.hypothesis.members) if m.effect.name != NAME
+    ]
+    system = augmented(outcome.problem.system, outcome.predictor.nominal, own.x, named)
+    if found.table is None:
+        return system
+    further = [Attachment(NAME, joint, {"table": float(k)}) for k, joint in enumerate(found.table.joints)]
+    return attached(system, further)
 
 
 def _folds(outcome: Outcome) -> list[tuple[Window, ...]]:
@@ -79,42 +149,3 @@ def _folds(outcome: Outcome) -> list[tuple[Window, ...]]:
     groups = [[w for w in windows if w.run == run] for run in runs] if len(runs) > 1 else [[w] for w in windows]
     count = min(len(groups), MOST_FOLDS)
     return [tuple(w for group in groups[k::count] for w in group) for k in range(count)]
-
-
-def _ordinary(outcome: Outcome) -> tuple[Hypothesis, NDArray[np.float64]] | None:
-    """The ordinary dissipation of every joint, an inertia and a zero: what a plain least-squares fit has."""
-    if len(outcome.problem.system.movable_joints) > MOST_JOINTS:
-        return None
-    hypothesis = plain_set(outcome.study.candidates, ZERO)
-    if not hypothesis.members:
-        return None
-    nominal = np.zeros(len(outcome.predictor.nominal))
-    return hypothesis, np.concatenate([nominal, *map(start_vector, hypothesis.members)])
-
-
-def _objective(outcome: Outcome, hypothesis: Hypothesis) -> Objective:
-    return replace(outcome.study.objective(hypothesis), likelihood=outcome.study.likelihood.of_sensors)
-
-
-def _states(outcome: Outcome, hypothesis: Hypothesis, windows: Sequence[Window]) -> dict[Window, NDArray[np.float64]]:
-    every = outcome.study.states_for(hypothesis)
-    return {w: every[w] if w in every else outcome.study.read_off(hypothesis, w) for w in windows}
-
-
-def _free_run(outcome: Outcome, own: Fit, windows: Sequence[Window]) -> Fit:
-    """Nothing but the initial states fitted."""
-    objective = _objective(outcome, own.hypothesis).on(windows)
-    frozen = np.ones(len(own.x), dtype=bool)
-    return fit(objective, own.x, _states(outcome, own.hypothesis, windows), fixed=frozen, most_steps=STEPS)
-
-
-def _left(
-    outcome: Outcome, hypothesis: Hypothesis, x: NDArray[np.float64], folds: Sequence[tuple[Window, ...]]
-) -> float:
-    """What a set leaves of the training windows when each group is predicted from the others."""
-    objective, total = _objective(outcome, hypothesis), 0.0
-    for k, fold in enumerate(folds):
-        rest = tuple(w for other in (*folds[:k], *folds[k + 1 :]) for w in other)
-        own = fit(objective.on(rest), x, _states(outcome, hypothesis, rest), most_steps=STEPS)
-        total += _free_run(outcome, own, fold).cost
-    return total

@@ -43,6 +43,7 @@ MOST_NODES = 240  # of the grids over the state, all joints together: bounds the
 FEWEST_A_SIDE, MOST_A_SIDE = 5, 11
 SHORTEST, LONGEST = 0.15, 5.0  # over which the force changes, in standard deviations of position and velocity
 USUAL = 0.01  # of the natural torque: what a model that is right leaves of the forces that it has; the scale of a Cauchy prior
+BEYOND = 3  # steps of a grid, over which a force is continued where no motion passed
 SMOOTHED = 1e-6  # of their mean square, added to nodes that few readings tell
 ROUNDING, LARGEST_ADDED = 1e-15, 1e-6  # of the largest square, added to a matrix that rounding has made indefinite
 JITTER = 1e-6  # of the variance, so that covariances of long lengths can be factorised
@@ -128,6 +129,8 @@ class StateForce:
     coordinates: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
     torque: float = 1.0
+    axes: Sequence[Sequence[Array]] = ()
+    units: Array = field(default_factory=lambda: np.ones((0, 2)))
     known: dict[Set, Any] = field(default_factory=dict)
     begun: set[tuple[Set, frozenset[str]]] = field(default_factory=set)
 
@@ -160,6 +163,23 @@ class StateForce:
             forces = {name: acting[self.joint == number].sum(axis=0) for number, name in enumerate(self.names)}
             out[window] = Push(self.motions[window].time, forces)
         return out
+
+    def table(self, number: int, nodes: Array, force: Force) -> tuple[Array, Array, Array]:
+        """What acts at a joint over its state: positions (a,), velocities (b,) and the force there (a, b) [N·m or N].
+
+        Where no motion passed, the prior's mean given the nodes (k,): it ends in nothing; a few steps beyond them as well.
+        """
+        own = self.joint == number
+        axes = [_further(axis) for axis in self.axes[number]]
+        new = np.array([(p, v) for p in axes[0] for v in axes[1]]) / self.units[number]
+        at = self.at[own]
+
+        def alike(one: Array, other: Array) -> Array:
+            return np.asarray(np.exp(-0.5 * np.sum(((one[:, None] - other[None]) / force.lengths) ** 2, axis=2)))
+
+        inside = alike(at, at) + JITTER * np.eye(len(at))
+        acting = self.torque * alike(new, at) @ np.linalg.solve(inside, nodes[own])
+        return axes[0], axes[1], acting.reshape(len(axes[0]), len(axes[1]))
 
     def over(self, forces: Mapping[Window, Array]) -> Array:
         """The forces at the nodes (k,) nearest to those in every step of the motions, (G − 1, joints), NaN where unknown."""
@@ -337,6 +357,8 @@ def over_the_state(found: Responses) -> StateForce | None:
     channels = len(found.probe.predictor.problem.channels)
     joint: list[int] = []
     at: list[Array] = []
+    grids: list[list[Array]] = []
+    units: list[list[float]] = []
     pieces: dict[Window, list[Array]] = {w: [] for w in windows}
     shares: dict[Window, list[Array]] = {w: [] for w in moving}
     for number, place in enumerate(places):
@@ -344,6 +366,8 @@ def over_the_state(found: Responses) -> StateForce | None:
         velocity = np.concatenate([m.qd[:, place] for m in moving.values()])
         axes = [_axis(own, a_side) for own in (position, velocity)]
         spread = [max(float(np.std(own)), 1e-12) for own in (position, velocity)]
+        grids.append(axes)
+        units.append(spread)
         hats = {w: _hats(axes, m.q[:, place], m.qd[:, place]) for w, m in moving.items()}
         visited = np.any([h.max(axis=1) > 0.0 for h in hats.values()], axis=0)
         grid = np.array([(p / spread[0], v / spread[1]) for p in axes[0] for v in axes[1]])
@@ -360,7 +384,7 @@ def over_the_state(found: Responses) -> StateForce | None:
         np.array(joint, dtype=np.intp), np.vstack(at), answers, channels, np.ones(channels),
         motions=moving, shares={w: np.vstack(own) for w, own in shares.items()},
         coordinates=tuple(found.probe.predictor.mechanism(found.probe.fitted.hypothesis).names), names=found.joints,
-        torque=found.torque,
+        torque=found.torque, axes=grids, units=np.array(units),
     )  # fmt: skip
 
 
@@ -380,6 +404,13 @@ def _axis(values: Array, count: int) -> Array:
     low, high = float(np.min(values)), float(np.max(values))
     wide = max(high - low, 1e-9)
     return np.linspace(low - 1e-6 * wide, high + 1e-6 * wide, count)
+
+
+def _further(axis: Array) -> Array:
+    """An axis that goes on for a few steps at both ends."""
+    step = axis[1] - axis[0]
+    beyond = step * np.arange(1, BEYOND + 1)
+    return np.concatenate([axis[0] - beyond[::-1], axis, axis[-1] + beyond])
 
 
 def _hats(axes: Sequence[Array], position: Array, velocity: Array) -> Array:

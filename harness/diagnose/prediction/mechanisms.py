@@ -11,6 +11,7 @@ from harness.denoc.lanes.model import LaneModel
 from harness.diagnose.prediction.coordinates import from_internal, start_vector, to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled
 from harness.effects.directions import sideways
+from harness.effects.effect import UserLaw
 from harness.effects.lanes import lane_model, lane_row, write_attachment
 from harness.effects.room import STATED
 from harness.system import Attachment, System
@@ -36,7 +37,7 @@ class Mechanisms:
         self.system = system
         self.nominal: tuple[Nominal, ...] = nominal_quantities(system)
         self._shaking = sideways(system)
-        self._mechanisms: dict[tuple[str, ...], Mechanism] = {}
+        self._mechanisms: dict[tuple[tuple[str, UserLaw | None], ...], Mechanism] = {}
         self._made: dict[tuple[tuple[str, ...], bytes], tuple[Array, System]] = {}
 
     def size(self, hypothesis: Hypothesis) -> int:
@@ -84,7 +85,8 @@ class Mechanisms:
     def mechanism(self, hypothesis: Hypothesis) -> Mechanism:
         """The compiled system of the hypothesis' topology."""
         compiled = [m for m in hypothesis.members if m.effect.user or m.effect.adds_coordinates]
-        key = tuple(sorted(m.key for m in compiled))
+        # Laws of one name may be tables with other numbers.
+        key = tuple(sorted(((m.key, m.effect.user) for m in compiled), key=lambda own: own[0]))
         if key not in self._mechanisms:
             start = np.concatenate([np.zeros(len(self.nominal)), *(start_vector(m) for m in hypothesis.members)])
             system = self.altered(hypothesis, start)

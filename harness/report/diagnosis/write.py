@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from harness.system import System
 
 
-MODELS = ("augmented.toml", "augmented.urdf", "augmented.xml", "levelled.toml", "predictive.toml")
+FORCE = "predictive_force.py"
+MODELS = ("augmented.toml", "augmented.urdf", "augmented.xml", "levelled.toml", "predictive.toml", FORCE)
 
 
 def write_diagnosis(
@@ -25,14 +26,18 @@ def write_diagnosis(
 
     The model is ``augmented.toml``, and ``augmented.urdf`` and ``augmented.xml`` (MJCF) as far as these can say it; ``said`` is
     told what they leave out. Where dry friction differs from recording to recording, the model at the last training
-    recording's level is ``levelled.toml``. Where a force is left out, the model that predicts best is ``predictive.toml``.
+    recording's level is ``levelled.toml``. Where a force is left out, the model that predicts best is ``predictive.toml``, and
+    a force without a name that acts in it is ``predictive_force.py``, for ``denoc simulate --effects``.
     """
     from harness.report.diagnosis.page import diagnosis_html
 
     document = found.to_json()
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     page = diagnosis_html(document, found.curves, found.augmented)
-    written = write_folder(folder, {"diagnosis.json": text, "report.html": page})
+    texts = {"diagnosis.json": text, "report.html": page}
+    if found.unnamed_force is not None:
+        texts[FORCE] = found.unnamed_force.text(FORCE)
+    written = write_folder(folder, texts)
     for model, name in ((found.augmented, "augmented"), (found.levelled, "levelled"), (found.predictive, "predictive")):
         if model is None:
             continue

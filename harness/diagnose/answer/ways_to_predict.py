@@ -1,0 +1,132 @@
+"""Ways to predict recordings: a set of laws fitted to some of them, alone or with the force over the state that it leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.diagnose.estimation.beside_state_force import Beside, beside
+from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.objective import LOST, Objective
+from harness.diagnose.estimation.state_force import Force, StateForce
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.state_evidence import Evidence
+from harness.effects.effect import Effect, SiteKind
+from harness.effects.force_table import ForceTable
+
+Array = NDArray[np.float64]
+
+STEPS = 15
+
+
+@dataclass(frozen=True, eq=False)
+class Learned:
+    """A fit, and the table of the force over the state that acts in it, if one does."""
+
+    fitted: Fit
+    table: ForceTable | None = None
+
+
+class Way(Protocol):
+    """A way to predict."""
+
+    def learned(self, windows: Sequence[Window]) -> Learned | None:
+        """As these training windows teach it; None where they teach nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Alone:
+    """A set by least squares of what the sensors read, from the numbers ``x``."""
+
+    outcome: Outcome
+    hypothesis: Hypothesis
+    x: Array
+
+    def learned(self, windows: Sequence[Window]) -> Learned:
+        objective = by_sensors(self.outcome, self.hypothesis).on(tuple(windows))
+        return Learned(fit(objective, self.x, states(self.outcome, self.hypothesis, windows), most_steps=2 * STEPS))
+
+
+@dataclass(frozen=True, eq=False)
+class WithForce:
+    """A set with the force over the state that it leaves out as a law of its own. fitted: the set to the training windows."""
+
+    outcome: Outcome
+    evidence: Evidence
+    fitted: Fit
+
+    def learned(self, windows: Sequence[Window]) -> Learned | None:
+        outcome, force, hypothesis = self.outcome, self.evidence.force, self.fitted.hypothesis
+        found = self.evidence.beside(outcome.training, self.fitted)
+        if tuple(windows) != self.fitted.windows:
+            own = Alone(outcome, hypothesis, self.fitted.x).learned(windows).fitted
+            objective = outcome.training.objective_under(self.evidence.rough, own)
+            found = beside(force, objective, own, outcome.training.whole(hypothesis), [found])
+        if found.nodes is None or found.shape is None:
+            return None
+        table = _table(force, found, found.nodes, found.shape)
+        effect = table.effect()
+        members = [_at(outcome, site, effect) for site in table.joints]
+        if not all(members):
+            return None
+        larger = Hypothesis((*hypothesis.members, *(m for m in members if m is not None)))
+        x = np.concatenate([found.x, np.arange(len(members), dtype=float)])
+        return Learned(free_run(outcome, larger, x, windows), table)
+
+
+def can_have_force(outcome: Outcome, hypothesis: Hypothesis) -> bool:
+    """Whether lanes have room for a force over the state beside a set: they carry one law beyond their own."""
+    system = outcome.problem.system
+    taken = any(m.effect.user is not None or m.effect.adds_coordinates for m in hypothesis.members)
+    return not (taken or system.drives or system.attachments)
+
+
+def by_sensors(outcome: Outcome, hypothesis: Hypothesis) -> Objective:
+    """Least squares of what the sensors read in the training windows."""
+    return replace(outcome.training.objective(hypothesis), likelihood=outcome.study.likelihood.of_sensors)
+
+
+def states(outcome: Outcome, hypothesis: Hypothesis, windows: Sequence[Window]) -> dict[Window, Array]:
+    """Initial states to begin at."""
+    every = outcome.study.states_for(hypothesis)
+    return {w: every[w] if w in every else outcome.study.read_off(hypothesis, w) for w in windows}
+
+
+def free_run(outcome: Outcome, hypothesis: Hypothesis, x: Array, windows: Sequence[Window]) -> Fit:
+    """Nothing but the initial states fitted."""
+    objective = by_sensors(outcome, hypothesis).on(tuple(windows))
+    frozen = np.ones(len(x), dtype=bool)
+    return fit(objective, x, states(outcome, hypothesis, windows), fixed=frozen, most_steps=STEPS)
+
+
+def left(outcome: Outcome, way: Way, folds: Sequence[tuple[Window, ...]]) -> float:
+    """What a way leaves of the training windows when each group is predicted from the others."""
+    total = 0.0
+    for k, fold in enumerate(folds):
+        found = way.learned(tuple(w for other in (*folds[:k], *folds[k + 1 :]) for w in other))
+        if found is None:
+            return LOST
+        total += free_run(outcome, found.fitted.hypothesis, found.fitted.x, fold).cost
+    return total
+
+
+def _table(force: StateForce, found: Beside, nodes: Array, shape: Force) -> ForceTable:
+    """The force as it acts: the nodes say how much of it is too little."""
+    rows = [force.table(number, -nodes, shape) for number in range(force.joints)]
+    first = np.array([(p[0], v[0]) for p, v, _ in rows])
+    step = np.array([(p[1] - p[0], v[1] - v[0]) for p, v, _ in rows])
+    return ForceTable(tuple(force.names), first, step, np.array([acting for _, _, acting in rows]))
+
+
+def _at(outcome: Outcome, site: str, effect: Effect) -> Candidate | None:
+    """An effect as a member at a joint; None where nothing else could be, and natural sizes are not known."""
+    for candidate in outcome.study.candidates:
+        if candidate.site == site and candidate.effect.site is SiteKind.JOINT:
+            return replace(candidate, effect=effect)
+    return None
