@@ -42,7 +42,9 @@ def test_it_is_not_told_as_shaking_sideways() -> None:
     assert found.verdict in ("unexplained", "partly_explained")
     assert {finding["effect"] for finding in found.findings} <= {"viscous_damping"}
     (test,) = (t for t in found.remainder["tests"] if t["what"] == UP_AND_DOWN)
-    assert test["chance"] < 1e-5
+    # Beside a force that is left out few readings count as independent, and no chance is small; of all that was asked it is
+    # what takes most of what is left.
+    assert test["gain"] == max(t["gain"] for t in found.remainder["tests"])
     # Recordings of 14 s part frequencies a fourteenth of a hertz apart; half of that are the places tried.
     assert float(test["where"][0].split()[1]) == pytest.approx(FREQUENCY, abs=1.0 / 14.0)
 

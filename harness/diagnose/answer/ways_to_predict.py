@@ -67,7 +67,8 @@ class WithForce:
         if tuple(windows) != self.fitted.windows:
             own = Alone(outcome, hypothesis, self.fitted.x).learned(windows).fitted
             objective = outcome.training.objective_under(self.evidence.rough, own)
-            found = beside(force, objective, own, outcome.training.whole(hypothesis), [found])
+            near = replace(found, states={w: found.states[w] for w in windows})
+            found = beside(force, objective, own, outcome.training.whole(hypothesis), [near])
         if found.nodes is None or found.shape is None:
             return None
         table = _table(force, found, found.nodes, found.shape)

@@ -31,11 +31,16 @@ def solve_gain(seen: Projected, index: Sequence[int], strength: float = 1e-6) ->
 
 
 def jointly(space: Nuisance, chosen: Sequence[Array]) -> float:
-    """Gain in cost by one column of every window, (M_w,) each, with an amplitude of its own in each."""
+    """Gain in cost by a column of every window, (M_w,), or several, (k, M_w), with amplitudes of its own in each.
+
+    It is not the sum of what windows gain by themselves: all have to do with the same shared parameters.
+    """
+    own = [np.atleast_2d(column) for column in chosen]
+    ends = np.cumsum([0, *(len(o) for o in own)])
     columns = []
-    for k, column in enumerate(chosen):
-        rows = np.zeros((len(chosen), len(column)))
-        rows[k] = column
+    for k, column in enumerate(own):
+        rows = np.zeros((ends[-1], column.shape[1]))
+        rows[ends[k] : ends[k + 1]] = column
         columns.append(rows)
     seen = space.measure(columns)
     if seen.gram is None:

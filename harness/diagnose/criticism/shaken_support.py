@@ -17,11 +17,12 @@ from scipy.stats import chi2
 
 from harness.denoc.model import Denoc
 from harness.diagnose.criticism.check import Test
+from harness.diagnose.criticism.gains import jointly
 from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linear_response import responsive, to_channels
 from harness.diagnose.problem.windows import Window
-from harness.diagnose.selection.score_tests import MOST_TOGETHER, Projected, nuisance
+from harness.diagnose.selection.score_tests import MOST_TOGETHER, Nuisance, Projected, nuisance
 from harness.diagnose.selection.study import Study
 from harness.effects.scale import pull
 from harness.system import System
@@ -86,22 +87,37 @@ def _at_one_frequency(study: Study, own: Probe, changes: Callable[[Window, Array
     swing = 1.0 / study.swing
     longest = max(float(m.time[-1]) for m in own.motions.values())
     count = int(np.clip((HIGHEST - LOWEST) * swing * longest * FINENESS, 2, MOST))
-    frequencies = np.linspace(LOWEST * swing, HIGHEST * swing, count)
+    # What does not come round once in any recording is a gravity, or a trend, of its own in each.
+    lowest = max(LOWEST * swing, 1.0 / longest)
+    frequencies = np.linspace(lowest, max(HIGHEST * swing, lowest), count)
     alike, apart = np.zeros(count), np.zeros(count)
+
+    def moved_at(part: slice) -> list[Array]:
+        angles = {w: 2.0 * np.pi * frequencies[part, None] * m.time for w, m in own.motions.items()}
+        return [changes(w, np.concatenate([np.cos(angle), np.sin(angle)])) for w, angle in angles.items()]
+
     for k in range(0, count, AT_ONCE):
         part = slice(k, k + AT_ONCE)
-        angles = {w: 2.0 * np.pi * frequencies[part, None] * m.time for w, m in own.motions.items()}
-        moved = [changes(w, np.concatenate([np.cos(angle), np.sin(angle)])) for w, angle in angles.items()]
+        moved = moved_at(part)
         alike[part] = _gains(space.measure(moved))
         for window, one in zip(own.motions, moved, strict=True):
             apart[part] += _gains(space.measure([one], only=fitted.windows.index(window)))
+    # Windows by themselves only say which frequency to ask them all about.
     best, windows = int(np.argmax(apart)), len(own.motions)
+    every = _of_all(space, own, moved_at(slice(best, best + 1)))
     loudness = study.loudness(fitted)
-    chances = (chi2.sf(alike.max() / loudness, 2), chi2.sf(apart[best] / loudness, 2 * windows))
+    chances = (chi2.sf(alike.max() / loudness, 2), chi2.sf(every / loudness, 2 * windows))
     chance = min(1.0, count * float(min(chances)))
     # An amplitude and a phase for every window; that they share a frequency is paid for at once.
-    together = (float(apart[best]) - float(np.log(study.samples)), windows)
+    together = (every - float(np.log(study.samples)), windows)
     return Test(name, float(alike.max()), 2, chance, (f"at {frequencies[best]:.3g} Hz",), 1, together)
+
+
+def _of_all(space: Nuisance, own: Probe, moved: Sequence[Array]) -> float:
+    """Gain by waves of their own in the windows that move."""
+    found = dict(zip(own.motions, moved, strict=True))
+    still = [np.zeros((0, len(states))) for states in space.states]
+    return jointly(space, [found.get(w, none) for w, none in zip(own.fitted.windows, still, strict=True)])
 
 
 def _gains(seen: Projected) -> Array:
