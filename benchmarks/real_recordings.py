@@ -25,7 +25,7 @@ from harness.diagnose.conditioning.free_motion import free_parts
 from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run
 from harness.diagnose.inverse.pushes import find_pushes
 from harness.diagnose.problem.problem import pose
-from harness.effects import apply
+from harness.effects import apply, load_user_effects
 from harness.effects.scale import references
 from harness.proof.peers.runs import as_run
 from harness.proof.peers.sysid import fit_sysid
@@ -199,7 +199,9 @@ def diagnosis(rig: str, folder: Path, work: Path) -> tuple[dict[str, Any], Syste
         found = harness.diagnose(paths, folder / rig / "model.urdf", fit_effort=split.fit_effort)
         write_diagnosis(found, out)
     answer = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
-    best = out / "predictive.toml"
+    best, force = out / "predictive.toml", out / "predictive_force.py"
+    if force.exists():
+        load_user_effects(force)
     claimed = harness.load(out / "augmented.toml", physical=False)
     return answer, claimed, harness.load(best, physical=False) if best.exists() else None
 

@@ -80,9 +80,14 @@ def register(effects: Iterable[Effect]) -> None:
     _OWN.update({effect.name: effect for effect in effects if effect.user is not None})
 
 
+def understood() -> Mapping[str, Effect]:
+    """Every effect that this process knows by name: the catalogue and what has been registered."""
+    return {**_OWN, **catalogue()}
+
+
 def effect(name: str) -> Effect:
     """The effect of that name, of the catalogue or registered; InputError, with the nearest name, if there is none."""
-    known = {**_OWN, **catalogue()}
+    known = understood()
     if name not in known:
         near = did_you_mean(name, known)
         own = "if it is one of your own, load its file: denoc simulate MODEL --effects FILE"

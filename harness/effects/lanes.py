@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.effects.catalogue import catalogue
+from harness.effects.catalogue import understood
 from harness.effects.effect import Effect
 from harness.errors import UnsupportedError
 from harness.system import Attachment, System
@@ -29,8 +29,10 @@ def lane_model(system: System, user: Sequence[Effect] = ()) -> LaneModel:
     from harness.denoc.joint_laws.address import commanded_servo, servo, teeth
     from harness.denoc.lanes.model import LaneModel
 
+    known = understood()
+    attached = [known[a.effect] for a in system.attachments if a.effect in known]
     needed: dict[str, Callable[..., float]] = {
-        effect.name: effect.user.torque for effect in user if effect.user is not None
+        effect.name: effect.user.torque for effect in (*attached, *user) if effect.user is not None
     }
     if any(attachment.effect == "backlash" for attachment in system.attachments):
         needed["backlash"] = teeth
@@ -50,7 +52,7 @@ def lane_row(model: LaneModel, system: System, user: Sequence[Effect] = ()) -> A
     stand at both ends of a joint's range.
     """
     row = model.row(system)
-    known = {**catalogue(), **{effect.name: effect for effect in user}}
+    known = {**understood(), **{effect.name: effect for effect in user}}
     for attachment in system.attachments:
         write_attachment(row, model, attachment, known)
     for drive in system.drives:

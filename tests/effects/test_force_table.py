@@ -64,6 +64,11 @@ def test_the_file_says_the_same(tmp_path):
     file.write_text(table("pivot").text(file.name))
     (loaded,) = effects.load_user_effects(file)
     assert loaded.name == NAME
+    # What has been loaded is understood wherever a model has it attached.
+    system = pendulum(Attachment(NAME, "pivot", {"table": 0.0}))
+    model = effects.lane_model(system)
+    again = model.simulate(effects.lane_row(model, system), [0.5], [0.0], np.linspace(0.0, 2.0, 201))[0][0, :, 0]
+    assert np.abs(again - exact(1.0)).max() < 1e-7
     assert np.abs(run(loaded, 0.0) - exact(1.0)).max() < 1e-7
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import binned_statistic
 
 from harness.diagnose.answer.curves import Curves, Energy, ForceMap, Residuals, Spectrum
+from harness.effects.force_table import ForceTable
 from harness.recording.units import written
 from harness.report.figures.before_after import AFTER, BEFORE
 from harness.report.figures.canvas import INK, canvas
@@ -156,6 +157,25 @@ def phase(f: ForceMap) -> str:
         axes[0, 0].set_ylabel(f"velocity [{f.units[0]}/s]")
         bar = made.figure.colorbar(marks, ax=axes[0, 0])
         bar.set_label(f"missing force [{written(f.units[1])}]")
+    return str(made.svg)
+
+
+def unnamed(f: ForceMap, table: ForceTable) -> str:
+    """SVG: the force that acts at a joint in the best predicting model as colour over its state, and where recordings passed."""
+    k = table.joints.index(f.joint)
+    axes_of = [table.first[k, d] + table.step[k, d] * np.arange(n) for d, n in enumerate(table.force.shape[1:])]
+    span = float(np.max(np.abs(table.force[k]))) or 1.0
+    pick = slice(None, None, max(1, len(f.position) // 4000))
+    with canvas(f"unnamed-{f.joint}", 9.2, 3.9) as (made, axes):
+        ax = axes[0, 0]
+        marks = ax.pcolormesh(
+            *axes_of, table.force[k].T, cmap="RdBu_r", vmin=-span, vmax=span, shading="gouraud", rasterized=True
+        )
+        ax.plot(f.position[pick], f.velocity[pick], ".", color=INK, ms=0.8, alpha=0.5, rasterized=True)
+        ax.set_xlabel(f"position [{f.units[0]}]")
+        ax.set_ylabel(f"velocity [{f.units[0]}/s]")
+        bar = made.figure.colorbar(marks, ax=ax)
+        bar.set_label(f"force [{written(f.units[1])}]")
     return str(made.svg)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from harness.diagnose.answer.curves import Curves
+from harness.effects.force_table import ForceTable
 from harness.report.diagnosis import sections
 from harness.report.html import page
 from harness.report.sections.notes import ModelNotes
@@ -13,8 +14,14 @@ from harness.report.sections.section import Section
 from harness.system import System
 
 
-def diagnosis_html(document: Mapping[str, Any], curves: Curves | None = None, system: System | None = None) -> str:
-    """The page of a ``denoc.diagnosis/1`` document; curves: what its pictures are drawn from; system: what is seen to move."""
+def diagnosis_html(
+    document: Mapping[str, Any],
+    curves: Curves | None = None,
+    system: System | None = None,
+    unnamed: ForceTable | None = None,
+) -> str:
+    """The page of a ``denoc.diagnosis/1`` document; curves: what its pictures are drawn from; system: what is seen to move;
+    unnamed: the force over the state in the best predicting model."""
     parts: list[Section] = [
         sections.Answer(),
         sections.Motion(curves),
@@ -27,6 +34,7 @@ def diagnosis_html(document: Mapping[str, Any], curves: Curves | None = None, sy
         sections.Levels(),
         sections.Where(),
         sections.MissingForce(curves),
+        sections.UnnamedForce(curves, unnamed),
         sections.Remainder(),
         sections.Rivals(),
         sections.Replay(),

@@ -33,7 +33,7 @@ def write_diagnosis(
 
     document = found.to_json()
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    page = diagnosis_html(document, found.curves, found.augmented)
+    page = diagnosis_html(document, found.curves, found.augmented, found.unnamed_force)
     texts = {"diagnosis.json": text, "report.html": page}
     if found.unnamed_force is not None:
         texts[FORCE] = found.unnamed_force.text(FORCE)

@@ -5,7 +5,7 @@ from harness.report.diagnosis.sections.answer import Answer
 from harness.report.diagnosis.sections.data import Data, Provenance
 from harness.report.diagnosis.sections.findings import Correlations, Findings, Repeatability
 from harness.report.diagnosis.sections.fit import BeforeAndAfter, Levels, Replay
-from harness.report.diagnosis.sections.force import MissingForce
+from harness.report.diagnosis.sections.force import MissingForce, UnnamedForce
 from harness.report.diagnosis.sections.motion import Motion, Residuals
 from harness.report.diagnosis.sections.remainder import Remainder
 from harness.report.diagnosis.sections.rivals import Rivals
@@ -27,5 +27,6 @@ __all__ = [
     "Replay",
     "Residuals",
     "Rivals",
+    "UnnamedForce",
     "Where",
 ]
