@@ -3,8 +3,8 @@
 ``python benchmarks/repeatability.py [RIG …] [--recordings DIR] [--json FILE]``
 
 Every rig with two recordings or more is diagnosed whole. What is claimed there is then asked of each half alone (every second
-recording), with nothing else in the catalogue. Two estimates repeat if they differ by no more than 1.96 of their joint standard
-deviation, as 95 % of right ones do. Recordings are found as by ``real_recordings.py``.
+recording), with nothing in the catalogue but what was found, possible effects among it. Two estimates repeat if they differ by
+no more than 1.96 of their joint standard deviation, as 95 % of right ones do. Recordings are found as by ``real_recordings.py``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 
 import harness
 
-from real_recordings import folder_of_recordings  # isort: skip
+from real_recordings import SPLITS, folder_of_recordings  # isort: skip
 
 JOINT = 1.96
 LEAST = 2  # recordings
@@ -31,9 +31,13 @@ def claimed(found: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [f for f in found["findings"] if f.get("grade") != "possible"]
 
 
-def of_half(files: Sequence[Path], model: Path, effects: Sequence[str]) -> dict[str, Mapping[str, Any]]:
+def of_half(
+    files: Sequence[Path], model: Path, effects: Sequence[str], fit_effort: bool
+) -> dict[str, Mapping[str, Any]]:
     """Parameters that a half gives, by ``effect@site.parameter``."""
-    document = harness.diagnose([str(f) for f in files], model=str(model), only=list(effects)).to_json()
+    document = harness.diagnose(
+        [str(f) for f in files], model=str(model), only=list(effects), fit_effort=fit_effort
+    ).to_json()
     return {
         f"{f['effect']}@{f['site']}.{name}": value
         for f in document["findings"]
@@ -51,12 +55,13 @@ def apart(one: Mapping[str, Any], other: Mapping[str, Any]) -> float | None:
 def examine(folder: Path) -> list[dict[str, Any]]:
     """Rows of one rig, one a number."""
     files, model = sorted(folder.glob("*.csv*")), folder / "model.urdf"
+    fit_effort = folder.name in SPLITS and SPLITS[folder.name].fit_effort
     started = time.perf_counter()
-    whole = harness.diagnose([str(f) for f in files], model=str(model)).to_json()
-    effects = list(dict.fromkeys(f["effect"] for f in claimed(whole)))
-    if not effects:
+    whole = harness.diagnose([str(f) for f in files], model=str(model), fit_effort=fit_effort).to_json()
+    if not claimed(whole):
         return []
-    halves = [of_half(files[k::2], model, effects) for k in range(2)]
+    effects = list(dict.fromkeys(f["effect"] for f in whole["findings"]))
+    halves = [of_half(files[k::2], model, effects, fit_effort) for k in range(2)]
     rows = []
     for finding in claimed(whole):
         for name, value in finding["parameters"].items():
