@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.report.figures.before_after import AFTER, BEFORE, REFITTED
+from harness.report.figures.before_after import AFTER, BEFORE, PREDICTIVE, REFITTED
 from harness.report.figures.canvas import FAINT, INK, canvas
 
-MODELS = (("nominal", BEFORE), ("refitted", REFITTED), ("augmented", AFTER))
+MODELS = (("nominal", BEFORE), ("refitted", REFITTED), ("augmented", AFTER), ("predictive", PREDICTIVE))
 
 
 def errors(fit: Sequence[Mapping[str, Any]], name: str = "errors") -> str:
@@ -21,7 +21,7 @@ def errors(fit: Sequence[Mapping[str, Any]], name: str = "errors") -> str:
                 for key, filled in (("train_rmse", False), ("heldout_rmse", True)):
                     value = (channel.get(model) or {}).get(key)
                     if value and floor:
-                        y = row + 0.22 * (index - 1)
+                        y = row + 0.2 * (index - 1.5)
                         ax.plot(value / floor, y, "o", color=colour, mfc=colour if filled else "none", ms=7, mew=1.6)
         ax.axvline(1.0, color=FAINT, lw=1.2, ls=":")
         ax.set_xscale("log")
@@ -29,7 +29,7 @@ def errors(fit: Sequence[Mapping[str, Any]], name: str = "errors") -> str:
         ax.set_ylim(len(fit) - 0.5, -0.5)
         ax.set_xlabel("RMS error / noise floor (open: training, full: held out)")
         handles = [ax.plot([], [], "o", color=c, label=m)[0] for m, c in MODELS if any(ch.get(m) for ch in fit)]
-        made.figure.legend(handles=handles, loc="outside upper right", ncols=3, labelcolor=INK)
+        made.figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), labelcolor=INK)
     return str(made.svg)
 
 

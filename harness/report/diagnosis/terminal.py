@@ -67,24 +67,14 @@ def _findings(findings: list[Mapping[str, Any]]) -> Shown:
 
 
 def _fit(fit: list[Mapping[str, Any]]) -> Shown:
-    heads = (
-        "channel",
-        "unit",
-        figures("nominal: training"),
-        figures("held out"),
-        figures("augmented: training"),
-        figures("held out"),
-        figures("noise floor"),
-    )
+    models = ["nominal", "augmented", *(["predictive"] if "predictive" in fit[0] else [])]
+    errors = [figures(head) for model in models for head in (f"{model}: training", "held out")]
+    heads: tuple[Column | str, ...] = ("channel", "unit", *errors, figures("noise floor"))
     lines = [
         (
             channel["channel"],
             written(channel["unit"]),
-            *(
-                rounded(channel[model][error])
-                for model in ("nominal", "augmented")
-                for error in ("train_rmse", "heldout_rmse")
-            ),
+            *(rounded(channel[model][error]) for model in models for error in ("train_rmse", "heldout_rmse")),
             rounded(channel["noise_floor"]),
         )
         for channel in fit
