@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.answer.augmented import attached, augmented
+from harness.diagnose.answer.explain import NO_FINDING
 from harness.diagnose.answer.ways_to_predict import Alone, Learned, Way, WithForce, can_have_force, free_run, left
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.estimation.intervals import estimates
@@ -34,6 +36,7 @@ ZERO = "sensor_offset"  # of the ordinary set
 NEAREST = 3  # sets of the search beside the one claimed
 MOST_FOLDS = 3
 MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
+FURTHER = ("further models that may predict best", NO_FINDING)  # left if the time is up
 FEWEST_IN_PART = 25  # samples of a stretch that is left out
 
 
@@ -65,13 +68,18 @@ def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
             for own in fits
             if own.hypothesis.identity in asked and can_have_force(outcome, own.hypothesis)
         ]
-    best = min(ways, key=lambda way: left(outcome, way, folds))
-    found = best.learned(outcome.training.windows)
-    if found is None:
+    deadline = outcome.predictor.deadline
+    leaves = [deadline.attempt(*FURTHER, partial(left, outcome, way, folds), lambda: np.inf) for way in ways]
+    best = int(np.argmin(leaves))
+    if not np.isfinite(leaves[best]):
         return None
-    own = found.fitted
-    held = free_run(outcome, own.hypothesis, own.x, outcome.held_windows)
-    return Predictive(own, held, _system(outcome, found), found.table)
+    with deadline.spared():
+        found = ways[best].learned(outcome.training.windows)
+        if found is None:
+            return None
+        own = found.fitted
+        held = free_run(outcome, own.hypothesis, own.x, outcome.held_windows)
+        return Predictive(own, held, _system(outcome, found), found.table)
 
 
 def _sets(outcome: Outcome, conclusion: Conclusion) -> list[tuple[Hypothesis, Array]]:
