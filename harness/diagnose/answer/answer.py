@@ -13,6 +13,7 @@ from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis
 from harness.diagnose.answer.explain import NO_FINDING, finding_words, foretelling, plainest, summary, untried
 from harness.diagnose.answer.findings import in_words, rivals_of
+from harness.diagnose.answer.formula import formula
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.predictive import Predictive, predictive
 from harness.diagnose.answer.replay import LONGEST, Opening
@@ -53,6 +54,7 @@ PROFILED = ("other valleys and other sets in which a parameter may lie", "interv
 RANKED = ("the errors of other sets on data held out", NO_FINDING)
 ERRORS = ("errors before and after", NO_FINDING)
 LEFT = ("where the force that is left out lies", NO_FINDING)
+FORMULA = ("what the force that is left out looks like", NO_FINDING)
 PREDICTING = ("the model that predicts best", NO_FINDING)
 PROPOSED = ("the next experiment", NO_FINDING)
 
@@ -82,6 +84,7 @@ def answer(
     foretold = deadline.attempt(*FORETOLD, lambda: foretells(outcome, conclusion), lambda: False, spared=True)
     grades = {k: grade(outcome, conclusion, claim, values[k], again[k], foretold) for k, claim in claims.items()}
     left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion), lambda: None, spared=True)
+    form = deadline.attempt(*FORMULA, lambda: formula(outcome, conclusion), lambda: None)
     best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None)
     zeros: dict[str, list[Zero]] = {key: [] for key in values}
     rows, drawn = deadline.attempt(
@@ -98,6 +101,7 @@ def answer(
     ranked = deadline.attempt(*RANKED, lambda: _ranking(outcome, conclusion), lambda: _likeliest(outcome, conclusion))
     proposed = next_experiment()
     text = [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
+    text += [form.sentence] if form is not None else []
     text += [foretelling(best.fitted.hypothesis.keys, rows)] if best is not None and rows else []
     return Diagnosis(
         verdict=conclusion.verdict,
@@ -107,7 +111,10 @@ def answer(
         findings=_findings(outcome, conclusion, values, zeros, grades, again),
         ranking=ranked,
         fit=rows,
-        remainder=_remainder(problem.system, conclusion.remains, conclusion.doubted, outcome.force is not None),
+        remainder={
+            **_remainder(problem.system, conclusion.remains, conclusion.doubted, outcome.force is not None),
+            **({"residual_torque": form.text} if form is not None else {}),
+        },
         explained_share=explained_share(rows),
         discrepancy=left.document() if left is not None else [],
         predicting=best.fitted.hypothesis.keys if best is not None else (),
