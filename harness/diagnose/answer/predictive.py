@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 ZERO = "sensor_offset"  # of the ordinary set
 NEAREST = 3  # sets of the search beside the one claimed
-MOST_FOLDS = 3
+MOST_FOLDS = 4
 MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
 FURTHER = ("further models that may predict best", NO_FINDING)  # left if the time is up
 FEWEST_IN_PART = 25  # samples of a stretch that is left out
