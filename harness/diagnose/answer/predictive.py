@@ -22,7 +22,7 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector
-from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.hypothesis import Hypothesis, compatible
 from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.dissipation_starts import plain_set
 from harness.diagnose.selection.investigation import Outcome
@@ -32,7 +32,7 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
-ZERO = "sensor_offset"  # of the ordinary set
+ZERO, GAIN = "sensor_offset", "actuator_gain"  # of the ordinary set
 NEAREST = 3  # sets of the search beside the one claimed
 MOST_FOLDS = 4
 MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
@@ -94,10 +94,15 @@ def _sets(outcome: Outcome, conclusion: Conclusion) -> list[tuple[Hypothesis, Ar
 
 
 def _ordinary(outcome: Outcome) -> Hypothesis:
-    """The ordinary dissipation of every joint, an inertia and a zero: what a plain least-squares fit has."""
+    """The ordinary dissipation of every joint, an inertia, a zero and a drive's gain: what a plain least-squares fit has."""
     if len(outcome.problem.system.movable_joints) > MOST_JOINTS:
         return Hypothesis()
-    return plain_set(outcome.study.candidates, ZERO)
+    hypothesis = plain_set(outcome.study.candidates, ZERO)
+    for candidate in outcome.study.candidates:
+        # Of inertia, weight and torque two show where a torque is known.
+        if candidate.effect.name == GAIN and compatible(hypothesis, candidate):
+            hypothesis = hypothesis.with_(candidate)
+    return hypothesis
 
 
 def _fitted(outcome: Outcome, sets: Sequence[tuple[Hypothesis, Array]]) -> list[Fit]:
