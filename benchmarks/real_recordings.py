@@ -214,9 +214,9 @@ def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[st
     left_out = pushed(system, train, heldout) if SPLITS[rig].fit_effort else {}
     row: dict[str, Any] = {"rig": rig, "command": command(rig), "window_s": window}
     row["published"] = judge(native(system), system, train, heldout, window, left_out)
-    began = time.perf_counter()
+    began, known = time.perf_counter(), (work / rig / "diagnosis.json").exists()
     answer, augmented, predictive = diagnosis(rig, folder, work)
-    row["diagnose_s"] = round(time.perf_counter() - began, 1)
+    row["diagnose_s"] = None if known else round(time.perf_counter() - began, 1)
     row["denoc"] = judge(native(augmented), augmented, train, heldout, window, left_out)
     if predictive is not None:
         row["predictive"] = judge(native(predictive), predictive, train, heldout, window, left_out)

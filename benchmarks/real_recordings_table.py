@@ -42,9 +42,10 @@ def table(rows: list[dict[str, Any]], plain: dict[str, dict[str, Any]]) -> str:
             published += f" (fitted by its authors {errors(row.get('authors_fit'))})"
         share = percent(row["explained_share"]) if row.get("explained_share") is not None else "–"
         afternoon = errors(plain.get(row["rig"]))
+        seconds = "–" if row["diagnose_s"] is None else f"{row['diagnose_s']:.0f}"
         lines.append(
             f"| {row['rig']} | {'m' if row['rig'] == 'emps' else 'rad'} | {published} | {afternoon} "
-            f"| {errors(row.get('denoc'))} | {errors(row.get('predictive'))} | {share} | {row['diagnose_s']:.0f} |"
+            f"| {errors(row.get('denoc'))} | {errors(row.get('predictive'))} | {share} | {seconds} |"
         )
     return "\n".join(lines)
 
