@@ -343,6 +343,23 @@ class Stops:
 
 
 @dataclass(frozen=True, eq=False)
+class Gimbal:
+    """Three joints that follow each other by massless links: the turns of a ball about x, y and z, or the slides of a free joint.
+
+    name: by which what acts on all three goes. joint: that it was. child: the link that it carries. coordinates: the three joints.
+    slides: whether they are slides. damping: of velocity or angular velocity as vectors [N·s/m or N·m·s/rad]; friction: dry [N or N·m].
+    """
+
+    name: str
+    joint: str
+    child: str
+    coordinates: tuple[str, str, str]
+    slides: bool
+    damping: float = 0.0
+    friction: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
 class Keyframe:
     """A state that a model file names: by position name and velocity name [rad or m, …], commands by actuator."""
 
@@ -367,6 +384,8 @@ class System:
     keyframes: states that the file names, to start from.
     source: the file it was read from.
     notes: what reading the file left out or had to interpret, one line each.
+    gimbals: joints of one degree of freedom that together are one in space, where that has been taken apart (``system.charted``).
+    leading: coordinates that tell where a closed mechanism is, before others, as those do that are recorded.
     """
 
     name: str
@@ -384,6 +403,8 @@ class System:
     source: Path | None = None
     notes: tuple[str, ...] = ()
     loops: tuple[Loop | Coupling, ...] = ()
+    gimbals: tuple[Gimbal, ...] = ()
+    leading: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         many, links = ("" if len(some) == 1 else "s" for some in (self.movable_joints, self.links))

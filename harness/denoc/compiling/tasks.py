@@ -45,6 +45,7 @@ TASKS = {
     "exponential": Task("lanes", "exponential", "exponential", "march_groups"),
     "spatial": Task("lanes", "spatial", "address", "spatial_at"),
     "planar": Task("lanes", "planar", "address", "planar_at"),
+    "closed": Task("lanes", "closed", "closed", "close_states"),
     "dop853": Task("motion", "dop853", "adaptive", "dormand_prince8"),
     "gauss": Task("motion", "gauss", "fixed_step", "gauss_legendre6"),
     "rk4": Task("motion", "rk4", "fixed_step", "runge_kutta4"),

@@ -12,7 +12,8 @@ from typing import Any
 from numba import carray, cfunc, types
 
 from harness.denoc.compiling.pipeline import Kernel
-from harness.denoc.lanes.nodes import COLUMNS
+from harness.denoc.lanes import closed as closed_lanes
+from harness.denoc.lanes.nodes import COLUMNS, PLAN
 from harness.denoc.lanes.planar import planar_accelerations
 from harness.denoc.lanes.tree import accelerations
 from harness.denoc.simd.vector import allocating, integers_at, numbers_at
@@ -31,6 +32,12 @@ def spatial() -> int:
 def planar() -> int:
     """Address of the recursion in a plane."""
     return int(_planar().address)
+
+
+@functools.cache
+def closed() -> int:
+    """Address of a recursion with loops, or with what turns in space; the first row of its tree has the address of its plan."""
+    return int(_closed().address)
 
 
 # The arrays' lengths are nowhere read: indices are not checked, and none is negative.
@@ -70,3 +77,17 @@ def _planar() -> Any:
         planar_accelerations(t, f, c, b, l, w, n, user, shaken, loaded)
 
     return planar_at
+
+
+@functools.cache
+def _closed() -> Any:
+    @cfunc(_SIGNATURE, cache=True, error_model="numpy", pipeline_class=Kernel)
+    def closed_at(
+        tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, ws: int, n: int, user: int, shaken: int,
+        loaded: int,
+    ) -> None:  # fmt: skip
+        plan = carray(integers_at(carray(integers_at(tree), (nodes, COLUMNS))[0, PLAN]), 1)
+        dry, w = carray(integers_at(flags), n), carray(numbers_at(ws), 1)
+        closed_lanes.accelerations(plan, tree, nodes, flags, constants, beams, laws, ws, dry, w, user, shaken, loaded)
+
+    return closed_at

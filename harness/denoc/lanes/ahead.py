@@ -7,6 +7,7 @@ import numpy as np
 from harness.denoc.compiling import signature
 from harness.denoc.compiling.signature import CUBE, LANES, MATRIX, VECTOR, WHOLE
 from harness.denoc.lanes import address
+from harness.denoc.lanes.closed import close_states
 from harness.denoc.lanes.exponential import march_groups
 from harness.denoc.lanes.integrate import run_groups
 from harness.denoc.lanes.model import step_method
@@ -21,6 +22,12 @@ def planar() -> None:
 def spatial() -> None:
     """The recursion of the lanes in space."""
     address.spatial()
+
+
+def closed() -> None:
+    """What goes around a recursion of a mechanism with loops or balls, and what closes its states."""
+    address.closed()
+    signature.compile_for(close_states, MATRIX, MATRIX, WHOLE, WHOLE, 1, VECTOR, WHOLE, 1.0)
 
 
 def lane_parameters() -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.joint_laws import laws as law
 from harness.denoc.lanes.copies import Copies
-from harness.denoc.lanes.group import prepare_group
+from harness.denoc.lanes.group import copy_numbers, prepare_group
 from harness.denoc.lanes.nodes import CONSTANTS, FREE, JOINT, QD, QDD, SHAKE, TAU, TIME, Q
 from harness.denoc.lanes.threads import share
 from harness.denoc.simd.vector import address_of, call_recursion, lane_stepper, load, spread, store, vectors
@@ -102,6 +102,7 @@ def march_groups(
         shaken = prepare_group(
             rows, 8 * g, lanes, links, tree, axes, nominal, plane, constants, beams, laws, shake, flags, present
         )
+        copy_numbers(rows, 8 * g, lanes, sizes, ws)
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
             for i in range(n):

@@ -37,6 +37,15 @@ def prepare_group(
 
 
 @inner
+def copy_numbers(rows: Any, first: int, lanes: int, sizes: Any, ws: Any) -> None:
+    """What ``lanes.closed`` wants of ``lanes`` rows from ``first`` on into the workspace, the last again in the lanes beyond."""
+    for lane in range(8):
+        source = first + min(lane, lanes - 1)
+        for k in range(sizes[2]):
+            ws[(sizes[3] + k) * 8 + lane] = rows[source, sizes[4] + k]
+
+
+@inner
 def present_nodes(tree: Any, constants: Any, present: Any) -> None:
     """Mark the sections that carry nothing in any lane, to ``present``.
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from harness.denoc.joint_laws import laws as law
-from harness.denoc.lanes.group import prepare_group
+from harness.denoc.lanes.group import copy_numbers, prepare_group
 from harness.denoc.lanes.nodes import (
     ANCHOR,
     CONSTANTS,
@@ -860,6 +860,7 @@ def run_groups(
         shaken = prepare_group(
             rows, 8 * g, lanes, links, tree, axes, nominal, plane, constants, beams, laws, shake, flags, present
         )
+        copy_numbers(rows, 8 * g, lanes, sizes, ws)
         for lane in range(8):
             source = 8 * g + min(lane, lanes - 1)
             for i in range(2 * n):

@@ -6,6 +6,7 @@ This is the workhorse of fitting and sweeping: a Jacobian is a few extra lanes. 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from types import MappingProxyType
@@ -18,6 +19,8 @@ from harness.denoc.compiling import ahead
 from harness.denoc.joint_laws import laws
 from harness.denoc.joint_laws.address import compiled_law
 from harness.denoc.lanes.beams import beam_block_size, most_points, write_beams
+from harness.denoc.lanes.closed import GROUP_NUMBERS
+from harness.denoc.lanes.closing import GROUP_SLOTS, Beyond, beyond, marked
 from harness.denoc.lanes.nodes import (
     BEAM,
     BODY,
@@ -129,6 +132,14 @@ def _recursion(in_plane: bool) -> int:
     return planar() if in_plane else spatial()
 
 
+def _closed() -> int:
+    """The address of what goes around the recursion of a mechanism that is more than a tree."""
+    from harness.denoc.lanes.address import closed
+
+    ahead.ready("closed")
+    return closed()
+
+
 @lru_cache(maxsize=2)
 def _say_once(recursion: str) -> None:
     ahead.announce(("lanes", recursion))
@@ -157,13 +168,19 @@ class LaneModel:
     every joint whose ``user_scale`` slot is not zero.
     planar: whether a mechanism that moves in one plane is computed as such, which is faster and the same to rounding;
     plane says that it is, and what plane.
-    Raises UnsupportedError for links that bend in two planes or twist, and for joints that turn in space or follow others.
+    Loops of a system are held closed: a motion begins where ``dependent`` coordinates follow the others. Of gimbals, what acts on the
+    three joints together has slots by their name (``closing.GROUP_SLOTS``).
+    Raises UnsupportedError for links that bend in two planes or twist, for joints that turn in space or follow others, and for loops
+    beside links that bend.
     """
 
     def __init__(self, system: System, *, law: Callable[..., float] | None = None, planar: bool = True) -> None:
         if not system.coordinate_names:
             raise InputError(f"{system.name}: nothing moves", mend="give at least one revolute or prismatic joint")
-        system = one_degree(system, "a computation of many copies at once")
+        # Loops are this model's own; what else has none may not be joined by them.
+        loops = system.loops
+        system = one_degree(replace(system, loops=()), "a computation of many copies at once")
+        system = replace(system, loops=loops) if loops else system
         for link in system.links:
             if link.beam is not None and (link.beam.bending2 or link.beam.torsion_modes):
                 raise UnsupportedError(
@@ -198,12 +215,25 @@ class LaneModel:
         for joint in system.joints:
             if joint.parent != system.base and system.link(joint.parent).flexible:
                 at += section_table_size(_modes(system.link(joint.parent)))
+        self._beyond: Beyond | None = beyond(system)
+        numbers = at
+        for group in system.gimbals:
+            for k, name in enumerate(GROUP_SLOTS):
+                slots[group.name, name] = at + k
+            at += GROUP_NUMBERS
+        if self._beyond is not None:
+            at = numbers + self._beyond.count
         self.P = at
         self.slots = MappingProxyType(slots)
         self._joints = [(j.name, j.type, j.parent, j.child) for j in system.joints]
         stated = ("armature", "damping", "coulomb_torque", "stiffness", "rest_angle")
         self._laws = [[slots[joint.name, name] for name in stated] for joint in system.movable_joints]
-        self.tables = _topology(system, slots)
+        links, tree, sizes, axes, nominal, turn = _topology(system, slots)
+        self._tail = int(sizes[0])
+        if self._beyond is not None:
+            sizes = np.array([sizes[0] + self._beyond.room, sizes[1], self._beyond.count, self._tail, numbers])
+        self.tables = links, tree, sizes, axes, nominal, turn
+        self._plans: dict[bool, NDArray[np.int64]] = {}
         self.plane = plane_of(system, self.tables[0], self.tables[1]) if planar else None
         self._law = law
 
@@ -248,6 +278,8 @@ class LaneModel:
         for joint, places in zip(system.movable_joints, self._laws, strict=True):
             row[places] = joint.armature, joint.damping, joint.friction, joint.stiffness, joint.rest_position
         write_beams(row, system, self.slots, self.tables[0])
+        if self._beyond is not None:
+            row[self.P - self._beyond.count :] = self._beyond.numbers(system)
         return row
 
     def parts(self, rows: Array) -> Iterator[tuple[tuple[Any, ...], int, NDArray[np.int64]]]:
@@ -257,9 +289,45 @@ class LaneModel:
         """
         flat = np.zeros(len(rows), dtype=bool) if self.plane is None else self.plane.holds(rows)
         if self.plane is not None and flat.any():
-            yield self.plane.tables(self.tables), _recursion(True), np.flatnonzero(flat)
+            yield *self._around(self.plane.tables(self.tables), True), np.flatnonzero(flat)
         if not flat.all():
-            yield self.tables, _recursion(False), np.flatnonzero(~flat)
+            yield *self._around(self.tables, False), np.flatnonzero(~flat)
+
+    def _around(self, tables: tuple[Any, ...], in_plane: bool) -> tuple[tuple[Any, ...], int]:
+        """Tables and recursion, with loops and what turns in space around the tree's where there are any."""
+        recursion = _recursion(in_plane)
+        if self._beyond is None:
+            return tables, recursion
+        links, tree, *others = tables
+        return (links, marked(tree, self._plan(in_plane, recursion)), *others), _closed()
+
+    def _plan(self, in_plane: bool, recursion: int) -> NDArray[np.int64]:
+        if in_plane not in self._plans:
+            assert self._beyond is not None
+            self._plans[in_plane] = self._beyond.for_recursion(recursion, self._tail)
+        return self._plans[in_plane]
+
+    @property
+    def dependent(self) -> tuple[str, ...]:
+        """Coordinates that follow the others by the loops."""
+        return () if self._beyond is None else tuple(self.names[k] for k in self._beyond.dependent)
+
+    def closed(self, rows: Array, states: Array) -> Array:
+        """States (B, 2 n), positions then velocities, with loops closed: ``dependent`` coordinates as the others ask for.
+
+        From a state that is not nearly closed, one is reached from where the system places itself; nan where there is none.
+        """
+        if self._beyond is None or not self._beyond.loops:
+            return states
+        from harness.denoc.lanes.closed import close_states
+
+        out = np.array(states, dtype=np.float64)
+        ahead.ready("closed")
+        close_states(
+            np.require(rows, np.float64, ["C", "W"]), out, self._beyond.for_recursion(0, self._tail), self.tables[2],
+            int(self.tables[2][0]), self._beyond.stated, self._beyond.dependent, self._beyond.length,
+        )  # fmt: skip
+        return out
 
     def simulate(
         self,
@@ -325,6 +393,9 @@ class LaneModel:
         rows = np.require(rows if len(rows) == copies else np.repeat(rows, copies, axis=0), requirements=["C", "W"])
         start = np.empty((copies, 2 * n))
         start[:, :n], start[:, n:] = q0, qd0
+        if self._beyond is not None and method == "exponential":
+            raise UnsupportedError("loops or balls in the exponential method", mend="leave method out")
+        start = self.closed(rows, start)
         if method == "exponential":
             from harness.denoc.lanes.exponential import simulate
 
@@ -463,7 +534,7 @@ def _topology(system: System, slots: Mapping[tuple[str, str], int]) -> tuple[Any
         free = parent < 0 or nodes[parent][KIND] > PRISMATIC or parent in mothers
         mothers.add(parent)
         prefix = int(free and kind != SECTION)
-        nodes.append([parent, kind, prefix, own, m, table, points, work, row, head, 0])
+        nodes.append([parent, kind, prefix, own, m, table, points, work, row, head, 0, 0])
         if kind == BEAM:
             table += beam_table_size(m, points)
             work += beam_work_size(m)
@@ -497,7 +568,8 @@ def _topology(system: System, slots: Mapping[tuple[str, str], int]) -> tuple[Any
             coordinate += m
     tree = np.array(nodes, dtype=np.int64).reshape(-1, COLUMNS)
     tree[:, WORK] += coordinate * JOINT + GROUP + len(nodes) * BODY
-    sizes = np.array([coordinate * JOINT + GROUP + len(nodes) * BODY + work, table], dtype=np.int64)
+    # Without ``lanes.closed``, no numbers of a row are copied anywhere.
+    sizes = np.array([coordinate * JOINT + GROUP + len(nodes) * BODY + work, table, 0, 0, 0], dtype=np.int64)
     axes = np.array([joint.axis for joint in system.joints], dtype=np.float64)
     nominal = np.array([joint.rotation for joint in system.joints], dtype=np.float64)
     return links, tree, sizes, axes, nominal, np.eye(3)

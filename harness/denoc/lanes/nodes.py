@@ -28,8 +28,9 @@ from harness.denoc.simd.vector import (
 REVOLUTE, PRISMATIC, BEAM, SECTION, ABSENT = 0, 1, 2, 3, 4
 # ROW, HEAD: where in a parameter row a section's values begin, and those of its beam.
 # SIGN: 0, or, where all moves in one plane (``lanes.planar``), ±1, which way a node's axis points from it.
-PARENT, KIND, PREFIX, COORDINATE, MODES, TABLE, POINTS, WORK, ROW, HEAD, SIGN = range(11)
-COLUMNS = 11
+# PLAN: in the first row, the address of what ``lanes.closed`` adds to the tree, 0 where it adds nothing.
+PARENT, KIND, PREFIX, COORDINATE, MODES, TABLE, POINTS, WORK, ROW, HEAD, SIGN, PLAN = range(12)
+COLUMNS = 12
 
 # One node's constants, in vectors of eight lanes.
 R, ALPHA, DELTA, GAMMA, MASS, FIRST, SECOND = 0, 3, 5, 7, 9, 10, 13

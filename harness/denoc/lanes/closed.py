@@ -1,0 +1,594 @@
+"""A recursion of the lanes with what it does not know by itself: loops that are closed, and forces that turn with a joint in space.
+
+The tree's own recursion is called for the accelerations without constraint forces a, and once more for every condition, with its
+row of the Jacobian as a force, for A = J M⁻¹ Jᵀ. Constraint forces are those that leave no acceleration of any condition open
+beyond what a spring and a damper of the rate ``KEPT_BY`` ask for: what rounding opens closes again (Baumgarte, Comput. Methods Appl.
+Mech. Eng. 1 (1972)).
+
+Dry friction holds a mechanism of one degree of freedom at all its joints together: what they can bear adds up by how far each of
+them moves.
+
+A ball is three turns about x, y and z (Cardan angles) within lanes, of which the middle one keeps off a quarter of a turn. What acts
+on it acts on its angular velocity ω: a torque of −(c + F / |ω| + d |ω|) ω, in which F / |ω| stays finite near rest.
+
+The plan is an array of integers (``closing.Plan``); numbers stand behind the workspace of the tree, in vectors of eight lanes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from harness.denoc.joint_laws import laws as law
+from harness.denoc.lanes.nodes import DIRECTION, FREE, HOLD, JOINT, LIMIT, QD, QDD, TAU, Q
+from harness.denoc.simd.vector import call_recursion, inner, lane_stepper, load, store, vectors
+
+# Heads of the plan.
+RECURSION, TAIL, GROUPS, BODIES, CONDITIONS, DEGREES, LEADING, COORDINATES = range(8)
+PLAN = 8
+# Integers of a group: first coordinate, kind; of a body: parent (−1 base), kind, coordinate; of a condition: kind, two bodies.
+GROUP_PLACES, BODY_PLACES, CONDITION_PLACES = 2, 3, 3
+SPIN, SHIFT = 0, 1
+FIXED, TURNS, SLIDES = 0, 1, 2
+ALONG, ACROSS, COUPLED = 0, 1, 2
+# Numbers: of a group its laws, of a body rotation, origin and axis, of a condition axis and point of the first, those of the second.
+GROUP_NUMBERS, BODY_NUMBERS, CONDITION_NUMBERS = 4, 15, 9
+# A body in motion: rotation, origin, angular and linear velocity, their accelerations, axis.
+MOTION = 27
+KEPT_BY = 20.0  # rad/s
+ALMOST_REST = 1e-3  # rad/s (m/s), below which dry friction of a ball gives way
+CLOSED = 1e-14
+NEAR = 0.05  # of the mechanism's size or in radians, within which a state is closed as it is, and otherwise from the stated one
+PACE = 0.1  # rad or m at a time from the stated position
+
+
+@inner
+def _bodies_at(plan: Any) -> int:
+    return PLAN + GROUP_PLACES * plan[GROUPS]
+
+
+@inner
+def _conditions_at(plan: Any) -> int:
+    return _bodies_at(plan) + BODY_PLACES * plan[BODIES]
+
+
+@inner
+def _body_numbers(plan: Any) -> int:
+    return plan[TAIL] + GROUP_NUMBERS * plan[GROUPS]
+
+
+@inner
+def _condition_numbers(plan: Any) -> int:
+    return _body_numbers(plan) + BODY_NUMBERS * plan[BODIES]
+
+
+@inner
+def _motion_at(plan: Any) -> int:
+    return _condition_numbers(plan) + CONDITION_NUMBERS * plan[CONDITIONS]
+
+
+@inner
+def _states_at(plan: Any) -> int:
+    """Value, rate and bias of the acceleration of every condition."""
+    return _motion_at(plan) + MOTION * plan[BODIES]
+
+
+@inner
+def _jacobian_at(plan: Any) -> int:
+    return _states_at(plan) + 3 * plan[CONDITIONS]
+
+
+@inner
+def _answers_at(plan: Any) -> int:
+    """Accelerations by every condition's force."""
+    return _jacobian_at(plan) + plan[CONDITIONS] * plan[COORDINATES]
+
+
+@inner
+def _system_at(plan: Any) -> int:
+    """Equations of the constraint forces."""
+    return _answers_at(plan) + plan[CONDITIONS] * plan[COORDINATES]
+
+
+@inner
+def _kept_at(plan: Any) -> int:
+    """Vectors of coordinates: forces, modes, directions, accelerations, response of the leading one."""
+    return _system_at(plan) + plan[CONDITIONS] * (plan[CONDITIONS] + 1)
+
+
+@inner
+def _get(ws: Any, at: int, k: int, lane: int) -> Any:
+    """The vector at ``at + k`` of one lane."""
+    p = (at + k) * 8 + lane
+    return ws[p], ws[p + 8], ws[p + 16]
+
+
+@inner
+def _put(ws: Any, at: int, k: int, lane: int, x: float, y: float, z: float) -> None:
+    p = (at + k) * 8 + lane
+    ws[p] = x
+    ws[p + 8] = y
+    ws[p + 16] = z
+
+
+@inner
+def _cross(a: Any, b: Any) -> Any:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inner
+def _dot(a: Any, b: Any) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inner
+def _plus(a: Any, b: Any) -> Any:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@inner
+def _minus(a: Any, b: Any) -> Any:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@inner
+def _times(s: float, a: Any) -> Any:
+    return s * a[0], s * a[1], s * a[2]
+
+
+@inner
+def _turned(ws: Any, at: int, lane: int, a: Any) -> Any:
+    """A vector in the axes of the body whose motion is at ``at``, in base axes."""
+    p = at * 8 + lane
+    return (
+        ws[p] * a[0] + ws[p + 8] * a[1] + ws[p + 16] * a[2],
+        ws[p + 24] * a[0] + ws[p + 32] * a[1] + ws[p + 40] * a[2],
+        ws[p + 48] * a[0] + ws[p + 56] * a[1] + ws[p + 64] * a[2],
+    )
+
+
+@inner
+def _still(ws: Any, at: int, lane: int) -> None:
+    """The base as a body in motion."""
+    for k in range(MOTION):
+        ws[(at + k) * 8 + lane] = 0.0
+    for k in range(0, 9, 4):
+        ws[(at + k) * 8 + lane] = 1.0
+
+
+@inner
+def move_bodies(plan: Any, ws: Any, lane: int) -> None:
+    """Place and motion of every body of a lane, accelerations without those of the coordinates."""
+    here, numbers, motion = _bodies_at(plan), _body_numbers(plan), _motion_at(plan)
+    for b in range(plan[BODIES]):
+        above, kind, coordinate = plan[here + 3 * b], plan[here + 3 * b + 1], plan[here + 3 * b + 2]
+        own, out = numbers + BODY_NUMBERS * b, motion + MOTION * b
+        _still(ws, out, lane)
+        origin, spin, speed, spin_rate, pull = (
+            (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0),
+        )  # fmt: skip
+        if above >= 0:
+            up = motion + MOTION * above
+            arm = _turned(ws, up, lane, _get(ws, own, 9, lane))
+            spin, spin_rate = _get(ws, up, 12, lane), _get(ws, up, 18, lane)
+            origin = _plus(_get(ws, up, 9, lane), arm)
+            speed = _plus(_get(ws, up, 15, lane), _cross(spin, arm))
+            pull = _plus(_get(ws, up, 21, lane), _plus(_cross(spin_rate, arm), _cross(spin, _cross(spin, arm))))
+            for column in range(3):
+                p = (own + column) * 8 + lane
+                turned = _turned(ws, up, lane, (ws[p], ws[p + 24], ws[p + 48]))
+                for row in range(3):
+                    ws[(out + 3 * row + column) * 8 + lane] = turned[row]
+        else:
+            origin = _get(ws, own, 9, lane)
+            for k in range(9):
+                ws[(out + k) * 8 + lane] = ws[(own + k) * 8 + lane]
+        if kind != FIXED:
+            a = _get(ws, own, 12, lane)
+            axis = _turned(ws, out, lane, a)
+            j = coordinate * JOINT * 8 + lane
+            q, qd = ws[j + Q * 8], ws[j + QD * 8]
+            _put(ws, out, 24, lane, axis[0], axis[1], axis[2])
+            if kind == SLIDES:
+                arm = _times(q, axis)
+                origin = _plus(origin, arm)
+                going = _times(qd, axis)
+                pull = _plus(pull, _plus(_cross(spin_rate, arm), _cross(spin, _cross(spin, arm))))
+                pull = _plus(pull, _times(2.0, _cross(spin, going)))
+                speed = _plus(speed, _plus(_cross(spin, arm), going))
+            else:
+                s, c = math.sin(q), math.cos(q)
+                d = 1.0 - c
+                x, y, z = a
+                for row in range(3):
+                    p = (out + 3 * row) * 8 + lane
+                    r0, r1, r2 = ws[p], ws[p + 8], ws[p + 16]
+                    ws[p] = r0 * (c + d * x * x) + r1 * (d * x * y + s * z) + r2 * (d * x * z - s * y)
+                    ws[p + 8] = r0 * (d * x * y - s * z) + r1 * (c + d * y * y) + r2 * (d * y * z + s * x)
+                    ws[p + 16] = r0 * (d * x * z + s * y) + r1 * (d * y * z - s * x) + r2 * (c + d * z * z)
+                turning = _times(qd, axis)
+                spin_rate = _plus(spin_rate, _cross(spin, turning))
+                spin = _plus(spin, turning)
+        _put(ws, out, 9, lane, origin[0], origin[1], origin[2])
+        _put(ws, out, 12, lane, spin[0], spin[1], spin[2])
+        _put(ws, out, 15, lane, speed[0], speed[1], speed[2])
+        _put(ws, out, 18, lane, spin_rate[0], spin_rate[1], spin_rate[2])
+        _put(ws, out, 21, lane, pull[0], pull[1], pull[2])
+
+
+@inner
+def _of_body(plan: Any, ws: Any, body: int, k: int, lane: int) -> Any:
+    """A vector of a body's motion; nothing of the base's."""
+    if body < 0:
+        return 0.0, 0.0, 0.0
+    return _get(ws, _motion_at(plan) + MOTION * body, k, lane)
+
+
+@inner
+def _in_base(plan: Any, ws: Any, body: int, lane: int, a: Any) -> Any:
+    if body < 0:
+        return a
+    return _turned(ws, _motion_at(plan) + MOTION * body, lane, a)
+
+
+@inner
+def measure_conditions(plan: Any, ws: Any, lane: int) -> None:
+    """Value, rate, bias of the acceleration and row of the Jacobian of every condition of a lane, whose bodies are placed."""
+    n = plan[COORDINATES]
+    here, numbers, states, jacobian = (
+        _conditions_at(plan), _condition_numbers(plan), _states_at(plan), _jacobian_at(plan),
+    )  # fmt: skip
+    for k in range(plan[CONDITIONS]):
+        kind, one, other = plan[here + 3 * k], plan[here + 3 * k + 1], plan[here + 3 * k + 2]
+        own, row = numbers + CONDITION_NUMBERS * k, jacobian + n * k
+        for i in range(n):
+            ws[(row + i) * 8 + lane] = 0.0
+        if kind == COUPLED:
+            # Joint, leader and five coefficients.
+            j = one * JOINT * 8 + lane
+            value, slope, bend = ws[own * 8 + lane], 0.0, 0.0
+            led = 0.0
+            if other >= 0:
+                l = other * JOINT * 8 + lane
+                y, led = ws[l + Q * 8], ws[l + QD * 8]
+                value = 0.0
+                for i in range(4, -1, -1):
+                    bend = bend * y + 2.0 * slope
+                    slope = slope * y + value
+                    value = value * y + ws[(own + i) * 8 + lane]
+                ws[(row + other) * 8 + lane] = -slope
+            ws[(row + one) * 8 + lane] = 1.0
+            _put(
+                ws, states, 3 * k, lane, ws[j + Q * 8] - value, ws[j + QD * 8] - slope * led, -bend * led * led
+            )  # fmt: skip
+            continue
+        w1, w2 = _of_body(plan, ws, one, 12, lane), _of_body(plan, ws, other, 12, lane)
+        al1, al2 = _of_body(plan, ws, one, 18, lane), _of_body(plan, ws, other, 18, lane)
+        u = _in_base(plan, ws, one, lane, _get(ws, own, 0, lane))
+        b = _in_base(plan, ws, other, lane, _get(ws, own, 6, lane))
+        du = _cross(w1, u)
+        ddu = _plus(_cross(al1, u), _cross(w1, du))
+        x2 = (0.0, 0.0, 0.0)
+        way = (0.0, 0.0, 0.0)
+        if kind == ALONG:
+            p = _in_base(plan, ws, one, lane, _get(ws, own, 3, lane))
+            x2 = _plus(_of_body(plan, ws, other, 9, lane), b)
+            way = _minus(x2, _plus(_of_body(plan, ws, one, 9, lane), p))
+            v1 = _plus(_of_body(plan, ws, one, 15, lane), _cross(w1, p))
+            v2 = _plus(_of_body(plan, ws, other, 15, lane), _cross(w2, b))
+            a1 = _plus(_of_body(plan, ws, one, 21, lane), _plus(_cross(al1, p), _cross(w1, _cross(w1, p))))
+            a2 = _plus(_of_body(plan, ws, other, 21, lane), _plus(_cross(al2, b), _cross(w2, _cross(w2, b))))
+            going = _minus(v2, v1)
+            bias = _dot(u, _minus(a2, a1)) + 2.0 * _dot(du, going) + _dot(ddu, way)
+            _put(ws, states, 3 * k, lane, _dot(u, way), _dot(u, going) + _dot(du, way), bias)
+        else:
+            db = _cross(w2, b)
+            ddb = _plus(_cross(al2, b), _cross(w2, db))
+            bias = _dot(ddu, b) + 2.0 * _dot(du, db) + _dot(u, ddb)
+            _put(ws, states, 3 * k, lane, _dot(u, b), _dot(du, b) + _dot(u, db), bias)
+        bodies, motion = _bodies_at(plan), _motion_at(plan)
+        for side in range(2):
+            body = other if side == 0 else one
+            while body >= 0:
+                joint, place = plan[bodies + 3 * body + 1], plan[bodies + 3 * body + 2]
+                at = motion + MOTION * body
+                if joint != FIXED:
+                    axis = _get(ws, at, 24, lane)
+                    share = 0.0
+                    if kind == ALONG:
+                        moved = axis
+                        if joint == TURNS:
+                            moved = _cross(axis, _minus(x2, _get(ws, at, 9, lane)))
+                        share = _dot(u, moved)
+                        if side == 1:
+                            # The axis turns with the first frame: a turn takes the way along.
+                            share = -share
+                            if joint == TURNS:
+                                share += _dot(_cross(axis, u), way)
+                    elif joint == TURNS:
+                        share = _dot(u, _cross(axis, b)) if side == 0 else _dot(_cross(axis, u), b)
+                    ws[(row + place) * 8 + lane] += share
+                body = plan[bodies + 3 * body]
+
+
+@inner
+def _solve(ws: Any, at: int, m: int, lane: int) -> bool:
+    """Solve the m equations at ``at`` of one lane, the right-hand side their last column, to that column; False if singular."""
+    w = m + 1
+    for k in range(m):
+        best, pivot = 0.0, k
+        for r in range(k, m):
+            size = abs(ws[(at + r * w + k) * 8 + lane])
+            if size > best:
+                best, pivot = size, r
+        if not best > 0.0:
+            return False
+        if pivot != k:
+            for c in range(w):
+                p, r = (at + k * w + c) * 8 + lane, (at + pivot * w + c) * 8 + lane
+                kept = ws[p]
+                ws[p] = ws[r]
+                ws[r] = kept
+        over = 1.0 / ws[(at + k * w + k) * 8 + lane]
+        for r in range(k + 1, m):
+            share = ws[(at + r * w + k) * 8 + lane] * over
+            for c in range(k + 1, w):
+                ws[(at + r * w + c) * 8 + lane] -= share * ws[(at + k * w + c) * 8 + lane]
+    for k in range(m - 1, -1, -1):
+        value = ws[(at + k * w + m) * 8 + lane]
+        for c in range(k + 1, m):
+            value -= ws[(at + k * w + c) * 8 + lane] * ws[(at + c * w + m) * 8 + lane]
+        ws[(at + k * w + m) * 8 + lane] = value / ws[(at + k * w + k) * 8 + lane]
+    return True
+
+
+@inner
+def act_on_groups(plan: Any, ws: Any) -> None:
+    """Add to the forces what acts on turns in space and shifts in space as a whole."""
+    for g in range(plan[GROUPS]):
+        first, kind = plan[PLAN + 2 * g], plan[PLAN + 2 * g + 1]
+        own = plan[TAIL] + GROUP_NUMBERS * g
+        j = first * JOINT * 8
+        for lane in range(8):
+            damping, dry, drag = _get(ws, own, 0, lane)
+            if damping == 0.0 and dry == 0.0 and drag == 0.0:
+                continue
+            j1, j2, j3 = j + lane, j + JOINT * 8 + lane, j + 2 * JOINT * 8 + lane
+            x, y, z = ws[j1 + QD * 8], ws[j2 + QD * 8], ws[j3 + QD * 8]
+            a1, a2 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+            if kind == SPIN:
+                b, c = ws[j2 + Q * 8], ws[j3 + Q * 8]
+                sb, cb, sc, cc = math.sin(b), math.cos(b), math.sin(c), math.cos(c)
+                a1, a2 = (cb * cc, -cb * sc, sb), (sc, cc, 0.0)
+                x, y, z = x * a1[0] + y * a2[0], x * a1[1] + y * a2[1], x * a1[2] + z
+            speed = math.sqrt(x * x + y * y + z * z)
+            factor = -(damping + drag * speed + dry / math.sqrt(speed * speed + ALMOST_REST * ALMOST_REST))
+            force = factor * x, factor * y, factor * z
+            ws[j1 + TAU * 8] += _dot(a1, force)
+            ws[j2 + TAU * 8] += _dot(a2, force)
+            ws[j3 + TAU * 8] += force[2]
+
+
+@inner
+def accelerations(
+    plan: Any, tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, work: int, dry: Any, ws: Any,
+    user: int, shaken: int, loaded: int,
+) -> None:  # fmt: skip
+    """Accelerations of eight copies, to their places in the workspace; dry: flags of the coordinates' laws.
+
+    The other arrays are addresses, as the tree's recursion takes them.
+    """
+    n, m = plan[COORDINATES], plan[CONDITIONS]
+    kept = _kept_at(plan)
+    modes, ways, found, response = kept + n, kept + 2 * n, kept + 3 * n, kept + 4 * n
+    for i in range(n):
+        store(ws, (kept + i) * 8, load(ws, (i * JOINT + TAU) * 8))
+    act_on_groups(plan, ws)
+    if m == 0:
+        call_recursion(plan[RECURSION], tree, nodes, flags, constants, beams, laws, work, n, user, shaken, loaded)
+        for i in range(n):
+            store(ws, (i * JOINT + TAU) * 8, load(ws, (kept + i) * 8))
+        return
+    pushed = response + n
+    for i in range(n):
+        store(ws, (pushed + i) * 8, load(ws, (i * JOINT + TAU) * 8))
+    # Friction that holds a mechanism of one degree of freedom is told once the others' forces are known.
+    held_together = 0
+    if plan[DEGREES] == 1:
+        for i in range(n):
+            if dry[i] & law.HAS_DRY:
+                for lane in range(8):
+                    if ws[(i * JOINT + FREE) * 8 + lane] == 0.0:
+                        held_together = 1
+    if held_together:
+        for i in range(n):
+            j = i * JOINT * 8
+            store(ws, (modes + i) * 8, load(ws, j + FREE * 8))
+            store(ws, (ways + i) * 8, load(ws, j + DIRECTION * 8))
+        for lane in range(8):
+            if _is_held(plan, ws, dry, modes, lane):
+                for i in range(n):
+                    if dry[i] & law.HAS_DRY:
+                        ws[(i * JOINT + FREE) * 8 + lane] = 1.0
+                        ws[(i * JOINT + DIRECTION) * 8 + lane] = 0.0
+    for lane in range(8):
+        move_bodies(plan, ws, lane)
+        measure_conditions(plan, ws, lane)
+    jacobian, answers, equations, states = _jacobian_at(plan), _answers_at(plan), _system_at(plan), _states_at(plan)
+    call_recursion(plan[RECURSION], tree, nodes, flags, constants, beams, laws, work, n, user, shaken, loaded)
+    for i in range(n):
+        store(ws, (found + i) * 8, load(ws, (i * JOINT + QDD) * 8))
+    for k in range(m):
+        for i in range(n):
+            push = load(ws, (pushed + i) * 8) + load(ws, (jacobian + n * k + i) * 8)
+            store(ws, (i * JOINT + TAU) * 8, push)
+        call_recursion(plan[RECURSION], tree, nodes, flags, constants, beams, laws, work, n, user, shaken, loaded)
+        for i in range(n):
+            answer = load(ws, (i * JOINT + QDD) * 8) - load(ws, (found + i) * 8)
+            store(ws, (answers + n * k + i) * 8, answer)
+    _eliminate(plan, ws, found, jacobian, answers, equations, states, 1.0)
+    if held_together:
+        # How the mechanism answers a force at its leading coordinate.
+        leading = plan[LEADING]
+        for i in range(n):
+            push = load(ws, (pushed + i) * 8)
+            store(ws, (i * JOINT + TAU) * 8, push + 1.0 if i == leading else push)
+        call_recursion(plan[RECURSION], tree, nodes, flags, constants, beams, laws, work, n, user, shaken, loaded)
+        for i in range(n):
+            store(ws, (response + i) * 8, load(ws, (i * JOINT + QDD) * 8))
+        _eliminate(plan, ws, response, jacobian, answers, equations, states, 1.0)
+        for i in range(n):
+            store(ws, (response + i) * 8, load(ws, (response + i) * 8) - load(ws, (found + i) * 8))
+        for lane in range(8):
+            if _is_held(plan, ws, dry, modes, lane):
+                _hold(plan, ws, dry, found, response, lane)
+        for i in range(n):
+            j = i * JOINT * 8
+            store(ws, j + FREE * 8, load(ws, (modes + i) * 8))
+            store(ws, j + DIRECTION * 8, load(ws, (ways + i) * 8))
+    for i in range(n):
+        store(ws, (i * JOINT + QDD) * 8, load(ws, (found + i) * 8))
+        store(ws, (i * JOINT + TAU) * 8, load(ws, (kept + i) * 8))
+
+
+@inner
+def _is_held(plan: Any, ws: Any, dry: Any, modes: int, lane: int) -> bool:
+    """Whether any joint of a lane sticks."""
+    for i in range(plan[COORDINATES]):
+        if dry[i] & law.HAS_DRY and ws[(modes + i) * 8 + lane] == 0.0:
+            return True
+    return False
+
+
+@inner
+def _eliminate(
+    plan: Any, ws: Any, found: int, jacobian: int, answers: int, equations: int, states: int, stiff: float
+) -> None:
+    """Accelerations at ``found`` with the constraint forces that they ask for, in place."""
+    n, m = plan[COORDINATES], plan[CONDITIONS]
+    for lane in range(8):
+        for r in range(m):
+            s = (states + 3 * r) * 8 + lane
+            # A critically damped return to where the condition is closed.
+            right = -ws[s + 16] - stiff * (2.0 * KEPT_BY * ws[s + 8] + KEPT_BY * KEPT_BY * ws[s])
+            for i in range(n):
+                right -= ws[(jacobian + n * r + i) * 8 + lane] * ws[(found + i) * 8 + lane]
+            ws[(equations + r * (m + 1) + m) * 8 + lane] = right
+            for c in range(m):
+                total = 0.0
+                for i in range(n):
+                    total += ws[(jacobian + n * r + i) * 8 + lane] * ws[(answers + n * c + i) * 8 + lane]
+                ws[(equations + r * (m + 1) + c) * 8 + lane] = total
+        solved = _solve(ws, equations, m, lane)
+        for i in range(n):
+            p = (found + i) * 8 + lane
+            if not solved:
+                ws[p] = math.nan
+                continue
+            for r in range(m):
+                ws[p] += ws[(equations + r * (m + 1) + m) * 8 + lane] * ws[(answers + n * r + i) * 8 + lane]
+
+
+@inner
+def _hold(plan: Any, ws: Any, dry: Any, found: int, response: int, lane: int) -> None:
+    """A lane that dry friction holds: how much of what it can bear is asked of it, shared alike by its joints."""
+    n = plan[COORDINATES]
+    mobility = ws[(response + plan[LEADING]) * 8 + lane]
+    asked = ws[(found + plan[LEADING]) * 8 + lane]
+    most = 0.0
+    for i in range(n):
+        if dry[i] & law.HAS_DRY:
+            most += abs(ws[(response + i) * 8 + lane]) * ws[(i * JOINT + LIMIT) * 8 + lane]
+    for i in range(n):
+        if dry[i] & law.HAS_DRY:
+            j = i * JOINT * 8 + lane
+            limit = ws[j + LIMIT * 8]
+            share = abs(asked) / most * limit if most > 0.0 else abs(asked / mobility)
+            # It would move this way, and what holds it acts the other.
+            way = asked * ws[(response + i) * 8 + lane] * mobility
+            ws[j + HOLD * 8] = -share if way > 0.0 else share
+    for i in range(n):
+        ws[(found + i) * 8 + lane] = 0.0
+
+
+@lane_stepper
+def close_states(
+    rows: Any, states: Any, plan: Any, sizes: Any, size: int, stated: Any, dependent: Any, length: float
+) -> None:
+    """Close positions and rates of states (B, 2 n) of rows (B, P) in place, independent coordinates as they are.
+
+    size: vectors of the workspace. stated: a closed position (n,), from where others are reached by and by; dependent: the
+    coordinates that follow, as many as there are conditions; length: of the mechanism [m]. What cannot be closed becomes nan.
+    """
+    n, m = plan[COORDINATES], plan[CONDITIONS]
+    ws = vectors(size)
+    states_at, jacobian, equations = _states_at(plan), _jacobian_at(plan), _system_at(plan)
+    free = vectors(n)
+    for i in range(n):
+        free[i] = 1.0
+    for k in range(m):
+        free[dependent[k]] = 0.0
+    for b in range(len(rows)):
+        for c in range(sizes[2]):
+            ws[(sizes[3] + c) * 8] = rows[b, sizes[4] + c]
+        for i in range(n):
+            ws[(i * JOINT + Q) * 8] = states[b, i]
+            ws[(i * JOINT + QD) * 8] = states[b, n + i]
+        move_bodies(plan, ws, 0)
+        measure_conditions(plan, ws, 0)
+        open_by = 0.0
+        for k in range(m):
+            open_by = max(open_by, abs(ws[(states_at + 3 * k) * 8]) / length)
+        paces = 1
+        if not open_by < NEAR:
+            farthest = 0.0
+            for i in range(n):
+                if free[i] != 0.0:
+                    farthest = max(farthest, abs(states[b, i] - stated[i]))
+                ws[(i * JOINT + Q) * 8] = stated[i]
+            paces = 1 + int(min(farthest / PACE, 1e4)) if farthest >= 0.0 else 1
+        closed = True
+        for pace in range(1, paces + 1):
+            for i in range(n):
+                if free[i] != 0.0:
+                    there = states[b, i]
+                    ws[(i * JOINT + Q) * 8] = there if pace == paces else stated[i] + (there - stated[i]) * pace / paces
+            closed = False
+            for _ in range(20):
+                move_bodies(plan, ws, 0)
+                measure_conditions(plan, ws, 0)
+                for k in range(m):
+                    for c in range(m):
+                        ws[(equations + k * (m + 1) + c) * 8] = ws[(jacobian + n * k + dependent[c]) * 8]
+                    ws[(equations + k * (m + 1) + m) * 8] = -ws[(states_at + 3 * k) * 8]
+                if not _solve(ws, equations, m, 0):
+                    break
+                step = 0.0
+                for k in range(m):
+                    step = max(step, abs(ws[(equations + k * (m + 1) + m) * 8]))
+                if not step < 1e6:
+                    break
+                share = 0.5 / step if step > 0.5 else 1.0
+                for k in range(m):
+                    ws[(dependent[k] * JOINT + Q) * 8] += share * ws[(equations + k * (m + 1) + m) * 8]
+                if step < CLOSED:
+                    closed = True
+                    break
+                closed = step < 1e-9
+            if not closed:
+                break
+        move_bodies(plan, ws, 0)
+        measure_conditions(plan, ws, 0)
+        for k in range(m):
+            right = 0.0
+            for i in range(n):
+                if free[i] != 0.0:
+                    right -= ws[(jacobian + n * k + i) * 8] * states[b, n + i]
+            for c in range(m):
+                ws[(equations + k * (m + 1) + c) * 8] = ws[(jacobian + n * k + dependent[c]) * 8]
+            ws[(equations + k * (m + 1) + m) * 8] = right
+        solved = closed and _solve(ws, equations, m, 0)
+        for k in range(m):
+            i = dependent[k]
+            states[b, i] = ws[(i * JOINT + Q) * 8] if solved else math.nan
+            states[b, n + i] = ws[(equations + k * (m + 1) + m) * 8] if solved else math.nan
