@@ -17,6 +17,7 @@ from harness.diagnose.claims.conclude import conclude
 from harness.diagnose.conditioning.conventions import conventional
 from harness.diagnose.conditioning.free_motion import free_parts
 from harness.diagnose.conditioning.held_start import released
+from harness.diagnose.conditioning.poses import in_charts
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.known_error import worth_of_known_error
@@ -32,10 +33,11 @@ from harness.effects.catalogue import register
 from harness.effects.effect import Effect
 from harness.effects.scale import swings
 from harness.effects.user import load_user_effects
-from harness.errors import InputError
+from harness.errors import InputError, UnsupportedError
 from harness.parallel import one_blas_thread
 from harness.recording import Recording, read_recordings
 from harness.system import System, load
+from harness.system.charted import turning
 from harness.system.loop import explicit
 from harness.system.lowering import freed, one_degree
 
@@ -83,16 +85,28 @@ def diagnose(
     if not models:
         raise InputError("no model given", mend="name the model of the rig")
     stated = [one if isinstance(one, System) else load(one, physical=False) for one in models]
-    systems = [_nominal(one, tolerance) for one in stated]
-    if fit_effort and len(systems) > 1:
+    if fit_effort and len(stated) > 1:
         raise InputError(
             "efforts are fitted to one model", mend="diagnose the recordings of each payload by themselves"
         )
-    as_read = _read(recordings, holdout, mapping, systems[0])
+    in_space = bool(turning(stated[0]))
+    if fit_effort and (in_space or stated[0].loops):
+        raise UnsupportedError(
+            "efforts are fitted to trees of joints of one degree of freedom",
+            mend="leave out --fit-effort: recorded efforts then drive the model",
+            source=stated[0].source,
+        )
+    if in_space and len(stated) > 1:
+        raise UnsupportedError("models of several payloads have no balls or free joints here", mend="give one model")
+    as_read = _read(recordings, holdout, mapping, stated[0] if in_space else _nominal(stated[0], tolerance))
+    if in_space:
+        one, as_read = in_charts(stated[0], as_read)
+        stated = [one]
+    systems = [_nominal(one, tolerance) for one in stated]
     ready = []
     for mechanism, one in zip(stated, systems, strict=True):
         following, read = coupled(mechanism, one, as_read)
-        ready.append(acting(following, read, actuators=actuators, limits=limits))
+        ready.append(acting(_led(following, read), read, actuators=actuators, limits=limits))
     system, read = ready[0]
     notes = tuple(dict.fromkeys(note for one, _ in ready for note in one.notes))
     every_system = one_each([one for one, _ in ready], len(as_read))
@@ -142,14 +156,22 @@ def diagnose(
 
 
 def _nominal(system: System, tolerance: float | None) -> System:
-    loops = system.loops if explicit(system.loops) else ()
     # Joints that are polynomials of others are left to ``coupled``, as those are that mimic others.
-    system = one_degree(freed(replace(system, loops=() if loops else system.loops)), "a diagnosis")
+    loops = () if explicit(system.loops) else system.loops
+    system = replace(one_degree(freed(replace(system, loops=())), "a diagnosis"), loops=loops)
     if tolerance is None:
         return system
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
     return replace(system, tolerance=tolerance)
+
+
+def _led(system: System, recordings: Sequence[Recording]) -> System:
+    """The system with the recorded joints leading, where loops let them tell the others."""
+    if not system.loops:
+        return system
+    recorded = {c.site for recording in recordings for c in recording.channels if c.quantity == "position"}
+    return replace(system, leading=tuple(name for name in system.joint_names if name in recorded))
 
 
 def _conditioned(systems: Sequence[System], recordings: Sequence[Recording]) -> list[Recording]:

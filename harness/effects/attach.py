@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from harness.effects.catalogue import effect
@@ -33,6 +33,8 @@ def apply(system: System, attachment: Attachment) -> System:
         return law.reshape.change(system, attachment.site, values)
     if law.name in JOINT_FIELDS:
         joint = system.joint(attachment.site)
+        if joint not in system.joints:
+            return _in_space(system, attachment.site, law.name, values)
         if law.name == "viscous_damping":
             return system.replace_joint(replace(joint, damping=joint.damping + values["coefficient"]))
         if law.name == "coulomb_friction":
@@ -40,6 +42,15 @@ def apply(system: System, attachment: Attachment) -> System:
         return system.replace_joint(_beside_spring(joint, values["stiffness"], values["rest_angle"]))
     kept = tuple(a for a in system.attachments if (a.effect, a.site) != (attachment.effect, attachment.site))
     return replace(system, attachments=(*kept, replace(attachment, parameters=values)))
+
+
+def _in_space(system: System, site: str, law: str, values: Mapping[str, float]) -> System:
+    """The system with damping or dry friction of joints that are one in space together."""
+    field, value = ("damping", "coefficient") if law == "viscous_damping" else ("friction", "torque")
+    more = (
+        replace(g, **{field: getattr(g, field) + values[value]}) if g.name == site else g for g in system.gimbals
+    )
+    return replace(system, gimbals=tuple(more))
 
 
 def _beside_spring(joint: Joint, stiffness: float, rest: float) -> Joint:
@@ -76,7 +87,7 @@ def input_chain(attachments: Sequence[Attachment], joint: str) -> tuple[tuple[Ef
 def _check_site(law: Effect, system: System, site: str) -> None:
     known: tuple[str, ...]
     if law.site == "joint":
-        known = system.joint_names
+        known = (*system.joint_names, *(gimbal.name for gimbal in system.gimbals))
     elif law.site == "link":
         known = tuple(link.name for link in system.links)
     elif law.site == "base":

@@ -63,6 +63,8 @@ NAMES = (
 )
 
 BENDING_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")
+# Slots of laws that act on a body in space along its velocity or angular velocity.
+IN_SPACE = frozenset({"damping", "coulomb_torque", "quadratic_drag"})
 
 
 @cache
@@ -108,10 +110,17 @@ def sites(effect: Effect, system: System, recording: Measured | None = None) -> 
         if effect.input is not None:
             driven = {channel.site for channel in recording.efforts} if recording is not None else set()
             return tuple(name for name in system.joint_names if name in driven)
-        return system.joint_names
+        return _joints(effect, system)
     if effect.site is SiteKind.LINK:
         return _links(effect, system)
     return _channels(effect, system, recording)
+
+
+def _joints(effect: Effect, system: System) -> tuple[str, ...]:
+    """The joints; of those that are one in space together, they as one, by laws that act along their velocity."""
+    single = tuple(name for name in system.joint_names if system.gimbal_of(name) is None)
+    whole = effect.law is not None and set(effect.law.slots) <= IN_SPACE
+    return single + (tuple(gimbal.name for gimbal in system.gimbals) if whole else ())
 
 
 def _met(need: str, system: System, recording: Measured | None) -> bool:
@@ -162,6 +171,9 @@ def _channels(effect: Effect, system: System, recording: Measured | None) -> tup
         return ()
     names = []
     for channel in recording.channels:
+        if system.gimbal_of(channel.site) is not None and not (effect.sensor and effect.sensor.clock):
+            # An angle of a chart is no sensor's reading.
+            continue
         if "angle" in effect.needs and (
             channel.quantity != "position"
             or channel.site not in system.joint_names

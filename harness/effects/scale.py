@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 
 from harness.effects.measured import Measured
-from harness.system import Link, System
+from harness.system import Gimbal, Link, System
+from harness.system.closure import close, opening, size, stated_position
 from harness.system.description import Array
 from harness.system.inertia import about_origin, point_inertia
+from harness.system.kinematics import gravity_forces, mass_matrix
+
+POSITIONS = 14  # half a radian of the fastest joint apart
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,8 @@ def references(system: System, site: str, recording: Measured | None = None) -> 
     A link is seen from the joint that carries it, a channel from the joint or link it belongs to, the base from the
     first movable joint.
     """
-    owner = site.rsplit(".", 1)[0] if "." in site else site
+    owner = site.rsplit(".", 1)[0] if "." in site and site not in system.joint_names else site
+    owner = next((g.coordinates[0] for g in system.gimbals if site == g.name), owner)
     joint_name = _joint_of(system, owner)
     sizes = _mechanical(system, joint_name)
     signal, effort, duration, interval = 1.0, 0.0, 10.0, 0.01
@@ -155,6 +161,13 @@ def _mechanical(system: System, joint_name: str) -> tuple[float, float, float, f
     gravity = float(np.linalg.norm(system.gravity))
     if not joint_name:
         return _held(system, gravity or 9.81)
+    if system.loops:
+        together = _closed(system).get(joint_name)
+        if together is not None:
+            return together
+    gimbal = system.gimbal_of(joint_name)
+    if gimbal is not None:
+        return _in_space(system, gimbal, gravity)
     poses = zero_poses(system)
     joint = system.joint(joint_name)
     rotation, origin = poses[joint.child]
@@ -190,6 +203,63 @@ def _mechanical(system: System, joint_name: str) -> tuple[float, float, float, f
         rate = 2.0 * np.pi
         torque = inertia * rate**2
     return torque, inertia, rate, mass or 1.0, reach or 1.0, gravity or 9.81
+
+
+def _in_space(system: System, gimbal: Gimbal, gravity: float) -> tuple[float, float, float, float, float, float]:
+    """The same of three joints that are one in space together: those of a body that hangs by its centre of mass's distance."""
+    poses = zero_poses(system)
+    origin = poses[gimbal.child][1]
+    carried = [link for link in system.links if link.name in _carried(system, gimbal.child)]
+    mass, moment, tensor, reach = 0.0, np.zeros(3), np.zeros((3, 3)), 0.0
+    for link in carried:
+        turn, place = poses[link.name]
+        arm = place + turn @ link.com - origin
+        mass, moment = mass + link.mass, moment + link.mass * arm
+        central = turn @ (about_origin(link) - point_inertia(link.mass, np.asarray(link.com))) @ turn.T
+        tensor = tensor + central + point_inertia(link.mass, arm)
+        reach = max(reach, float(np.linalg.norm(place + turn @ tip_of(link, system) - origin)))
+    free = any(other.slides and other.joint == gimbal.joint for other in system.gimbals)
+    if gimbal.slides:
+        return mass * gravity or 1.0, mass or 1.0, float(np.sqrt(gravity)) or 1.0, mass or 1.0, reach or 1.0, gravity or 9.81
+    inertia = float(np.trace(tensor)) / 3.0 if free else float(np.linalg.eigvalsh(tensor)[-1])
+    torque = 0.0 if free else gravity * float(np.linalg.norm(moment))
+    rate = float(np.sqrt(torque / inertia)) if inertia > 0.0 else 0.0
+    if rate < 1e-3:
+        rate, torque = 2.0 * np.pi, (inertia or 1.0) * (2.0 * np.pi) ** 2
+    return torque, inertia or 1.0, rate, mass or 1.0, reach or 1.0, gravity or 9.81
+
+
+@lru_cache(maxsize=8)
+def _closed(system: System) -> dict[str, tuple[float, float, float, float, float, float]]:
+    """The same of every joint of a closed mechanism of one degree of freedom, seen from that joint; nothing of others.
+
+    Gravity and inertia are those of the whole mechanism, over positions all along its motion, by how far each joint moves.
+    """
+    names, gravity = system.coordinate_names, float(np.linalg.norm(system.gravity))
+    if system.flexible or not system.simple:
+        return {}
+    q = close(system, stated_position(system))[0]
+    ways, pulls, inertias = list[Array](), list[float](), list[float]()
+    for _ in range(POSITIONS):
+        _, sizes, rows = np.linalg.svd(opening(system, q).jacobian)
+        if len(names) - int(np.sum(sizes > 1e-7 * sizes.max(initial=0.0))) != 1:
+            return {}
+        way = rows[-1] if not ways or rows[-1] @ ways[-1] >= 0.0 else -rows[-1]
+        ways.append(way)
+        inertias.append(float(way @ mass_matrix(system, q) @ way))
+        pulls.append(abs(float(way @ gravity_forces(system, q))))
+        q = close(system, q + way * (0.5 / np.abs(way).max()))[0]
+    torque, inertia = max(pulls), float(np.mean(inertias))
+    rate = float(np.sqrt(torque / inertia))
+    if rate < 1e-3:
+        rate, torque = 2.0 * np.pi, inertia * (2.0 * np.pi) ** 2
+    moved = np.sqrt(np.mean(np.square(ways), axis=0))
+    moved = np.maximum(moved, 1e-2 * moved.max())
+    mass = sum(link.mass for link in system.links)
+    return {
+        name: (torque / share, inertia / share**2, rate, mass or 1.0, size(system), gravity or 9.81)
+        for name, share in zip(names, moved.tolist(), strict=True)
+    }
 
 
 def zero_poses(system: System) -> dict[str, tuple[Array, Array]]:

@@ -106,7 +106,9 @@ class NativeModel:
             return self._simulate_coupled(q0, qd0, time, forces, positive_step(step))
         if self.by_calls:
             return self._simulate_softly(q0, qd0, time, forces, positive_step(step))
-        if self.expressed.laws or self.system.drives or self.system.stops:
+        rubbing = sum(joint.friction > 0.0 for joint in self.system.movable_joints)
+        together = bool(self.system.loops) and rubbing > 1 and self.system.simple and not self.system.flexible
+        if self.expressed.laws or self.system.drives or self.system.stops or together:
             return self._simulate_laws(q0, qd0, time, forces, positive_step(step))
         plain = not self.system.flexible and not any(joint.friction for joint in self.system.movable_joints)
         method = "rk4" if plain and step is not None else None
@@ -197,12 +199,13 @@ class Native:
         except InputError as error:
             return str(error)
         if system.loops and (expressed.laws or _acting(system)):
-            if not explicit(system.loops) or bends(system) or follows(system):
+            if explicit(system.loops) and not bends(system) and not follows(system):
+                return expressed.refusal("the native dynamics by single calls", constraints=True)
+            if bends(system) or follows(system) or beyond_lanes(system, expressed.laws):
                 return (
-                    "beside loops the native dynamics has damping, springs and dry friction alone, no drives, limits or other laws "
-                    "(but where joints are polynomials of others)"
+                    "beside loops the native dynamics has damping, springs and dry friction alone, no drives, limits or other laws, "
+                    "where links bend, joints turn in space or follow others"
                 )
-            return expressed.refusal("the native dynamics by single calls", constraints=True)
         if system.loops and any(link.gravcomp for link in system.links):
             return "the native dynamics has no gravity compensation of single links beside loops"
         if bends(system) and any(link.gravcomp for link in system.links):

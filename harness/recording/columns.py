@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from harness.errors import InputError
-from harness.recording.recording import GIVEN, JOINT_QUANTITIES, LINK_QUANTITIES, QUANTITIES
+from harness.recording.recording import GIVEN, JOINT_QUANTITIES, LINK_QUANTITIES, QUANTITIES, SPATIAL_UNITS
 from harness.system import System
 from harness.system.read_toml import parse_toml
 from harness.system.suggest import did_you_mean
@@ -86,7 +86,8 @@ def make_rule(foreign: str, ours: str, *, optional: bool, source: str) -> Rule:
     name, unit = split_unit(ours)
     if name not in ("time", IGNORE):
         _, dot, quantity = name.rpartition(".")
-        if not dot or quantity not in QUANTITIES:
+        in_space = ".".join(name.split(".")[-2:]) in SPATIAL_UNITS
+        if not in_space and (not dot or quantity not in QUANTITIES):
             raise InputError(
                 f"mapping of {foreign!r}: {name!r} is no column of a recording",
                 mend=did_you_mean(quantity, QUANTITIES)
@@ -95,6 +96,20 @@ def make_rule(foreign: str, ours: str, *, optional: bool, source: str) -> Rule:
                 source=source,
             )
     return Rule(foreign, name, unit, sign, optional, source)
+
+
+def _in_space(name: str, system: System | None) -> tuple[str, str] | None:
+    """Joint that turns in space and quantity of ``<body>.pose.qw``, ``<joint>.position.qw`` or ``<joint>.velocity.wx``; None of others."""
+    head, _, component = name.rpartition(".")
+    site, _, kind = head.rpartition(".")
+    quantity = f"{kind}.{component}"
+    if not site or quantity not in SPATIAL_UNITS or system is None:
+        return None
+    for joint in system.joints:
+        if joint.turns_in_space and site in (joint.name, joint.child):
+            # A body has a pose, a joint has positions.
+            return joint.name, quantity
+    return None
 
 
 def rules_beside(path: Path) -> tuple[Rule, ...]:
@@ -178,6 +193,14 @@ def resolve(
             column = Column(header, "", "time", unit, sign)
         else:
             site, _, quantity = ours.rpartition(".")
+            in_space = _in_space(ours, system)
+            if in_space is not None:
+                column = Column(header, *in_space, unit, sign)
+                if column.name in taken:
+                    raise _twice(column, taken[column.name], header, source)
+                taken[column.name] = header
+                found.append(column)
+                continue
             if not site or quantity not in QUANTITIES:
                 if "/" not in header:
                     _refuse_misspelt(ours, site, quantity, system, source)
@@ -194,11 +217,7 @@ def resolve(
                 strangers.append((column, stranger))
                 continue
         if column.name in taken:
-            raise InputError(
-                f"columns {taken[column.name]!r} and {header!r} are both {column.name}",
-                mend=f"leave one out, as --map '{header}=ignore', or remove it",
-                source=source,
-            )
+            raise _twice(column, taken[column.name], header, source)
         taken[column.name] = header
         found.append(column)
     for rule in rules:
@@ -221,6 +240,14 @@ def resolve(
         )
     found.sort(key=lambda column: column.quantity != "time")
     return Found(tuple(found), tuple(ignored))
+
+
+def _twice(column: Column, before: str, header: str, source: Path) -> InputError:
+    return InputError(
+        f"columns {before!r} and {header!r} are both {column.name}",
+        mend=f"leave one out, as --map '{header}=ignore', or remove it",
+        source=source,
+    )
 
 
 def _commanded(site: str, system: System | None) -> bool:

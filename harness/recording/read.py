@@ -21,7 +21,7 @@ from harness.recording.folded import unfold
 from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
 from harness.recording.magnitudes import LEAST, without_absurd
-from harness.recording.recording import GIVEN, Channel, QualityNote, Recording
+from harness.recording.recording import GIVEN, SPATIAL_UNITS, Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
 from harness.recording.stale import find_stale
 from harness.recording.stamp_pattern import healed
@@ -226,7 +226,7 @@ def _channel(
         values = whole if told else values
         notes += told
     step = quantisation_step(values) or _count(table, column, factor)
-    if column.quantity not in GIVEN:
+    if column.quantity not in GIVEN and column.quantity not in SPATIAL_UNITS:
         values, stale = find_stale(column.name, timing.time, values, step)
         if stale is not None:
             notes.append(stale)

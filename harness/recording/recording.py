@@ -25,6 +25,15 @@ UNITS = {
     "root_strain": "1",
     "tip_acceleration": "m/s**2",
 }
+# Of joints that turn in space, a column each: the pose of the body against the base, the joint's own coordinates, and velocities.
+SHIFTED, TURNED = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+SPATIAL_UNITS = {
+    **{f"{kind}.{name}": "m" for kind in ("pose", "position") for name in SHIFTED},
+    **{f"{kind}.{name}": "1" for kind in ("pose", "position") for name in TURNED},
+    **{f"velocity.v{name}": "m/s" for name in SHIFTED},
+    **{f"velocity.w{name}": "rad/s" for name in SHIFTED},
+}
+UNITS |= SPATIAL_UNITS
 LINEAR_UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}  # at a prismatic joint
 
 

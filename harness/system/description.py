@@ -358,6 +358,11 @@ class Gimbal:
     damping: float = 0.0
     friction: float = 0.0
 
+    def as_joint(self) -> Joint:
+        """Damping, friction and units of the three together, by their name."""
+        kind = JointType.PRISMATIC if self.slides else JointType.REVOLUTE
+        return Joint(self.name, kind, "", self.child, damping=self.damping, friction=self.friction)
+
 
 @dataclass(frozen=True, eq=False)
 class Keyframe:
@@ -479,11 +484,18 @@ class System:
         return any(link.flexible for link in self.links)
 
     def joint(self, name: str) -> Joint:
-        """The joint of that name; KeyError if there is none."""
+        """The joint of that name, or what a gimbal of that name is as one; KeyError if there is none."""
         for joint in self.joints:
             if joint.name == name:
                 return joint
+        for gimbal in self.gimbals:
+            if gimbal.name == name:
+                return gimbal.as_joint()
         raise KeyError(name)
+
+    def gimbal_of(self, coordinate: str) -> Gimbal | None:
+        """The gimbal that a joint is one of three of."""
+        return next((gimbal for gimbal in self.gimbals if coordinate in gimbal.coordinates), None)
 
     def link(self, name: str) -> Link:
         """The link of that name; KeyError if there is none."""

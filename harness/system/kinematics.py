@@ -70,3 +70,10 @@ def spatial_inertia(link: Link) -> Array:
     """Generalized inertia matrix of a link about its origin, (angular, linear), shape (6, 6)."""
     first = link.mass * skew(link.com)
     return np.block([[about_origin(link), first], [first.T, link.mass * np.eye(3)]])
+
+
+def gravity_forces(system: System, q: Array) -> Array:
+    """Generalized forces of gravity on the tree, beams frozen, shape (nv,): Σ m Jᵀ g at the centres of mass."""
+    at = poses(lower(system), q)
+    moved = (link.mass * at[link.name].at(np.asarray(link.com), np.eye(3)).jacobian[3:] for link in system.links)
+    return np.asarray(sum(moved, np.zeros((3, system.nv))).T @ np.asarray(system.gravity))

@@ -400,6 +400,10 @@ def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) 
     run = outcome.problem.runs[window.run]
     names = outcome.predictor.mechanism(conclusion.own.hypothesis).names
     state = conclusion.held.states[window]
+    if outcome.problem.system.loops:
+        own = conclusion.own
+        model = outcome.predictor.mechanism(own.hypothesis).model
+        state = model.closed(outcome.predictor.row(own.hypothesis, own.x)[None], state[None])[0]
     count = int(min(LONGEST, run.time[window.last - 1] - run.time[window.first]) / run.interval)
     time = np.arange(count + 1, dtype=np.float64) * run.interval
     tau = None

@@ -60,5 +60,9 @@ def _less_than_stated(system: System, attachment: Attachment) -> System | None:
     value = next(iter(attachment.parameters.values()))
     if value >= 0.0:
         return None
+    gimbal = next((g for g in system.gimbals if g.name == attachment.site), None)
+    if gimbal is not None:
+        less = replace(gimbal, **{field: max(getattr(gimbal, field) + value, 0.0)})
+        return replace(system, gimbals=tuple(less if g is gimbal else g for g in system.gimbals))
     joint = system.joint(attachment.site)
     return system.replace_joint(replace(joint, **{field: max(getattr(joint, field) + value, 0.0)}))

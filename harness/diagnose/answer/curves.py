@@ -147,7 +147,7 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
     """Residual generalized force by inverse dynamics of the nominal model along the smoothed motion."""
     problem = outcome.problem
     channels = _positions(outcome)
-    if problem.system.flexible or channels is None:
+    if problem.system.flexible or problem.system.loops or problem.system.gimbals or channels is None:
         return ()
     slowest = min(swings(problem.system))
     rows: list[tuple[Array, Array, Array]] = []

@@ -135,7 +135,9 @@ def _gains(seen: Projected) -> Array:
 def _gravity(names: Sequence[str], system: System, positions: Array) -> Array:
     """Generalized forces of gravity (G, n) of the joints at positions (G, coordinates) of so many names."""
     joints = [names.index(name) for name in system.joint_names]
-    model, weightless = Denoc(system.rigid()), Denoc(replace(system.rigid(), gravity=np.zeros(3)))
+    # Of a mechanism with loops the tree's, which its motions answer as they can.
+    tree = replace(system.rigid(), loops=())
+    model, weightless = Denoc(tree), Denoc(replace(tree, gravity=np.zeros(3)))
     q = np.ascontiguousarray(positions[:, joints])
     still = np.zeros_like(q)
     return np.asarray(

@@ -41,7 +41,9 @@ def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
     names = predictor.mechanism(hypothesis).names
     joints = predictor.system.joint_names
     rate = SWING_SPEED * max((references(predictor.system, name).frequency for name in joints), default=1.0)
-    loose = np.array([0.0 if name in joints else 1.0 / VIBRATION for name in names])
+    dependent = predictor.mechanism(hypothesis).model.dependent
+    # What follows by a loop is told by the others; a step of it would do nothing.
+    loose = np.array([0.0 if name in joints and name not in dependent else 1.0 / VIBRATION for name in names])
     return np.concatenate([loose, loose / rate])
 
 
@@ -109,4 +111,4 @@ def measured_state(problem: Problem, predictor: Predictor, window: Window, short
         if channel.quantity == "velocity" and channel.site in names:
             k = names.index(channel.site)
             state[len(names) + k] = local_state(run, c, window.first, span)[0]
-    return state
+    return predictor.closed(state)

@@ -94,7 +94,13 @@ def _considered(study: Study, first: Fit, second: Fit) -> list[Trial]:
     """Trials with the first joint, which moves everything, and with the one where two hypotheses disagree."""
     system = study.problem.system
     duration = float(max(run.duration for run in study.problem.train))
+    if system.gimbals:
+        return []  # how a body in space is let go is more than a position and a speed
     joints = dict.fromkeys([*system.joint_names[:1], *_disputed(system, first, second)])
+    dependent = study.predictor.mechanism(first.hypothesis).model.dependent
+    if dependent:
+        # Where a closed mechanism is let go is told by those that lead.
+        joints = dict.fromkeys(name for name in system.joint_names if name not in dependent)
     return [
         trial for joint in joints for trial in trials(system, joint, duration, study.swing, *_extents(study, joint))
     ]

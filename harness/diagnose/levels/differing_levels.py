@@ -98,7 +98,7 @@ def comparable(problem: Problem) -> bool:
     measured = {c.site for c in problem.channels if c.quantity == "position"}
     if problem.driven or problem.system.flexible or problem.same_recording or len(problem.train) < 2:
         return False
-    if any(run.payload for run in problem.runs):
+    if any(run.payload for run in problem.runs) or problem.system.loops or problem.system.gimbals:
         return False
     return measured.issuperset(problem.system.joint_names)
 

@@ -47,6 +47,12 @@ class Mechanisms:
     def state_size(self, hypothesis: Hypothesis) -> int:
         return 2 * len(self.mechanism(hypothesis).names)
 
+    def closed(self, state: Array) -> Array:
+        """A state (2n,) of the nominal mechanism with its loops closed, as it is where they cannot be."""
+        model = self.mechanism(Hypothesis()).model
+        found = model.closed(lane_row(model, self.system)[None], state[None])[0]
+        return found if np.isfinite(found).all() else state
+
     def effect_values(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
         """SI values of member k's parameters from the parameter vector (or vectors, last axis)."""
         span = hypothesis.span(k)

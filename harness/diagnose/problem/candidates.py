@@ -18,6 +18,9 @@ from harness.effects.scale import References, references
 from harness.errors import InputError
 from harness.system import System
 
+# Of laws that hang on a joint's reaction: constraint forces pass through it, too.
+UNKNOWN_BESIDE_LOOPS = frozenset({"mu_radius", "soft_time", "soft_inertia"})
+
 
 def candidates(
     system: System, recordings: Sequence[Measured], *, only: Sequence[str] = (), further: Sequence[Effect] = ()
@@ -78,11 +81,20 @@ def _on_its_own(effect: Effect, system: System, site: str) -> Effect:
     return replace(effect, modifies=(*effect.modifies, BY_MODEL)) if stated.intersection(effect.modifies) else effect
 
 
+def _beside_loops(effect: Effect) -> bool:
+    """Whether a closed mechanism can have the effect: none that adds coordinates, or feels what a joint carries besides its tree."""
+    return not effect.adds_coordinates and not (effect.law and UNKNOWN_BESIDE_LOOPS.intersection(effect.law.slots))
+
+
 def _possible(candidate: Candidate, system: System) -> bool:
     """Whether the native dynamics can express the effect in this system."""
     if candidate.effect.name == "end_stop" and candidate.site in [stop.joint for stop in system.stops]:
         return False  # a joint has one place for stops
     reshape = candidate.effect.reshape
+    if system.loops and not _beside_loops(candidate.effect):
+        return False
+    if system.gimbals and (candidate.effect.adds_coordinates or candidate.effect.site is SiteKind.BASE):
+        return False  # what a base does goes along one axis, which a body that turns in space does not tell
     if reshape is None:
         return True
     values = [p.start_values(candidate.references)[0] for p in candidate.effect.parameters]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -13,7 +13,7 @@ from harness.diagnose.problem.problem import Run
 from harness.diagnose.problem.windows import Window
 from harness.effects.effect import BY_MODEL, Effect
 from harness.effects.scale import References, tip_of
-from harness.system import Joint, Link, System
+from harness.system import Coupling, Joint, Link, Loop, System
 from harness.system.description import constant
 
 Array = NDArray[np.float64]
@@ -164,13 +164,26 @@ def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[floa
             for key, joint in joints.items():
                 if joint.parent == name:
                     joints[key] = replace(joint, xyz=constant(joint.xyz * factor))
+    lengths = {q.name: f for q, f in zip(quantities, factors, strict=True) if q.kind == "length"}
     for name, own in rigid.items():
         links[name] = _scaled_rigid(links[name], own.get("mass", 1.0), own.get("length", 1.0), own.get("inertia", 1.0))
     return replace(
         system,
         joints=tuple(joints[joint.name] for joint in system.joints),
         links=tuple(links[link.name] for link in system.links),
+        loops=tuple(_longer(loop, lengths) for loop in system.loops),
     )
+
+
+def _longer(loop: Loop | Coupling, factors: Mapping[str, float]) -> Loop | Coupling:
+    """A cut joint whose frames go with the ends of the links that they are on."""
+    if isinstance(loop, Coupling) or not factors:
+        return loop
+    first, second = (
+        replace(frame, xyz=constant(frame.xyz * factors[frame.link])) if frame.link in factors else frame
+        for frame in (loop.first, loop.second)
+    )
+    return replace(loop, first=first, second=second)
 
 
 @lru_cache(maxsize=16)
