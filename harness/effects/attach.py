@@ -88,6 +88,8 @@ def _check_site(law: Effect, system: System, site: str) -> None:
     known: tuple[str, ...]
     if law.site == "joint":
         known = (*system.joint_names, *(gimbal.name for gimbal in system.gimbals))
+    elif law.site == "loop":
+        known = tuple(loop.name for loop in system.loops)
     elif law.site == "link":
         known = tuple(link.name for link in system.links)
     elif law.site == "base":

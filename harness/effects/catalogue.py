@@ -10,7 +10,7 @@ from harness.effects.lines import lines_of
 from harness.effects.measured import Measured
 from harness.errors import InputError
 from harness.registered import registered
-from harness.system import System
+from harness.system import Loop, System
 from harness.system.suggest import did_you_mean
 
 NAMES = (
@@ -32,6 +32,7 @@ NAMES = (
     "stop_inertia",
     "backlash",
     "joint_flexibility",
+    "loop_clearance",
     "payload_mass",
     "added_inertia",
     "com_offset",
@@ -111,6 +112,8 @@ def sites(effect: Effect, system: System, recording: Measured | None = None) -> 
             driven = {channel.site for channel in recording.efforts} if recording is not None else set()
             return tuple(name for name in system.joint_names if name in driven)
         return _joints(effect, system)
+    if effect.site is SiteKind.LOOP:
+        return tuple(loop.name for loop in system.loops if isinstance(loop, Loop) and len(loop.closed) > 1)
     if effect.site is SiteKind.LINK:
         return _links(effect, system)
     return _channels(effect, system, recording)

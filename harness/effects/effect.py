@@ -42,6 +42,7 @@ class SiteKind(StrEnum):
     JOINT = "joint"
     LINK = "link"
     CHANNEL = "channel"
+    LOOP = "loop"
     BASE = "base"
 
 

@@ -5,6 +5,9 @@ row of the Jacobian as a force, for A = J M⁻¹ Jᵀ. Constraint forces are tho
 beyond what a spring and a damper of the rate ``KEPT_BY`` ask for: what rounding opens closes again (Baumgarte, Comput. Methods Appl.
 Mech. Eng. 1 (1972)).
 
+A loop with clearance is no condition but a contact: within its gap the frames go free of each other, beyond it a stiff spring and
+a damper push them back and never pull, along the way from one origin to the other as far as the loop closes shifts.
+
 Dry friction holds a mechanism of one degree of freedom at all its joints together: what they can bear adds up by how far each of
 them moves.
 
@@ -24,21 +27,24 @@ from harness.denoc.lanes.nodes import DIRECTION, FREE, HOLD, JOINT, LIMIT, QD, Q
 from harness.denoc.simd.vector import call_recursion, inner, lane_stepper, load, store, vectors
 
 # Heads of the plan.
-RECURSION, TAIL, GROUPS, BODIES, CONDITIONS, DEGREES, LEADING, COORDINATES = range(8)
-PLAN = 8
-# Integers of a group: first coordinate, kind; of a body: parent (−1 base), kind, coordinate; of a condition: kind, two bodies.
-GROUP_PLACES, BODY_PLACES, CONDITION_PLACES = 2, 3, 3
+RECURSION, TAIL, GROUPS, BODIES, CONDITIONS, DEGREES, LEADING, COORDINATES, LOOPS = range(9)
+PLAN = 9
+# Integers of a group: first coordinate, kind; of a body: parent (−1 base), kind, coordinate; of a condition: kind, two bodies, which
+# loop it is of (−1: none that can be open).
+GROUP_PLACES, BODY_PLACES, CONDITION_PLACES = 2, 3, 4
 SPIN, SHIFT = 0, 1
 FIXED, TURNS, SLIDES = 0, 1, 2
 ALONG, ACROSS, COUPLED = 0, 1, 2
-# Numbers: of a group its laws, of a body rotation, origin and axis, of a condition axis and point of the first, those of the second.
-GROUP_NUMBERS, BODY_NUMBERS, CONDITION_NUMBERS = 4, 15, 9
+# Numbers: of a group its laws, of a body rotation, origin and axis, of a condition axis and point of the first, those of the second, of
+# a loop gap, stiffness and damping.
+GROUP_NUMBERS, BODY_NUMBERS, CONDITION_NUMBERS, LOOP_NUMBERS = 4, 15, 9, 3
 # A body in motion: rotation, origin, angular and linear velocity, their accelerations, axis.
 MOTION = 27
 KEPT_BY = 20.0  # rad/s
 ALMOST_REST = 1e-3  # rad/s (m/s), below which dry friction of a ball gives way
 CLOSED = 1e-14
 NEAR = 0.05  # of the mechanism's size or in radians, within which a state is closed as it is, and otherwise from the stated one
+WITHIN, YIELDS = 1.1, 1e-3
 PACE = 0.1  # rad or m at a time from the stated position
 
 
@@ -63,8 +69,13 @@ def _condition_numbers(plan: Any) -> int:
 
 
 @inner
-def _motion_at(plan: Any) -> int:
+def _loop_numbers(plan: Any) -> int:
     return _condition_numbers(plan) + CONDITION_NUMBERS * plan[CONDITIONS]
+
+
+@inner
+def _motion_at(plan: Any) -> int:
+    return _loop_numbers(plan) + LOOP_NUMBERS * plan[LOOPS]
 
 
 @inner
@@ -239,7 +250,8 @@ def measure_conditions(plan: Any, ws: Any, lane: int) -> None:
         _conditions_at(plan), _condition_numbers(plan), _states_at(plan), _jacobian_at(plan),
     )  # fmt: skip
     for k in range(plan[CONDITIONS]):
-        kind, one, other = plan[here + 3 * k], plan[here + 3 * k + 1], plan[here + 3 * k + 2]
+        place = here + CONDITION_PLACES * k
+        kind, one, other = plan[place], plan[place + 1], plan[place + 2]
         own, row = numbers + CONDITION_NUMBERS * k, jacobian + n * k
         for i in range(n):
             ws[(row + i) * 8 + lane] = 0.0
@@ -290,7 +302,7 @@ def measure_conditions(plan: Any, ws: Any, lane: int) -> None:
         for side in range(2):
             body = other if side == 0 else one
             while body >= 0:
-                joint, place = plan[bodies + 3 * body + 1], plan[bodies + 3 * body + 2]
+                joint, column = plan[bodies + 3 * body + 1], plan[bodies + 3 * body + 2]
                 at = motion + MOTION * body
                 if joint != FIXED:
                     axis = _get(ws, at, 24, lane)
@@ -307,7 +319,7 @@ def measure_conditions(plan: Any, ws: Any, lane: int) -> None:
                                 share += _dot(_cross(axis, u), way)
                     elif joint == TURNS:
                         share = _dot(u, _cross(axis, b)) if side == 0 else _dot(_cross(axis, u), b)
-                    ws[(row + place) * 8 + lane] += share
+                    ws[(row + column) * 8 + lane] += share
                 body = plan[bodies + 3 * body]
 
 
@@ -370,6 +382,47 @@ def act_on_groups(plan: Any, ws: Any) -> None:
 
 
 @inner
+def _gap(plan: Any, ws: Any, k: int, lane: int) -> float:
+    """The gap of the loop that a condition is of, where it is one of a shift and has one; 0 where the condition holds."""
+    place = _conditions_at(plan) + CONDITION_PLACES * k
+    if plan[place] != ALONG or plan[place + 3] < 0:
+        return 0.0
+    return ws[(_loop_numbers(plan) + LOOP_NUMBERS * plan[place + 3]) * 8 + lane]
+
+
+@inner
+def _push_back(plan: Any, ws: Any, pushed: int, lane: int) -> bool:
+    """Add to the forces of a lane at ``pushed`` the contacts of loops with clearance; whether there are such loops."""
+    n, states, jacobian, here = plan[COORDINATES], _states_at(plan), _jacobian_at(plan), _conditions_at(plan)
+    any_open = False
+    for loop in range(plan[LOOPS]):
+        gap, stiffness, damping = _get(ws, _loop_numbers(plan) + LOOP_NUMBERS * loop, 0, lane)
+        if not gap > 0.0:
+            continue
+        any_open = True
+        square, along = 0.0, 0.0
+        for k in range(plan[CONDITIONS]):
+            place = here + CONDITION_PLACES * k
+            if plan[place] == ALONG and plan[place + 3] == loop:
+                s = (states + 3 * k) * 8 + lane
+                square += ws[s] * ws[s]
+                along += ws[s] * ws[s + 8]
+        way = math.sqrt(square)
+        if not way > gap:
+            continue
+        force = stiffness * (way - gap) + damping * along / way
+        if not force > 0.0:
+            continue
+        for k in range(plan[CONDITIONS]):
+            place = here + CONDITION_PLACES * k
+            if plan[place] == ALONG and plan[place + 3] == loop:
+                share = force * ws[(states + 3 * k) * 8 + lane] / way
+                for i in range(n):
+                    ws[(pushed + i) * 8 + lane] -= share * ws[(jacobian + n * k + i) * 8 + lane]
+    return any_open
+
+
+@inner
 def accelerations(
     plan: Any, tree: int, nodes: int, flags: int, constants: int, beams: int, laws: int, work: int, dry: Any, ws: Any,
     user: int, shaken: int, loaded: int,
@@ -411,9 +464,15 @@ def accelerations(
                     if dry[i] & law.HAS_DRY:
                         ws[(i * JOINT + FREE) * 8 + lane] = 1.0
                         ws[(i * JOINT + DIRECTION) * 8 + lane] = 0.0
+    parted = False
     for lane in range(8):
         move_bodies(plan, ws, lane)
         measure_conditions(plan, ws, lane)
+        if _push_back(plan, ws, pushed, lane):
+            parted = True
+    if parted:
+        for i in range(n):
+            store(ws, (i * JOINT + TAU) * 8, load(ws, (pushed + i) * 8))
     jacobian, answers, equations, states = _jacobian_at(plan), _answers_at(plan), _system_at(plan), _states_at(plan)
     call_recursion(plan[RECURSION], tree, nodes, flags, constants, beams, laws, work, n, user, shaken, loaded)
     for i in range(n):
@@ -427,6 +486,14 @@ def accelerations(
             answer = load(ws, (i * JOINT + QDD) * 8) - load(ws, (found + i) * 8)
             store(ws, (answers + n * k + i) * 8, answer)
     _eliminate(plan, ws, found, jacobian, answers, equations, states, 1.0)
+    if plan[DEGREES] > 1 or parted:
+        # Joints that stick are held against the constraint forces, too.
+        for i in range(n):
+            push = load(ws, (pushed + i) * 8)
+            for k in range(m):
+                push = push + load(ws, (equations + k * (m + 1) + m) * 8) * load(ws, (jacobian + n * k + i) * 8)
+            store(ws, (i * JOINT + TAU) * 8, push)
+        call_recursion(plan[RECURSION], tree, nodes, flags, constants, beams, laws, work, n, user, shaken, loaded)
     if held_together:
         # How the mechanism answers a force at its leading coordinate.
         leading = plan[LEADING]
@@ -454,6 +521,10 @@ def accelerations(
 @inner
 def _is_held(plan: Any, ws: Any, dry: Any, modes: int, lane: int) -> bool:
     """Whether any joint of a lane sticks."""
+    for k in range(plan[CONDITIONS]):
+        # With clearance, joints stick each by itself.
+        if _gap(plan, ws, k, lane) > 0.0:
+            return False
     for i in range(plan[COORDINATES]):
         if dry[i] & law.HAS_DRY and ws[(modes + i) * 8 + lane] == 0.0:
             return True
@@ -479,6 +550,13 @@ def _eliminate(
                 for i in range(n):
                     total += ws[(jacobian + n * r + i) * 8 + lane] * ws[(answers + n * c + i) * 8 + lane]
                 ws[(equations + r * (m + 1) + c) * 8 + lane] = total
+        for r in range(m):
+            if _gap(plan, ws, r, lane) > 0.0:
+                for c in range(m + 1):
+                    ws[(equations + r * (m + 1) + c) * 8 + lane] = 0.0
+                    if c < m:
+                        ws[(equations + c * (m + 1) + r) * 8 + lane] = 0.0
+                ws[(equations + r * (m + 1) + r) * 8 + lane] = 1.0
         solved = _solve(ws, equations, m, lane)
         for i in range(n):
             p = (found + i) * 8 + lane
@@ -536,9 +614,14 @@ def close_states(
             ws[(i * JOINT + QD) * 8] = states[b, n + i]
         move_bodies(plan, ws, 0)
         measure_conditions(plan, ws, 0)
-        open_by = 0.0
+        open_by, within = 0.0, True
         for k in range(m):
-            open_by = max(open_by, abs(ws[(states_at + 3 * k) * 8]) / length)
+            opening, gap = abs(ws[(states_at + 3 * k) * 8]), _gap(plan, ws, k, 0)
+            open_by = max(open_by, opening / length)
+            # Within a gap, and a little beyond where a contact gives, frames may be apart.
+            within = within and gap > 0.0 and opening < WITHIN * gap + YIELDS * length
+        if within:
+            continue
         paces = 1
         if not open_by < NEAR:
             farthest = 0.0

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 GROUP_SLOTS = ("damping", "coulomb_torque", "quadratic_drag")
+# A pin in a hole: steel on steel gives less, which no motion shows; a blow of it dies out in a few bounces.
+GIVES, DAMPED = 1e-4, 0.2
 _FREE_ENOUGH = 1e-3  # singular value of the dependent columns, of the largest, below which others are tried first
 _TRIES = 5
 
@@ -49,6 +51,16 @@ class Beyond:
         plan[closed.RECURSION], plan[closed.TAIL] = recursion, tail
         return plan
 
+    @property
+    def loop_names(self) -> tuple[str, ...]:
+        """The loops that close shifts, in the order of their numbers."""
+        return tuple(dict.fromkeys(loop.name for loop, _ in self.conditions if isinstance(loop, Loop)))
+
+    @property
+    def before_loops(self) -> int:
+        """Numbers in a row before those of the loops."""
+        return self.count - closed.LOOP_NUMBERS * len(self.loop_names)
+
     def numbers(self, system: System) -> Array:
         """Numbers of a system of that topology, for a row."""
         found: list[Array] = [
@@ -60,6 +72,8 @@ class Beyond:
         loops = {loop.name: loop for loop in system.loops}
         for loop, motion in self.conditions:
             found.append(_numbers(loops[loop.name], motion))
+        stiffness, damping = contact(system)
+        found += [np.array([0.0, stiffness, damping]) for _ in self.loop_names]
         return np.concatenate(found)
 
 
@@ -91,7 +105,8 @@ def beyond(system: System) -> Beyond | None:
         conditions, stated, dependent = _independent(system)
         length = size(system)
     bodies = {joint.child: k for k, joint in enumerate(system.joints)} if conditions else {}
-    plan = [0, 0, len(system.gimbals), len(bodies), len(conditions), n - len(conditions), 0, n]
+    names_of_loops = list(dict.fromkeys(loop.name for loop, _ in conditions if isinstance(loop, Loop)))
+    plan = [0, 0, len(system.gimbals), len(bodies), len(conditions), n - len(conditions), 0, n, len(names_of_loops)]
     leading = [k for k in range(n) if k not in dependent]
     plan[closed.LEADING] = leading[0] if leading else 0
     for group in system.gimbals:
@@ -102,16 +117,28 @@ def beyond(system: System) -> Beyond | None:
             plan += [bodies.get(joint.parent, -1), kind, names.index(joint.name) if joint.movable else -1]
     for loop, motion in conditions:
         if isinstance(loop, Coupling):
-            plan += [closed.COUPLED, names.index(loop.joint), -1 if loop.leader is None else names.index(loop.leader)]
+            plan += [closed.COUPLED, names.index(loop.joint), -1 if loop.leader is None else names.index(loop.leader), -1]
         else:
             kind = closed.ALONG if motion in SHIFTS else closed.ACROSS
-            plan += [kind, bodies.get(loop.first.link, -1), bodies.get(loop.second.link, -1)]
+            one, other = bodies.get(loop.first.link, -1), bodies.get(loop.second.link, -1)
+            plan += [kind, one, other, names_of_loops.index(loop.name)]
     m = len(conditions)
     count = (
-        closed.GROUP_NUMBERS * len(system.gimbals) + closed.BODY_NUMBERS * len(bodies) + closed.CONDITION_NUMBERS * m
+        closed.GROUP_NUMBERS * len(system.gimbals)
+        + closed.BODY_NUMBERS * len(bodies)
+        + closed.CONDITION_NUMBERS * m
+        + closed.LOOP_NUMBERS * len(names_of_loops)
     )
     room = count + closed.MOTION * len(bodies) + 3 * m + 2 * m * n + m * (m + 1) + 6 * n + 8
     return Beyond(np.array(plan, dtype=np.int64), count, room, conditions, dependent, stated, length)
+
+
+def contact(system: System) -> tuple[float, float]:
+    """Stiffness [N/m] and damping [N·s/m] of a pin in its hole: the mechanism's weight presses it in by ``GIVES`` of its size."""
+    mass = sum(link.mass for link in system.links) or 1.0
+    weight = mass * (float(np.linalg.norm(system.gravity)) or 9.81)
+    stiffness = weight / (GIVES * size(system))
+    return stiffness, 2.0 * DAMPED * float(np.sqrt(stiffness * mass))
 
 
 def _independent(system: System) -> tuple[tuple[tuple[Loop | Coupling, str], ...], Array, Integers]:

@@ -19,7 +19,7 @@ from harness.denoc.compiling import ahead
 from harness.denoc.joint_laws import laws
 from harness.denoc.joint_laws.address import compiled_law
 from harness.denoc.lanes.beams import beam_block_size, most_points, write_beams
-from harness.denoc.lanes.closed import GROUP_NUMBERS
+from harness.denoc.lanes.closed import GROUP_NUMBERS, LOOP_NUMBERS
 from harness.denoc.lanes.closing import GROUP_SLOTS, Beyond, beyond, marked
 from harness.denoc.lanes.nodes import (
     BEAM,
@@ -169,7 +169,7 @@ class LaneModel:
     planar: whether a mechanism that moves in one plane is computed as such, which is faster and the same to rounding;
     plane says that it is, and what plane.
     Loops of a system are held closed: a motion begins where ``dependent`` coordinates follow the others. Of gimbals, what acts on the
-    three joints together has slots by their name (``closing.GROUP_SLOTS``).
+    three joints together has slots by their name (``closing.GROUP_SLOTS``); a loop has a gap [m], 0 where it has no clearance.
     Raises UnsupportedError for links that bend in two planes or twist, for joints that turn in space or follow others, and for loops
     beside links that bend.
     """
@@ -222,6 +222,8 @@ class LaneModel:
                 slots[group.name, name] = at + k
             at += GROUP_NUMBERS
         if self._beyond is not None:
+            for k, name in enumerate(self._beyond.loop_names):
+                slots[name, "gap"] = numbers + self._beyond.before_loops + LOOP_NUMBERS * k
             at = numbers + self._beyond.count
         self.P = at
         self.slots = MappingProxyType(slots)

@@ -159,7 +159,8 @@ def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
 
 def _units(outcome: Outcome, claim: Claim) -> dict[str, str]:
     member = claim.candidate
-    joints = {j.name: j.prismatic for j in outcome.problem.system.joints}
+    system = outcome.problem.system
+    joints = {j.name: j.prismatic for j in system.joints} | {g.name: g.slides for g in system.gimbals}
     unit = next((c.unit for c in outcome.problem.channels if c.name == member.site), "")
     units = member.effect.units(prismatic=joints.get(member.site, False), channel_unit=unit)
     return dict(zip(member.effect.parameter_names, units, strict=True))
