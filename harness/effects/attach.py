@@ -47,9 +47,7 @@ def apply(system: System, attachment: Attachment) -> System:
 def _in_space(system: System, site: str, law: str, values: Mapping[str, float]) -> System:
     """The system with damping or dry friction of joints that are one in space together."""
     field, value = ("damping", "coefficient") if law == "viscous_damping" else ("friction", "torque")
-    more = (
-        replace(g, **{field: getattr(g, field) + values[value]}) if g.name == site else g for g in system.gimbals
-    )
+    more = (replace(g, **{field: getattr(g, field) + values[value]}) if g.name == site else g for g in system.gimbals)
     return replace(system, gimbals=tuple(more))
 
 

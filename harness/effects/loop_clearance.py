@@ -12,13 +12,15 @@ EFFECT = Effect(
         Parameter(
             "gap",
             "m",
-            "how far the frames that a loop joins may be apart, the radius of the hole less that of its pin: within it they go free of "
-            "each other, beyond it they meet a stiff contact with some damping",
+            "how far the frames that a loop joins may be apart, the radius of the hole less that of its pin: within it they "
+            "go free of each other, beyond it they meet a stiff contact with some damping",
             lower=0.0,
             scale=Scale(0.002, length=1),
             starts=(0.5, 2.0, 8.0),
             search="size",
-            plausible=Plausible(Scale(0.002, length=1), "running fits of plain bearings to worn ones, a part in some hundred of a link"),
+            plausible=Plausible(
+                Scale(0.002, length=1), "running fits of plain bearings to worn ones, a part in some hundred of a link"
+            ),
         ),
     ),
     signature="Where the force through the loop's closing turns round the recorded joint runs on for the width of the gap and is hit; "

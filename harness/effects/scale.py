@@ -9,7 +9,8 @@ import numpy as np
 
 from harness.effects.measured import Measured
 from harness.system import Gimbal, Link, System
-from harness.system.closure import close, opening, size, stated_position
+from harness.system.closure import close, opening, stated_position
+from harness.system.closure import size as size_of
 from harness.system.description import Array
 from harness.system.inertia import about_origin, point_inertia
 from harness.system.kinematics import gravity_forces, mass_matrix
@@ -220,7 +221,14 @@ def _in_space(system: System, gimbal: Gimbal, gravity: float) -> tuple[float, fl
         reach = max(reach, float(np.linalg.norm(place + turn @ tip_of(link, system) - origin)))
     free = any(other.slides and other.joint == gimbal.joint for other in system.gimbals)
     if gimbal.slides:
-        return mass * gravity or 1.0, mass or 1.0, float(np.sqrt(gravity)) or 1.0, mass or 1.0, reach or 1.0, gravity or 9.81
+        return (
+            mass * gravity or 1.0,
+            mass or 1.0,
+            float(np.sqrt(gravity)) or 1.0,
+            mass or 1.0,
+            reach or 1.0,
+            gravity or 9.81,
+        )
     inertia = float(np.trace(tensor)) / 3.0 if free else float(np.linalg.eigvalsh(tensor)[-1])
     torque = 0.0 if free else gravity * float(np.linalg.norm(moment))
     rate = float(np.sqrt(torque / inertia)) if inertia > 0.0 else 0.0
@@ -257,7 +265,7 @@ def _closed(system: System) -> dict[str, tuple[float, float, float, float, float
     moved = np.maximum(moved, 1e-2 * moved.max())
     mass = sum(link.mass for link in system.links)
     return {
-        name: (torque / share, inertia / share**2, rate, mass or 1.0, size(system), gravity or 9.81)
+        name: (torque / share, inertia / share**2, rate, mass or 1.0, size_of(system), gravity or 9.81)
         for name, share in zip(names, moved.tolist(), strict=True)
     }
 

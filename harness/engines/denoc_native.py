@@ -107,6 +107,8 @@ class NativeModel:
         if self.by_calls:
             return self._simulate_softly(q0, qd0, time, forces, positive_step(step))
         rubbing = sum(joint.friction > 0.0 for joint in self.system.movable_joints)
+        if self.system.gimbals:
+            return self._simulate_laws(q0, qd0, time, forces, positive_step(step))
         together = bool(self.system.loops) and rubbing > 1 and self.system.simple and not self.system.flexible
         if self.expressed.laws or self.system.drives or self.system.stops or together:
             return self._simulate_laws(q0, qd0, time, forces, positive_step(step))
@@ -203,8 +205,8 @@ class Native:
                 return expressed.refusal("the native dynamics by single calls", constraints=True)
             if bends(system) or follows(system) or beyond_lanes(system, expressed.laws):
                 return (
-                    "beside loops the native dynamics has damping, springs and dry friction alone, no drives, limits or other laws, "
-                    "where links bend, joints turn in space or follow others"
+                    "beside loops the native dynamics has damping, springs and dry friction alone, no drives, limits or other "
+                    "laws, where links bend, joints turn in space or follow others"
                 )
         if system.loops and any(link.gravcomp for link in system.links):
             return "the native dynamics has no gravity compensation of single links beside loops"

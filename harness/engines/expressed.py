@@ -200,6 +200,8 @@ class Expressed:
         lifted = next((link.name for link in self.system.links if link.gravcomp), None)
         if lifted is not None and not compensation:
             return f"{engine} cannot express the gravity compensation of single links, that of {lifted} first"
+        if self.system.gimbals:
+            return f"{engine} does not know joints that are one in space together, {self.system.gimbals[0].name} first"
         commanded = next((drive.name for drive in self.system.drives if drive.gain), None)
         if commanded is not None:
             return f"{engine} keeps no recorded command within the range of force of actuator {commanded}"

@@ -99,7 +99,7 @@ def make_rule(foreign: str, ours: str, *, optional: bool, source: str) -> Rule:
 
 
 def _in_space(name: str, system: System | None) -> tuple[str, str] | None:
-    """Joint that turns in space and quantity of ``<body>.pose.qw``, ``<joint>.position.qw`` or ``<joint>.velocity.wx``; None of others."""
+    """Joint that turns in space and quantity of ``<body>.pose.qw``, ``<joint>.position.qw`` and the like; None of others."""
     head, _, component = name.rpartition(".")
     site, _, kind = head.rpartition(".")
     quantity = f"{kind}.{component}"

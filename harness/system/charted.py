@@ -1,8 +1,8 @@
 """Joints that turn in space as chains of joints of one degree of freedom in a chart that keeps off its singular rotations.
 
-Three angles reach every rotation but singular ones, where the middle angle is a quarter of a turn. Which rotations these are is free
-to choose: with R = A Rx(a) Ry(b) Rz(c) Cᵀ they are those that take the body's direction C z to ± A x. A motion that is known has a chart
-as long as some direction of the body keeps off some axis of space.
+Three angles reach every rotation but singular ones, where the middle angle is a quarter of a turn. Which rotations these are is
+free to choose: with R = A Rx(a) Ry(b) Rz(c) Cᵀ they are those that take the body's direction C z to ± A x. A motion that is known
+has a chart as long as some direction of the body keeps off some axis of space.
 """
 
 from __future__ import annotations
@@ -77,7 +77,8 @@ def turning(system: System) -> tuple[Joint, ...]:
 def charted(system: System, charts: Mapping[str, Chart]) -> System:
     """The system with its balls and free joints as slides and turns in a chart each, by the joint's name.
 
-    Their damping goes to ``System.gimbals``, armature to the body. Raises UnsupportedError for armature between two bodies that move.
+    Their damping goes to ``System.gimbals``, armature to the body. Raises UnsupportedError for armature between two bodies that
+    move.
     """
     if not turning(system):
         return system
@@ -136,9 +137,7 @@ def _parts(joint: Joint, chart: Chart) -> tuple[list[Joint], list[Gimbal]]:
             part = replace(part, rotation=constant(np.asarray(part.rotation) @ chart.before))
         parts.append(part)
         parent = child
-    parts.append(
-        Joint(f"{joint.name}.frame", JointType.FIXED, parent, joint.child, rotation=constant(chart.after.T))
-    )
+    parts.append(Joint(f"{joint.name}.frame", JointType.FIXED, parent, joint.child, rotation=constant(chart.after.T)))
 
     def group(ending: str, names: Sequence[str], slides: bool) -> Gimbal:
         first, second, third = (f"{joint.name}.{name}" for name in names)

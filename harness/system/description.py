@@ -347,7 +347,8 @@ class Gimbal:
     """Three joints that follow each other by massless links: the turns of a ball about x, y and z, or the slides of a free joint.
 
     name: by which what acts on all three goes. joint: that it was. child: the link that it carries. coordinates: the three joints.
-    slides: whether they are slides. damping: of velocity or angular velocity as vectors [N·s/m or N·m·s/rad]; friction: dry [N or N·m].
+    slides: whether they are slides. damping: of velocity or angular velocity as vectors [N·s/m or N·m·s/rad]; friction: dry
+    [N or N·m].
     """
 
     name: str

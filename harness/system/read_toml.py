@@ -28,7 +28,7 @@ from harness.system.loop import Coupling, Loop
 from harness.system.rotation import from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.table import TableReader, locate
-from harness.system.toml_loops import read_coupling, read_loop
+from harness.system.toml_loops import read_coupling, read_gimbal, read_loop
 from harness.system.topology import arrange
 
 DEFAULT_TOLERANCE = 0.01
@@ -106,6 +106,7 @@ def read_toml(
     link_tables = _tables(top, "link", places)
     effect_tables = _tables(top, "effect", places)
     loop_tables, coupling_tables = _tables(top, "loop", places), _tables(top, "coupling", places)
+    gimbal_tables = _tables(top, "gimbal", places)
     top.finish()
     if not joint_tables:
         top.refuse("there is no [[joint]]", "a system has at least one joint on its base")
@@ -151,6 +152,7 @@ def read_toml(
         source=source,
         notes=tuple(notes),
         loops=tuple(loops),
+        gimbals=tuple(read_gimbal(table, joints) for table in gimbal_tables),
     )
     check_mimics(system, lines)
     system = replace(system, notes=(*system.notes, *check_loops(system, lines)))

@@ -1,12 +1,13 @@
-"""``[[loop]]`` and ``[[coupling]]`` tables of the project's TOML, in and out."""
+"""``[[loop]]``, ``[[coupling]]`` and ``[[gimbal]]`` tables of the project's TOML, in and out."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from harness.system.description import constant
+from harness.system.description import Gimbal, Joint, JointType, constant
 from harness.system.loop import MOTIONS, Coupling, Frame, Loop
 from harness.system.rotation import from_rpy, to_rpy
 from harness.system.suggest import did_you_mean
@@ -61,6 +62,48 @@ def read_coupling(table: TableReader) -> Coupling:
     c0, c1, c2, c3, c4 = (*coefficients, 0.0, 0.0, 0.0, 0.0, 0.0)[:5]
     table.finish()
     return Coupling(name, joint, leader, (c0, c1, c2, c3, c4))
+
+
+def read_gimbal(table: TableReader, joints: Sequence[Joint]) -> Gimbal:
+    """Three joints that are one in space together, as a diagnosis writes balls and floating bodies."""
+    name, joint, child = table.text("name"), table.text("joint"), table.text("child")
+    coordinates = table.table["coordinates"] if table.has("coordinates") else None
+    slides = table.flag("slides", False)
+    damping = table.number("damping", 0.0, non_negative=True)
+    friction = table.number("friction", 0.0, non_negative=True)
+    mend = 'coordinates = ["ball.rx", "ball.ry", "ball.rz"], of turns about x, y and z or of slides along them'
+    if not isinstance(coordinates, list) or len(coordinates) != 3 or not all(isinstance(c, str) for c in coordinates):
+        table.refuse("'coordinates' must name three joints", mend, "coordinates")
+    own = [next((j for j in joints if j.name == c), None) for c in coordinates]
+    kind = JointType.PRISMATIC if slides else JointType.REVOLUTE
+    for k, part in enumerate(own):
+        if part is None or part.type is not kind or not np.array_equal(part.axis, np.eye(3)[k]):
+            table.refuse(f"{coordinates[k]!r} is no {kind} joint about or along {'xyz'[k]}", mend, "coordinates")
+        before = own[k - 1]
+        if k and before is not None and part is not None and part.parent != before.child:
+            table.refuse(f"{part.name!r} does not follow {before.name!r}", mend, "coordinates")
+    if name in [j.name for j in joints]:
+        table.refuse(f"gimbal {name!r} has the name of a joint", "give it one of its own", "name")
+    table.finish()
+    first, second, third = coordinates
+    return Gimbal(name, joint, child, (first, second, third), slides, damping, friction)
+
+
+def write_gimbals(gimbals: Sequence[Gimbal]) -> dict[str, Any]:
+    """The tables ``gimbal`` of a document, if there are any."""
+    tables = [
+        {
+            "name": g.name,
+            "joint": g.joint,
+            "child": g.child,
+            "coordinates": list(g.coordinates),
+            "slides": g.slides,
+            "damping": float(g.damping),
+            "friction": float(g.friction),
+        }
+        for g in gimbals
+    ]
+    return {"gimbal": tables} if tables else {}
 
 
 def write_loops(loops: tuple[Loop | Coupling, ...]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import tomli_w
 from harness.system.description import Array, Beam, Joint, JointType, Link, System
 from harness.system.flexible_link import flexible_link, rectangle_torsion_constant
 from harness.system.rotation import to_rpy
-from harness.system.toml_loops import write_loops
+from harness.system.toml_loops import write_gimbals, write_loops
 
 # Where derived numbers agree this well, the table says what they were derived from.
 _SAME = 1e-12
@@ -28,6 +28,7 @@ def to_toml(system: System) -> tuple[str, tuple[str, ...]]:
     document["joint"] = [_joint(joint) for joint in system.joints]
     document["link"] = [_link(link, left_out) for link in system.links]
     document |= write_loops(system.loops)
+    document |= write_gimbals(system.gimbals)
     if system.attachments:
         document["effect"] = [
             {"name": a.effect, "site": a.site, "parameters": dict(a.parameters)}

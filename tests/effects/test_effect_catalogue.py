@@ -31,6 +31,7 @@ WORDS = {
     "end_stop": {"angle": "rad", "stiffness": "N*m/rad", "damping": "N*m*s/rad"},
     "stop_inertia": {"inertia": "kg*m**2"},
     "backlash": {"gap": "rad"},
+    "loop_clearance": {"gap": "m"},
     "joint_flexibility": {"stiffness": "N*m/rad", "damping": "N*m*s/rad"},
     "payload_mass": {"mass": "kg"},
     "added_inertia": {"inertia": "kg*m**2"},

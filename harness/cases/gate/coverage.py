@@ -184,6 +184,8 @@ EXEMPT: dict[str, str] = {
     "Closed.loop_jacobian": "what loops_kept is measured with; its own values: tests alone",
     "Closed.constraint_forces": "against the whole matrix of masses and conditions: tests alone",
     "Closed.refuse_open": "makes a refusal, and computes nothing",
+    "LaneModel.closed": "closed states against those of a single model and a textbook pendulum: tests alone",
+    "kernel closed": "loops, balls and clearance in the lanes against textbook pendulums, decays and a fall: tests alone",
     "Denoc.singular": "makes a refusal, and computes nothing",
     "Denoc.vector": "checks an argument, and computes nothing",
     "Denoc.position": "checks an argument, and computes nothing",

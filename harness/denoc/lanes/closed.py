@@ -2,8 +2,8 @@
 
 The tree's own recursion is called for the accelerations without constraint forces a, and once more for every condition, with its
 row of the Jacobian as a force, for A = J M⁻¹ Jᵀ. Constraint forces are those that leave no acceleration of any condition open
-beyond what a spring and a damper of the rate ``KEPT_BY`` ask for: what rounding opens closes again (Baumgarte, Comput. Methods Appl.
-Mech. Eng. 1 (1972)).
+beyond what a spring and a damper of the rate ``KEPT_BY`` ask for: what rounding opens closes again (Baumgarte, Comput.
+Methods Appl. Mech. Eng. 1 (1972)).
 
 A loop with clearance is no condition but a contact: within its gap the frames go free of each other, beyond it a stiff spring and
 a damper push them back and never pull, along the way from one origin to the other as far as the loop closes shifts.
@@ -11,10 +11,10 @@ a damper push them back and never pull, along the way from one origin to the oth
 Dry friction holds a mechanism of one degree of freedom at all its joints together: what they can bear adds up by how far each of
 them moves.
 
-A ball is three turns about x, y and z (Cardan angles) within lanes, of which the middle one keeps off a quarter of a turn. What acts
-on it acts on its angular velocity ω: a torque of −(c + F / |ω| + d |ω|) ω, in which F / |ω| stays finite near rest.
+A ball is three turns about x, y and z (Cardan angles) within lanes, of which the middle one keeps off a quarter of a turn. What
+acts on it acts on its angular velocity ω: a torque of −(c + F / |ω| + d |ω|) ω, in which F / |ω| stays finite near rest.
 
-The plan is an array of integers (``closing.Plan``); numbers stand behind the workspace of the tree, in vectors of eight lanes.
+The plan is an array of integers (``closing.Beyond``); numbers stand behind the workspace of the tree, in vectors of eight lanes.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from harness.denoc.simd.vector import call_recursion, inner, lane_stepper, load,
 # Heads of the plan.
 RECURSION, TAIL, GROUPS, BODIES, CONDITIONS, DEGREES, LEADING, COORDINATES, LOOPS = range(9)
 PLAN = 9
-# Integers of a group: first coordinate, kind; of a body: parent (−1 base), kind, coordinate; of a condition: kind, two bodies, which
-# loop it is of (−1: none that can be open).
+# Integers of a group: first coordinate, kind; of a body: parent (−1 base), kind, coordinate; of a condition: kind, two bodies,
+# which loop it is of (−1: none that can be open).
 GROUP_PLACES, BODY_PLACES, CONDITION_PLACES = 2, 3, 4
 SPIN, SHIFT = 0, 1
 FIXED, TURNS, SLIDES = 0, 1, 2
 ALONG, ACROSS, COUPLED = 0, 1, 2
-# Numbers: of a group its laws, of a body rotation, origin and axis, of a condition axis and point of the first, those of the second, of
-# a loop gap, stiffness and damping.
+# Numbers: of a group its laws, of a body rotation, origin and axis, of a condition axis and point of the first, those of the
+# second, of a loop gap, stiffness and damping.
 GROUP_NUMBERS, BODY_NUMBERS, CONDITION_NUMBERS, LOOP_NUMBERS = 4, 15, 9, 3
 # A body in motion: rotation, origin, angular and linear velocity, their accelerations, axis.
 MOTION = 27
@@ -485,7 +485,7 @@ def accelerations(
         for i in range(n):
             answer = load(ws, (i * JOINT + QDD) * 8) - load(ws, (found + i) * 8)
             store(ws, (answers + n * k + i) * 8, answer)
-    _eliminate(plan, ws, found, jacobian, answers, equations, states, 1.0)
+    _eliminate(plan, ws, found, jacobian, answers, equations, states)
     if plan[DEGREES] > 1 or parted:
         # Joints that stick are held against the constraint forces, too.
         for i in range(n):
@@ -503,7 +503,7 @@ def accelerations(
         call_recursion(plan[RECURSION], tree, nodes, flags, constants, beams, laws, work, n, user, shaken, loaded)
         for i in range(n):
             store(ws, (response + i) * 8, load(ws, (i * JOINT + QDD) * 8))
-        _eliminate(plan, ws, response, jacobian, answers, equations, states, 1.0)
+        _eliminate(plan, ws, response, jacobian, answers, equations, states)
         for i in range(n):
             store(ws, (response + i) * 8, load(ws, (response + i) * 8) - load(ws, (found + i) * 8))
         for lane in range(8):
@@ -525,23 +525,21 @@ def _is_held(plan: Any, ws: Any, dry: Any, modes: int, lane: int) -> bool:
         # With clearance, joints stick each by itself.
         if _gap(plan, ws, k, lane) > 0.0:
             return False
-    for i in range(plan[COORDINATES]):
+    for i in range(plan[COORDINATES]):  # noqa: SIM110 - a generator is not compiled
         if dry[i] & law.HAS_DRY and ws[(modes + i) * 8 + lane] == 0.0:
             return True
     return False
 
 
 @inner
-def _eliminate(
-    plan: Any, ws: Any, found: int, jacobian: int, answers: int, equations: int, states: int, stiff: float
-) -> None:
+def _eliminate(plan: Any, ws: Any, found: int, jacobian: int, answers: int, equations: int, states: int) -> None:
     """Accelerations at ``found`` with the constraint forces that they ask for, in place."""
     n, m = plan[COORDINATES], plan[CONDITIONS]
     for lane in range(8):
         for r in range(m):
             s = (states + 3 * r) * 8 + lane
             # A critically damped return to where the condition is closed.
-            right = -ws[s + 16] - stiff * (2.0 * KEPT_BY * ws[s + 8] + KEPT_BY * KEPT_BY * ws[s])
+            right = -ws[s + 16] - (2.0 * KEPT_BY * ws[s + 8] + KEPT_BY * KEPT_BY * ws[s])
             for i in range(n):
                 right -= ws[(jacobian + n * r + i) * 8 + lane] * ws[(found + i) * 8 + lane]
             ws[(equations + r * (m + 1) + m) * 8 + lane] = right

@@ -11,7 +11,16 @@ from harness.denoc.lanes import closed
 from harness.denoc.lanes.nodes import PLAN as PLACE_OF_PLAN
 from harness.errors import UnsupportedError
 from harness.system import Coupling, Loop, System
-from harness.system.closure import CLOSED, close, independent_conditions, opening, size, stated_position, usual_rank, worst
+from harness.system.closure import (
+    CLOSED,
+    close,
+    independent_conditions,
+    opening,
+    size,
+    stated_position,
+    usual_rank,
+    worst,
+)
 from harness.system.loop import SHIFTS, turn_pairs
 
 Array = NDArray[np.float64]
@@ -117,7 +126,12 @@ def beyond(system: System) -> Beyond | None:
             plan += [bodies.get(joint.parent, -1), kind, names.index(joint.name) if joint.movable else -1]
     for loop, motion in conditions:
         if isinstance(loop, Coupling):
-            plan += [closed.COUPLED, names.index(loop.joint), -1 if loop.leader is None else names.index(loop.leader), -1]
+            plan += [
+                closed.COUPLED,
+                names.index(loop.joint),
+                -1 if loop.leader is None else names.index(loop.leader),
+                -1,
+            ]
         else:
             kind = closed.ALONG if motion in SHIFTS else closed.ACROSS
             one, other = bodies.get(loop.first.link, -1), bodies.get(loop.second.link, -1)

@@ -55,7 +55,13 @@ def conventional(system: System, recordings: Sequence[Recording]) -> list[Record
     turning = [not rigid.joint(name).prismatic for name in joints]
     complete = all(_position(recording, name) is not None for recording in recordings for name in joints)
     stated = Convention(1.0, 1.0, (0.0,) * len(joints))
-    if not complete or system.loops or system.gimbals or not any(turning) or follows(rigid, recordings, stated) > DOUBTED:
+    if (
+        not complete
+        or system.loops
+        or system.gimbals
+        or not any(turning)
+        or follows(rigid, recordings, stated) > DOUBTED
+    ):
         return list(recordings)
     others = list(_others(turning))
     scores = [follows(rigid, recordings, other) for other in others]

@@ -79,7 +79,12 @@ def carried_end(system: System, recording: Recording, others: Sequence[Recording
 
 
 def _carried(system: System, recording: Recording, *, backwards: bool) -> Carried | None:
-    if system.flexible or system.loops or system.gimbals or any(np.any(effort.values != 0.0) for effort in recording.efforts):
+    if (
+        system.flexible
+        or system.loops
+        or system.gimbals
+        or any(np.any(effort.values != 0.0) for effort in recording.efforts)
+    ):
         return None
     channels = _positions(system, recording)
     if channels is None:

@@ -25,8 +25,8 @@ NO_LENGTH = 1e-6
 def in_charts(system: System, recordings: Sequence[Recording]) -> tuple[System, list[Recording]]:
     """The system with balls and free joints taken apart, and the recordings with their angles and shifts in place of poses.
 
-    The same ones where no joint turns in space. Raises InputError where a pose is not recorded whole, or a quaternion has no length,
-    and UnsupportedError for rotations that no chart holds.
+    The same ones where no joint turns in space. Raises InputError where a pose is not recorded whole, or a quaternion has no
+    length, and UnsupportedError for rotations that no chart holds.
     """
     found = list(recordings)
     charts: dict[str, Chart] = {}

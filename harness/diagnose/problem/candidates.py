@@ -82,7 +82,7 @@ def _on_its_own(effect: Effect, system: System, site: str) -> Effect:
 
 
 def _beside_loops(effect: Effect) -> bool:
-    """Whether a closed mechanism can have the effect: none that adds coordinates, or feels what a joint carries besides its tree."""
+    """Whether a closed mechanism can have the effect: none that adds coordinates, or feels what a joint carries."""
     return not effect.adds_coordinates and not (effect.law and UNKNOWN_BESIDE_LOOPS.intersection(effect.law.slots))
 
 

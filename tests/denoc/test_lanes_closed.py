@@ -1,0 +1,206 @@
+"""Lanes of mechanisms with loops and of balls against closed forms and textbook equations."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from harness.cases.four_bar import crank_rocker
+from harness.cases.loop_mechanisms import hinge, pin, rod
+from harness.denoc import Denoc
+from harness.denoc.lanes.closing import GIVES
+from harness.denoc.lanes.model import LaneModel
+from harness.system import Frame, Joint, JointType, Link, Loop, System
+from harness.system.charted import Chart, charted
+from harness.system.description import constant
+
+LENGTH, COUPLER, MASS, G = 0.3, 0.5, 0.4, 9.81
+
+
+def parallelogram(**joints: dict[str, float]) -> System:
+    """Two equal cranks that hang down, and a coupler between them that never turns: a pendulum of one angle.
+
+    joints: further fields by joint.
+    """
+    made = (
+        hinge("left", "base", "first"),
+        hinge("pin", "first", "coupler", (0.0, -LENGTH, 0.0)),
+        hinge("right", "base", "second", (COUPLER, 0.0, 0.0)),
+    )
+    made = tuple(replace(joint, **joints.get(joint.name, {})) for joint in made)
+    links = (
+        rod("first", MASS, (0.0, -LENGTH, 0.0)),
+        rod("coupler", MASS, (COUPLER, 0.0, 0.0)),
+        rod("second", MASS, (0.0, -LENGTH, 0.0)),
+    )
+    loops = (pin("knee", ("coupler", (COUPLER, 0.0)), ("second", (0.0, -LENGTH))),)
+    return System("parallelogram", made, links, gravity=constant([0.0, -G, 0.0]), loops=loops)
+
+
+# Of the pendulum: two rods about their ends, and the coupler as a point at their lower ends; all three weights.
+INERTIA = 2.0 * MASS * LENGTH**2 / 3.0 + MASS * LENGTH**2
+MOMENT = 2.0 * MASS * G * LENGTH / 2.0 + MASS * G * LENGTH
+
+
+def pendulum(time: np.ndarray, angle: float, viscous: float = 0.0, dry: float = 0.0) -> np.ndarray:
+    """Angles (T,) of the textbook pendulum from rest; dry friction turns round where the motion does, and holds it in the end."""
+    out, state, begun = np.empty(len(time)), np.array([angle, 0.0]), time[0]
+    done = 0
+    while done < len(time):
+        way = -np.sign(MOMENT * np.sin(state[0]))
+        if abs(MOMENT * np.sin(state[0])) <= dry:
+            out[done:] = state[0]
+            break
+
+        def rates(t: float, y: np.ndarray, way: float = way) -> list[float]:
+            return [y[1], (-MOMENT * np.sin(y[0]) - viscous * y[1] - dry * way) / INERTIA]
+
+        def stops(t: float, y: np.ndarray, way: float = way) -> float:
+            return way * y[1] if t > begun + 1e-3 else 1.0  # noqa: B023
+
+        stops.terminal = True  # type: ignore[attr-defined]
+        run = solve_ivp(
+            rates, (begun, time[-1] + 1e-9), state, "DOP853", events=stops, rtol=1e-11, atol=1e-12, dense_output=True
+        )
+        count = int(np.searchsorted(time, run.t[-1] + 1e-12))
+        out[done:count] = run.sol(time[done:count])[0]
+        done, begun, state = max(count, done), run.t[-1], np.array([run.y[0, -1], 0.0])
+        if not len(run.t_events[0]):
+            break
+    return out
+
+
+def moved(system: System, angle: float, time: np.ndarray, leading: str = "left", **slots: float) -> np.ndarray:
+    """Positions (T, n) of a mechanism let go with one joint at an angle; slots: of a row, as ``joint__slot``."""
+    model = LaneModel(replace(system, leading=(leading,)))
+    row = model.row()
+    for name, value in slots.items():
+        site, slot = name.split("__")
+        row[model.slot(site, slot)] = value
+    start = np.zeros(model.n)
+    start[model.names.index(leading)] = angle
+    return np.asarray(model.simulate(row, start, np.zeros(model.n), time)[0][0])
+
+
+def test_a_parallelogram_is_a_pendulum() -> None:
+    time = np.linspace(0.0, 6.0, 301)
+    found = moved(parallelogram(), 1.2, time)
+    truth = pendulum(time, 1.2)
+    np.testing.assert_allclose(found, np.stack([truth, -truth, truth], axis=1), atol=2e-9)
+
+
+def test_damping_of_every_joint_counts_by_how_far_it_turns() -> None:
+    time = np.linspace(0.0, 6.0, 301)
+    found = moved(parallelogram(), 1.0, time, left__damping=0.01, pin__damping=0.03, right__damping=0.005)
+    np.testing.assert_allclose(found[:, 0], pendulum(time, 1.0, viscous=0.045), atol=2e-9)
+
+
+@pytest.mark.parametrize("leading", ["left", "right", "pin"])
+def test_dry_friction_of_several_joints_holds_the_mechanism_together(leading: str) -> None:
+    time = np.linspace(0.0, 8.0, 401)
+    sign = -1.0 if leading == "pin" else 1.0
+    found = moved(
+        parallelogram(),
+        sign,
+        time,
+        leading,
+        left__coulomb_torque=0.05,
+        pin__coulomb_torque=0.1,
+        right__coulomb_torque=0.03,
+    )
+    truth = pendulum(time, 1.0, dry=0.18)
+    assert np.ptp(truth[-50:]) == 0.0  # it has come to rest where friction alone could hold it
+    np.testing.assert_allclose(found[:, 0], truth, atol=1e-8)
+
+
+def test_friction_holds_from_the_beginning_what_it_can_hold() -> None:
+    time = np.linspace(0.0, 1.0, 11)
+    angle = 0.9 * np.arcsin(0.3 / MOMENT)
+    found = moved(parallelogram(), angle, time, left__coulomb_torque=0.1, pin__coulomb_torque=0.2)
+    np.testing.assert_array_equal(found[:, 0], angle)
+
+
+def test_a_crank_that_goes_round_agrees_with_the_single_model() -> None:
+    system, time = crank_rocker(), np.linspace(0.0, 3.0, 151)
+    single = Denoc(system)
+    q = single.assemble(np.array([0.3, *single.assemble()[1:]]), held=["crank"])
+    qd = single.closed_velocity(q, np.array([5.0, 0.0, 0.0]))
+    truth = single.simulate(q, qd, time)
+    model = LaneModel(system)
+    # Coordinates that follow are not asked for: they are what closes the loop.
+    found = model.simulate(model.row(), [q[0], 9.0, -9.0], [qd[0], 0.0, 0.0], time)
+    np.testing.assert_allclose(found[0][0], truth.position, atol=1e-7)
+    assert max(np.abs(single.open_by(position)).max() for position in found[0][0]) < 1e-9
+
+
+def test_a_state_that_cannot_be_closed_is_told_by_nan() -> None:
+    system = parallelogram()
+    # With a coupler much too long no angle closes.
+    far = replace(system.loops[0], first=Frame("coupler", constant([5.0, 0.0, 0.0]), constant(np.eye(3))))
+    model = LaneModel(system)
+    row = model.row(replace(system, loops=(far,)))
+    found = model.simulate(row, np.zeros(3), np.zeros(3), np.linspace(0.0, 1.0, 5))[0][0]
+    assert np.isnan(found[:, 1:]).all() and np.isnan(found[1:]).all()
+
+
+def test_a_gap_is_fallen_through_and_then_rested_on() -> None:
+    gap, mass = 0.02, 2.0
+    frames = [Frame(link, constant(np.zeros(3)), constant(np.eye(3))) for link in ("base", "weight")]
+    joints = tuple(
+        Joint(name, JointType.PRISMATIC, parent, child, axis=constant(axis))
+        for name, parent, child, axis in (
+            ("across", "base", "cart", [1.0, 0, 0]),
+            ("down", "cart", "weight", [0, 0, 1.0]),
+        )
+    )
+    links = (Link("cart", 1.0), Link("weight", mass))
+    system = System("weight", joints, links, loops=(Loop("pin", frames[0], frames[1], ("x", "z")),))
+    model = LaneModel(system)
+    row = model.row()
+    row[model.slot("pin", "gap")] = gap
+    time = np.linspace(0.0, 3.0, 601)
+    found = model.simulate(row, np.zeros(2), np.zeros(2), time)[0][0]
+    falling = time < 0.99 * np.sqrt(2.0 * gap / G)
+    np.testing.assert_allclose(found[falling, 1], -0.5 * G * time[falling] ** 2, atol=1e-10)
+    # The contact gives by its stated share of the size, under the weight of all that there is.
+    given = GIVES * 1.0 * mass / (mass + 1.0)
+    np.testing.assert_allclose(found[-1], [0.0, -gap - given], atol=1e-6)
+
+
+def ball(inertia: float = 0.02) -> System:
+    """A ball joint with a body that is alike about every axis, without weight."""
+    joint = Joint("ball", JointType.BALL, "base", "body")
+    system = System(
+        "ball", (joint,), (Link("body", 1.0, inertia=constant(inertia * np.eye(3))),), gravity=constant(np.zeros(3))
+    )
+    still = constant(np.eye(3))
+    return charted(system, {"ball": Chart(still, still)})
+
+
+def speed_of(found: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Angular speed (T,) of three turns about x, y and z."""
+    (_, b, _), (x, y, z) = found[0][0].T, found[1][0].T
+    # ω² of Rx(a) Ry(b) Rz(c): the first and the last axis are apart by a quarter of a turn less b.
+    return np.sqrt(x**2 + y**2 + z**2 + 2.0 * x * z * np.sin(b))
+
+
+@pytest.mark.parametrize("law", ["damping", "coulomb_torque", "quadratic_drag"])
+def test_what_acts_on_a_ball_acts_against_its_angular_velocity(law: str) -> None:
+    inertia, value = 0.02, 0.01
+    model = LaneModel(ball(inertia))
+    row = model.row()
+    row[model.slot("ball", law)] = value
+    time = np.linspace(0.0, 1.5, 76)
+    found = model.simulate(row, [0.2, 0.4, -0.3], [1.0, 0.4, -0.8], time)
+    speed = speed_of(found)
+    rate = value / inertia
+    truth = {
+        "damping": speed[0] * np.exp(-rate * time),
+        "coulomb_torque": speed[0] - rate * time,
+        "quadratic_drag": speed[0] / (1.0 + rate * speed[0] * time),
+    }[law]
+    # Dry friction of a ball gives way below a thousandth of a radian a second, which is felt by its square.
+    np.testing.assert_allclose(speed, truth, atol=1e-5 if law == "coulomb_torque" else 1e-9)

@@ -1,0 +1,111 @@
+"""Recordings of closed mechanisms and of bodies in space, made by MuJoCo from its own files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from harness.recording import Channel, Recording
+from harness.recording.recording import SPATIAL_UNITS
+
+RATE = 100.0  # Hz
+
+BALL = """<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disable"/></option><worldbody>
+<body name="bob" pos="0 0 1"><joint name="ball" type="ball" damping="{damping}"/>
+<geom type="capsule" fromto="0 0 0 0.02 0 -0.5" size="0.02" mass="1"/>
+<geom type="box" pos="0.05 0 -0.45" size="0.06 0.02 0.02" mass="0.3"/></body></worldbody></mujoco>"""
+
+BOX = """<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disable"/></option><worldbody>
+<body name="trunk" pos="0.3 0 1" euler="0 30 0"><joint name="root" type="free" damping="{damping}"/>
+<geom type="box" size="0.1 0.2 0.05" mass="2"/>
+<geom type="box" pos="0.1 0.05 0" size="0.03 0.02 0.02" mass="0.3"/></body></worldbody></mujoco>"""
+
+# Base 0.5 m, crank 0.3 m, coupler 0.5 m, rocker 0.35 m, gravity along -y.
+FOUR_BAR = """<mujoco><option timestep="0.0002" integrator="RK4" gravity="0 -9.81 0"><flag contact="disable"/></option>
+<compiler angle="radian"/><worldbody>
+<body name="short"><joint name="crank" axis="0 0 1" damping="{crank}"/>
+ <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.01" mass="0.3"/>
+ <body name="coupler" pos="0.3 0 0"><joint name="pin" axis="0 0 1" damping="{pin}" stiffness="{spring}"/>
+  <geom type="capsule" fromto="0 0 0 0.5 0 0" size="0.01" mass="0.5"/><site name="a" pos="0.5 0 0"/></body></body>
+<body name="long" pos="0.5 0 0"><joint name="rocker" axis="0 0 1" damping="{rocker}" frictionloss="{dry}"/>
+ <geom type="capsule" fromto="0 0 0 0 -0.35 0" size="0.01" mass="0.4"/><site name="b" pos="0 -0.35 0"/></body>
+</worldbody>{closing}</mujoco>"""
+CLOSED = (
+    """<equality><connect name="knee" site1="a" site2="b" solref="0.001 1" solimp="0.9999 0.9999 0.001"/></equality>"""
+)
+# A rope of that length between the two ends: within it they go free of each other.
+ROPE = """<tendon><spatial limited="true" range="-1 {gap}" solreflimit="0.0008 1" solimplimit="0.9999 0.9999 0.0001">
+<site site="a"/><site site="b"/></spatial></tendon>"""
+NOTHING = {"crank": 0.0, "pin": 0.0, "rocker": 0.0, "dry": 0.0, "spring": 0.0}
+# Where the loop is closed: crank, pin, rocker [rad], by the law of cosines.
+STARTS = (-0.9, -2.3)
+
+
+def closed(crank: float) -> tuple[float, float, float]:
+    """Angles of crank, pin and rocker where the coupler's end meets the rocker's below the base, by the law of cosines."""
+    elbow = 0.3 * np.array([np.cos(crank), np.sin(crank)])
+    away = np.array([0.5, 0.0]) - elbow
+    distance = float(np.hypot(*away))
+    corner = np.arccos((distance**2 + 0.5**2 - 0.35**2) / (2.0 * distance * 0.5))
+    coupler = np.arctan2(away[1], away[0]) - corner
+    end = elbow + 0.5 * np.array([np.cos(coupler), np.sin(coupler)]) - np.array([0.5, 0.0])
+    rocker = np.arctan2(end[1], end[0]) + np.pi / 2.0
+    return crank, coupler - crank, float(np.mod(rocker + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def model_file(folder: Path, text: str) -> Path:
+    path = folder / "model.xml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def motion(
+    text: str, position: Sequence[float], velocity: Sequence[float], seconds: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Time (T,) and positions (T, nq)."""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    if len(position):
+        data.qpos[:] = position
+    data.qvel[:] = velocity
+    steps = round(1.0 / RATE / model.opt.timestep)
+    found = np.empty((round(seconds * RATE), model.nq))
+    for row in found:
+        row[:] = data.qpos
+        for _ in range(steps):
+            mujoco.mj_step(model, data)
+    return np.arange(len(found)) / RATE, found
+
+
+def recording(
+    name: str, time: np.ndarray, columns: dict[tuple[str, str], np.ndarray], noise: float, seed: int
+) -> Recording:
+    """Columns by site and quantity, with white noise."""
+    rng = np.random.default_rng(seed)
+    channels = tuple(
+        Channel(
+            f"{site}.{quantity}",
+            site,
+            quantity,
+            SPATIAL_UNITS.get(quantity, "rad"),
+            values + noise * rng.standard_normal(len(values)),
+        )
+        for (site, quantity), values in columns.items()
+    )
+    return Recording(name, name, time, channels)
+
+
+def four_bar(
+    seconds: float = 5.0, closing: str = CLOSED, seen: str = "crank", step: str = "0.0002", **hidden: float
+) -> list[Recording]:
+    """Two recordings of one joint of the four-bar."""
+    text = FOUR_BAR.format(**NOTHING | hidden, closing=closing).replace("0.0002", step)
+    out = []
+    for k, crank in enumerate(STARTS):
+        time, q = motion(text, closed(crank), np.zeros(3), seconds)
+        place = ("crank", "pin", "rocker").index(seen)
+        out.append(recording(f"run{k}", time, {(seen, "position"): q[:, place]}, 5e-4, k))
+    return out

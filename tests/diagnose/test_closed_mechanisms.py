@@ -1,0 +1,53 @@
+"""What a closed mechanism lacks is found from one recorded angle; the truth is MuJoCo's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from mechanisms_by_mujoco import CLOSED, FOUR_BAR, NOTHING, ROPE, four_bar, model_file
+
+from harness import diagnose
+from harness.system import load
+
+
+@pytest.fixture
+def model(tmp_path: Path):
+    return load(model_file(tmp_path, FOUR_BAR.format(**NOTHING, closing=CLOSED)))
+
+
+@pytest.mark.parametrize(
+    ("hidden", "key", "parameter"),
+    [
+        ({"pin": 0.01}, "viscous_damping@pin", "coefficient"),
+        ({"dry": 0.02}, "coulomb_friction@rocker", "torque"),
+        ({"spring": 0.4}, "joint_stiffness@pin", "stiffness"),
+    ],
+)
+def test_what_acts_at_a_joint_that_nobody_recorded_is_found(model, hidden, key, parameter) -> None:
+    found = diagnose(four_bar(**hidden), model)
+    assert found.verdict == "explained"
+    assert [f"{f['effect']}@{f['site']}" for f in found.findings] == [key]
+    (value,) = hidden.values()
+    told = found.findings[0]["parameters"][parameter]
+    assert told["ci95"][0] <= value <= told["ci95"][1]
+
+
+def test_a_clean_four_bar_lacks_nothing(model) -> None:
+    found = diagnose(four_bar(), model)
+    assert found.verdict == "consistent"
+    assert found.findings == []
+
+
+def test_the_rocker_alone_tells_as_well(model) -> None:
+    found = diagnose(four_bar(seen="rocker", pin=0.01), model, only=("viscous_damping", "coulomb_friction"))
+    assert [f"{f['effect']}@{f['site']}" for f in found.findings] == ["viscous_damping@pin"]
+
+
+def test_a_gap_is_found_where_the_loop_is_closed(model) -> None:
+    gap = 0.002
+    recordings = four_bar(closing=ROPE.format(gap=gap), step="0.00005")
+    found = diagnose(recordings, model)
+    assert "loop_clearance@knee" in [f"{f['effect']}@{f['site']}" for f in found.findings]
+    told = next(f for f in found.findings if f["effect"] == "loop_clearance")["parameters"]["gap"]
+    assert told["value"] == pytest.approx(gap, rel=0.15)

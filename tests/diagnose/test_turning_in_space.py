@@ -1,0 +1,104 @@
+"""Balls and floating bodies are diagnosed from recorded poses; the truth is MuJoCo's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms_by_mujoco import BALL, BOX, model_file, motion, recording
+
+from harness import diagnose
+from harness.diagnose.conditioning.poses import in_charts
+from harness.errors import InputError, UnsupportedError
+from harness.recording import Recording
+from harness.system import load
+
+QUATERNION = ("qw", "qx", "qy", "qz")
+LAWS = ("viscous_damping", "coulomb_friction", "quadratic_drag")
+
+
+def hanging(damping: float, noise: float = 5e-4) -> list[Recording]:
+    out = []
+    for k, (q, w) in enumerate((((0.9, 0.4, 0.1, 0.0), (0.3, 1.5, 2.0)), ((0.85, -0.2, 0.45, 0.1), (-1.0, 0.4, -3.0)))):
+        time, found = motion(BALL.format(damping=damping), np.array(q) / np.linalg.norm(q), w, 6.0)
+        columns = {("ball", f"position.{name}"): found[:, j] for j, name in enumerate(QUATERNION)}
+        out.append(recording(f"run{k}", time, columns, noise, k))
+    return out
+
+
+def thrown(damping: float, noise: float = 5e-4) -> list[Recording]:
+    out = []
+    for k, (v, w) in enumerate((((0.5, 1.0, 6.0), (1.0, 5.0, 2.0)), ((-1.0, 0.4, 7.0), (6.0, -1.0, 3.0)))):
+        time, found = motion(BOX.format(damping=damping), (), (*v, *w), 2.0)
+        columns = {("root", f"pose.{name}"): found[:, j] for j, name in enumerate(("x", "y", "z", *QUATERNION))}
+        out.append(recording(f"run{k}", time, columns, noise, k))
+    return out
+
+
+def test_damping_of_a_ball_is_found(tmp_path: Path) -> None:
+    model = load(model_file(tmp_path, BALL.format(damping=0.0)))
+    found = diagnose(hanging(0.02), model, only=LAWS)
+    assert [f"{f['effect']}@{f['site']}" for f in found.findings] == ["viscous_damping@ball"]
+    told = found.findings[0]["parameters"]["coefficient"]
+    assert told["ci95"][0] <= 0.02 <= told["ci95"][1]
+    assert told["unit"] == "N*m*s/rad"
+
+
+@pytest.mark.slow
+def test_a_thrown_body_is_damped_in_both_its_motions(tmp_path: Path) -> None:
+    model = load(model_file(tmp_path, BOX.format(damping=0.0)))
+    found = diagnose(thrown(0.03), model)
+    told = {f["site"]: f["parameters"]["coefficient"] for f in found.findings}
+    assert {f["effect"] for f in found.findings} == {"viscous_damping"}
+    assert told.keys() == {"root.turn", "root.shift"}
+    for site, unit in (("root.turn", "N*m*s/rad"), ("root.shift", "N*s/m")):
+        assert told[site]["ci95"][0] <= 0.03 <= told[site]["ci95"][1]
+        assert told[site]["unit"] == unit
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "made"), [(BALL, hanging), (BOX, thrown)])
+def test_what_the_model_foretells_lacks_nothing(tmp_path: Path, text: str, made) -> None:
+    found = diagnose(made(0.0), load(model_file(tmp_path, text.format(damping=0.0))))
+    assert found.verdict == "consistent"
+    assert found.findings == []
+
+
+def test_a_free_body_falls_in_the_chart_as_it_was_thrown(tmp_path: Path) -> None:
+    system, recordings = in_charts(load(model_file(tmp_path, BOX.format(damping=0.0))), thrown(0.0, noise=0.0))
+    time = recordings[0].time
+    place = {c.site: np.asarray(c.values) for c in recordings[0].channels}
+    # From where the file places the body; the origin is beside the centre of mass, which falls freely.
+    assert [place[f"root.{axis}"][0] for axis in "xyz"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    assert abs(np.sin(place["root.ry"])).max() < 0.97
+    assert np.abs(np.diff(place["root.rx"])).max() < 0.3  # no jumps of a turn
+    assert time[-1] == pytest.approx(1.99)
+    assert [g.name for g in system.gimbals] == ["root.shift", "root.turn"]
+
+
+def test_a_quaternion_without_length_is_refused(tmp_path: Path) -> None:
+    system = load(model_file(tmp_path, BALL.format(damping=0.0)))
+    bad = recording(
+        "bad", np.arange(60) / 100.0, {("ball", f"pose.{name}"): np.zeros(60) for name in QUATERNION}, 0.0, 0
+    )
+    with pytest.raises(InputError, match="length zero"):
+        in_charts(system, [bad])
+
+
+def test_a_pose_without_its_quaternion_is_refused(tmp_path: Path) -> None:
+    system = load(model_file(tmp_path, BOX.format(damping=0.0)))
+    place = recording("place", np.arange(60) / 100.0, {("root", f"pose.{name}"): np.ones(60) for name in "xyz"}, 0.0, 0)
+    with pytest.raises(InputError, match="no qw of the pose"):
+        in_charts(system, [place])
+
+
+def test_rotations_that_no_chart_holds_are_refused(tmp_path: Path) -> None:
+    system = load(model_file(tmp_path, BALL.format(damping=0.0)))
+    q = np.random.default_rng(1).standard_normal((4, 4000))
+    q /= np.linalg.norm(q, axis=0)
+    wild = recording(
+        "wild", np.arange(4000) / 100.0, {("ball", f"pose.{name}"): q[k] for k, name in enumerate(QUATERNION)}, 0.0, 0
+    )
+    with pytest.raises(UnsupportedError, match="every way"):
+        in_charts(system, [wild])
