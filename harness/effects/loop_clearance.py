@@ -23,11 +23,11 @@ EFFECT = Effect(
             ),
         ),
     ),
-    signature="Where the force through the loop's closing turns round the recorded joint runs on for the width of the gap and is hit; "
-    "between, the mechanism moves as if a link were longer or shorter by the gap.",
+    signature="Where the force through the loop's closing turns round the recorded joint runs on for the width of the gap and "
+    "is hit; between, the mechanism moves as if a link were longer or shorter by the gap.",
     shows_in="motion in which the force through the closing joint turns round",
-    source="Flores, Ambrósio, Claro and Lankarani, Kinematics and Dynamics of Multibody Systems with Imperfect Joints (Springer 2008), "
-    "ch. 3: the revolute joint with clearance as pin and hole in contact.",
+    source="Flores, Ambrósio, Claro and Lankarani, Kinematics and Dynamics of Multibody Systems with Imperfect Joints "
+    "(Springer 2008), ch. 3: the revolute joint with clearance as pin and hole in contact.",
     expressed_by={
         "denoc": "a contact in place of the loop's conditions",
     },

@@ -25,12 +25,12 @@ def parallelogram(**joints: dict[str, float]) -> System:
 
     joints: further fields by joint.
     """
-    made = (
+    hinges = (
         hinge("left", "base", "first"),
         hinge("pin", "first", "coupler", (0.0, -LENGTH, 0.0)),
         hinge("right", "base", "second", (COUPLER, 0.0, 0.0)),
     )
-    made = tuple(replace(joint, **joints.get(joint.name, {})) for joint in made)
+    made = tuple(replace(joint, **joints.get(joint.name, {})) for joint in hinges)
     links = (
         rod("first", MASS, (0.0, -LENGTH, 0.0)),
         rod("coupler", MASS, (COUPLER, 0.0, 0.0)),

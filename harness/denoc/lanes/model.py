@@ -168,8 +168,8 @@ class LaneModel:
     every joint whose ``user_scale`` slot is not zero.
     planar: whether a mechanism that moves in one plane is computed as such, which is faster and the same to rounding;
     plane says that it is, and what plane.
-    Loops of a system are held closed: a motion begins where ``dependent`` coordinates follow the others; a loop has the slot ``gap``
-    [m], 0 where it has no clearance. Of gimbals, what acts on three joints together has slots by their name
+    Loops of a system are held closed: a motion begins where ``dependent`` coordinates follow the others; a loop has the slot
+    ``gap`` [m], 0 where it has no clearance. Of gimbals, what acts on three joints together has slots by their name
     (``closing.GROUP_SLOTS``).
     Raises UnsupportedError for links that bend in two planes or twist, for joints that turn in space or follow others, and for
     loops beside links that bend.
