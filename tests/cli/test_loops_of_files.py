@@ -164,13 +164,13 @@ def test_what_is_said_twice_is_counted(four_bar: Path) -> None:
     assert any("5 conditions, 2 of them independent" in note for note in harness.load(four_bar).notes)
 
 
-def test_diagnose_refuses_loops_in_one_line(four_bar: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_efforts_are_not_fitted_beside_loops(four_bar: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     recording = tmp_path / "run.csv"
     time = np.linspace(0.0, 2.0, 201)
     recording.write_text("time,a.position\n" + "\n".join(f"{t},{np.cos(t)}" for t in time))
-    assert status_of(["diagnose", str(recording), "--model", str(four_bar)]) == 2
-    (line,) = [line for line in capsys.readouterr().err.splitlines() if "'pin' closes a loop" in line]
-    assert "does not support yet" in line
+    assert status_of(["diagnose", str(recording), "--model", str(four_bar), "--fit-effort"]) == 2
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "efforts are fitted" in line]
+    assert "leave out --fit-effort" in line
 
 
 def test_an_mjcf_s_equalities_are_loops(tmp_path: Path) -> None:

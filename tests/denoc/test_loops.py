@@ -220,7 +220,3 @@ def test_open_states_are_refused_in_one_line():
         model.simulate(q, [1.0, 0.0, 0.0], [0.0, 1.0])
     with pytest.raises(InputError, match="with slider as given the loops cannot close"):
         model.assemble(np.array([0.0, 0.0, 9.0]), held=["slider"])
-    with pytest.raises(UnsupportedError, match="'wrist' closes a loop, which a computation of many copies"):
-        from harness.denoc.lanes.model import LaneModel
-
-        LaneModel(slider_crank())

@@ -289,10 +289,8 @@ def test_written_and_read_again_it_is_the_same_mechanism(build: Build, ending: s
     np.testing.assert_allclose(mass, Denoc(system).mass_matrix(q), atol=1e-12)
 
 
-def test_lanes_and_diagnosis_refuse_what_they_do_not_know() -> None:
+def test_lanes_refuse_what_they_do_not_know() -> None:
     from harness.denoc.lanes.model import LaneModel
 
     with pytest.raises(UnsupportedError, match="joint 'root' is of type free, which a computation of many copies"):
         LaneModel(in_space())
-    with pytest.raises(UnsupportedError, match="joint 'root' is of type free, which a diagnosis does not support yet"):
-        harness.diagnose("nothing.csv", model=in_space())
