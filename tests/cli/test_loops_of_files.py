@@ -164,7 +164,9 @@ def test_what_is_said_twice_is_counted(four_bar: Path) -> None:
     assert any("5 conditions, 2 of them independent" in note for note in harness.load(four_bar).notes)
 
 
-def test_efforts_are_not_fitted_beside_loops(four_bar: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_efforts_are_not_fitted_beside_loops(
+    four_bar: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     recording = tmp_path / "run.csv"
     time = np.linspace(0.0, 2.0, 201)
     recording.write_text("time,a.position\n" + "\n".join(f"{t},{np.cos(t)}" for t in time))

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-import harness
 from harness.denoc import Denoc
 from harness.denoc.matrices import denoc_matrices
 from harness.errors import InputError, UnsupportedError

@@ -12,7 +12,7 @@ from harness import diagnose
 from harness.diagnose.conditioning.poses import in_charts
 from harness.errors import InputError, UnsupportedError
 from harness.recording import Recording
-from harness.system import load
+from harness.system import load, write
 
 QUATERNION = ("qw", "qx", "qy", "qz")
 LAWS = ("viscous_damping", "coulomb_friction", "quadratic_drag")
@@ -69,12 +69,22 @@ def test_a_free_body_falls_in_the_chart_as_it_was_thrown(tmp_path: Path) -> None
     system, recordings = in_charts(load(model_file(tmp_path, BOX.format(damping=0.0))), thrown(0.0, noise=0.0))
     time = recordings[0].time
     place = {c.site: np.asarray(c.values) for c in recordings[0].channels}
-    # From where the file places the body; the origin is beside the centre of mass, which falls freely.
-    assert [place[f"root.{axis}"][0] for axis in "xyz"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    # A free joint of an MJCF stands where the world does.
+    assert [place[f"root.{axis}"][0] for axis in "xyz"] == pytest.approx([0.3, 0.0, 1.0], abs=1e-12)
     assert abs(np.sin(place["root.ry"])).max() < 0.97
     assert np.abs(np.diff(place["root.rx"])).max() < 0.3  # no jumps of a turn
     assert time[-1] == pytest.approx(1.99)
     assert [g.name for g in system.gimbals] == ["root.shift", "root.turn"]
+
+
+def test_a_chart_is_written_and_read_again(tmp_path: Path) -> None:
+    system, _ = in_charts(load(model_file(tmp_path, BALL.format(damping=0.02))), hanging(0.0))
+    file = tmp_path / "charted.toml"
+    assert write(system, file) == ()
+    again = load(file)
+    (gimbal,) = again.gimbals
+    assert (gimbal.name, gimbal.damping, gimbal.slides) == ("ball", 0.02, False)
+    assert gimbal.coordinates == ("ball.rx", "ball.ry", "ball.rz")
 
 
 def test_a_quaternion_without_length_is_refused(tmp_path: Path) -> None:
