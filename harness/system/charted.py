@@ -22,6 +22,7 @@ SHIFTS = ("x", "y", "z")
 FARTHEST = 0.97  # sine of the middle angle that a chart may come to
 DIRECTIONS = 200  # of the body and of space that are tried
 SAMPLES = 400
+LIKELY = 50
 _UNIT = np.eye(3)
 
 
@@ -52,8 +53,11 @@ def chart_for(rotations: Array) -> Chart | None:
     # |s · R u| of every direction s of space and u of the body, the largest along the motion.
     turned = np.einsum("tij,uj->tui", some, every)
     worst = np.abs(np.einsum("tui,si->tsu", turned, every)).max(axis=0)
-    s, u = np.unravel_index(int(np.argmin(worst)), worst.shape)
-    if worst[s, u] > FARTHEST:
+    # Of those that some samples keep off, the one that all do.
+    likely = [np.unravel_index(k, worst.shape) for k in np.argsort(worst, axis=None)[:LIKELY].tolist()]
+    reached = [float(np.abs(np.einsum("i,tij,j->t", every[s], good, every[u])).max()) for s, u in likely]
+    s, u = likely[int(np.argmin(reached))]
+    if min(reached) > FARTHEST:
         return None
     # Columns beginning with the direction: of space the first one, of the body the last one.
     before = np.roll(along_z(every[s]), 1, axis=1)
