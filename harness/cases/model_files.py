@@ -135,7 +135,7 @@ def _mujoco(text: str | None, path: Path | None, bench: Bench) -> Iterable[Row |
     yield _row(bench, "limits", "mujoco", apart)
 
 
-def _pinocchio(text: str | None, path: Path | None, bench: Bench) -> Iterable[Row | Series]:
+def against_pinocchio(text: str | None, path: Path | None, bench: Bench) -> Iterable[Row | Series]:
     """Mass matrix, bias and limits by Pinocchio's own reading of URDF."""
     if "pinocchio" not in bench.models:
         return
@@ -245,7 +245,7 @@ def _read_again(name: str, title: str, file: str) -> Case:
 def _both(text: str | None, path: Path | None) -> tuple[Measured, ...]:
     return (
         Measured("file_by_mujoco", partial(_mujoco, text, path)),
-        Measured("file_by_pinocchio", partial(_pinocchio, text, path)),
+        Measured("file_by_pinocchio", partial(against_pinocchio, text, path)),
     )
 
 

@@ -149,10 +149,14 @@ def _of_command(unit: str, prismatic: bool | None, source: str | Path | None, co
 
 
 def _is_sane(text: str) -> bool:
-    """Whether a text can be evaluated at once: powers are small numbers, of what is no power itself, and few."""
+    """Whether a text can be evaluated at once: powers are small numbers, of what is no power itself, and few.
+
+    Commas would be passed over: 0,5 mm would be 5 mm, and of 9**9,999,999 a small power is all that is seen here.
+    """
     powers = text.count("**")
     return (
-        len(text) <= LONGEST
+        "," not in text
+        and len(text) <= LONGEST
         and max((len(digits) for digits in DIGITS.findall(text)), default=0) <= MOST_DIGITS
         and powers <= MOST_POWERS
         and len(EXPONENT.findall(text)) == powers
@@ -176,7 +180,9 @@ def _parsed(text: str, quantity: str, prismatic: bool | None) -> Any:
     # "Seconds", "DEG": capitals are tried as such first, for they part milli from mega.
     for attempt in (spelt, spelt.lower()):
         try:
-            return registry.Quantity(1.0) * registry.parse_expression(attempt)
+            found = registry.Quantity(1.0) * registry.parse_expression(attempt)
+            found.to_root_units()  # overflows where powers add up
+            return found
         except Exception:  # pint raises its own, tokenizer and attribute errors alike
             continue
     return None

@@ -20,6 +20,7 @@ from harness.denoc.lanes.model import LaneModel
 from harness.denoc.loops.closed import Closed
 from harness.effects import measurement
 from harness.engines import registry
+from harness.recording.formats.detect import READERS
 from harness.system import Beam, Joint, Link
 
 ROOT = Path(__file__).parents[2]
@@ -46,6 +47,8 @@ def paths_of_the_code() -> set[str]:
         for name in functions(measurement)
         if getattr(measurement, name).__module__ == measurement.__name__
     }
+    # Text is read here, by no reader of a process of its own.
+    found |= {f"recording {module}" for _, module, _ in READERS} | {"recording csv"}
     found |= {f"engine {name}" for name in registry.names() if name not in registry.own_names()}
     return found
 

@@ -65,6 +65,7 @@ REFUSED = [
     *[("root_strain", u, "does not fit") for u in ("deg", "rad", "count", "bit", "s/s*rad", "mrad")],
     *[("tip_deflection", u, "one pixel") for u in ("px", "pixel", "css_pixel", "point")],
     *[("time", u, "0.001 s") for u in ("counts", "samples", "frames")],
+    *[("position", u, "is not a unit") for u in ("9**9,999,999 rad", "deg**2,4096", "0,5 mm")],
     ("time", "Hz", "does not fit"),
     ("tip_acceleration", "m/s", "does not fit"),
 ]

@@ -25,13 +25,14 @@ class BatchAgreement:
     """Largest relative difference between a ``*_batch`` method of the native dynamics and each other engine.
 
     of: a key of ``BATCHES``. allowed, why: as in ``StateAgreement``. states: not a multiple of eight, so that a group of
-    eight that is not full is among them.
+    eight that is not full is among them. elastic: 1σ of elastic coordinates.
     """
 
     of: str
     allowed: float
     why: str
     states: int = 19
+    elastic: float = 0.0
 
     @property
     def quantity(self) -> str:
@@ -39,7 +40,7 @@ class BatchAgreement:
 
     def run(self, bench: Bench) -> Iterable[Row | Series]:
         method, arguments = BATCHES[self.of]
-        states = random_states(bench, self.states, 1.0, 1.0, 0.0)
+        states = random_states(bench, self.states, 1.0, 1.0, self.elastic)
         native = Denoc(bench.system)
         ours = getattr(native, method)(*(getattr(states, name) for name in arguments))
         ours = np.asarray(ours).reshape(self.states, -1)

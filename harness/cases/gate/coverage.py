@@ -28,6 +28,12 @@ _SENSORS = (
     "held_delay", "clock_skew", "lowpass", "highpass",
 )  # fmt: skip
 
+# Readers of recordings by the module that each is, and a row of its own.
+_RECORDINGS = {
+    "csv": "csv", "hdf5": "hdf5", "matlab": "matlab", "netcdf": "netcdf", "numpy_arrays": "numpy", "mcap": "mcap",
+    "rosbag": "rosbag", "parquet": "parquet",
+}  # fmt: skip
+
 PATHS: dict[str, tuple[str, ...]] = {
     # One state.
     "Denoc.forward_dynamics": (
@@ -39,12 +45,16 @@ PATHS: dict[str, tuple[str, ...]] = {
     "Denoc.mass_matrix": ("chain_*/mass_matrix/*", "tree_*/mass_matrix/*"),
     "Denoc.bias": ("chain_*/bias/*",),
     "Denoc.gravity": ("chain_*/gravity/*",),
-    "Denoc.coriolis_matrix": ("spatial_quantities/coriolis_matrix/*", "spatial_quantities/coriolis_force/*"),
+    "Denoc.coriolis_matrix": (
+        "spatial_quantities/coriolis_matrix/*",
+        "spatial_quantities/coriolis_force/*",
+        "bent_in_space/coriolis_matrix_bent/*",
+    ),
     "Denoc.passive": ("file_*/file_passive/*", "joint_springs/acceleration/*"),
     "Denoc.energy": ("chain_*/energy/*", "joint_springs/energy/*"),
     "Denoc.energies": ("chain_*/energy/*",),
-    "Denoc.momentum": ("spatial_quantities/momentum/*",),
-    "Denoc.link_pose": ("spatial_quantities/link_pose/*",),
+    "Denoc.momentum": ("spatial_quantities/momentum/*", "bent_in_space/momentum_bent/*"),
+    "Denoc.link_pose": ("spatial_quantities/link_pose/*", "bent_in_space/link_place_bent/*"),
     "Denoc.linear_passive": ("beam_paths/static_deflection/*",),
     "Denoc.frequencies": ("frequencies_*/frequency/*", "rigid_pendulum/frequency/*"),
     "Denoc.hub_motion": ("beam_paths/tip_acceleration*",),
@@ -55,12 +65,18 @@ PATHS: dict[str, tuple[str, ...]] = {
     "Denoc.forward_dynamics_batch": (
         "batch_*/forward_dynamics_batch/*",
         "batch_flexible/forward_dynamics_batch_straight/*",
+        "bent_in_space/forward_dynamics_batch_bent/*",
     ),
     "Denoc.inverse_dynamics_batch": (
         "batch_*/inverse_dynamics_batch/*",
         "batch_flexible/inverse_dynamics_batch_straight/*",
+        "bent_in_space/inverse_dynamics_batch_bent/*",
     ),
-    "Denoc.mass_matrix_batch": ("batch_*/mass_matrix_batch/*", "batch_flexible/mass_matrix_batch_straight/*"),
+    "Denoc.mass_matrix_batch": (
+        "batch_*/mass_matrix_batch/*",
+        "batch_flexible/mass_matrix_batch_straight/*",
+        "bent_in_space/mass_matrix_batch_bent/*",
+    ),
     "Denoc.accelerations": ("batch_chain/forward_dynamics_batch/*",),
     "BatchModel.forward_dynamics": ("batch_tree/forward_dynamics_batch/*",),
     "BatchModel.inverse_dynamics": ("batch_tree/inverse_dynamics_batch/*",),
@@ -97,8 +113,13 @@ PATHS: dict[str, tuple[str, ...]] = {
     "kernel rigid_others": ("tree_20/mass_matrix/*", "tree_20/energy/*"),
     "kernel loops": ("four_bar/acceleration/*", "bricard/acceleration/*", "andrews_squeezer/positions_at_end/*"),
     "kernel chain": ("hinges_4/acceleration/*", "hinges_5/acceleration/*", "hinges_8/acceleration/*"),
-    "kernel flexible": ("flexible_pendulum/*", "two_flexible_links/*"),
-    "kernel flexible_others": ("*/mass_matrix_straight/*", "beam_paths/tip_acceleration*"),
+    "kernel flexible": ("flexible_pendulum/*", "two_flexible_links/*", "bent_in_space/acceleration_bent/*"),
+    "kernel flexible_others": (
+        "*/mass_matrix_straight/*",
+        "beam_paths/tip_acceleration*",
+        "bent_in_space/*_bent/*",
+        "bent_in_space_unstiffened/*_bent/*",
+    ),
     "kernel batches": ("batch_*/*",),
     "kernel in_space": ("batch_in_space/*", "batch_loose/*"),
     "kernel dop853": ("integrators/dop853_error/*",),
@@ -157,15 +178,30 @@ PATHS: dict[str, tuple[str, ...]] = {
     "channel tip_acceleration": ("beam_paths/tip_acceleration/*", "beam_paths/tip_acceleration_at_rest/*"),
     # Sensors and inputs, files, and the engines that all this is held against.
     **{f"sensor {name}": (f"sensor_models/sensor_{name}/*",) for name in _SENSORS},
-    "reader urdf": ("file_urdf_*/file_mass_matrix/*", "file_urdf_*/file_bias/*", "file_urdf_*/file_limits/*"),
+    "reader urdf": (
+        "file_urdf_*/file_mass_matrix/*",
+        "file_urdf_*/file_bias/*",
+        "file_urdf_*/file_limits/*",
+        "file_urdf_fields/file_fields/*",
+    ),
     "reader mjcf": (
         "file_mjcf_*/file_mass_matrix/*",
         "file_mjcf_*/file_bias/*",
         "file_mjcf_*/file_limits/*",
+        "file_mjcf_fields/file_fields/*",
         "file_floating_*/mass_matrix_as_read/*",
         "file_floating_*/bias_as_read/*",
     ),
-    "reader toml": ("file_toml_*/file_frequency/*",),
+    "reader toml": (
+        "file_toml_*/file_frequency/*",
+        "file_toml_fields/file_fields/*",
+        "file_toml_fields/file_torsion/*",
+        "file_toml_loop/file_fields/*",
+        "file_toml_general/file_mass_matrix/*",
+        "file_toml_general/file_bias/*",
+    ),
+    # What is unpacked, and MATLAB 7.3, which is HDF5, come on top of these.
+    **{f"recording {name}": (f"recording_files/recording_{row}/*",) for name, row in _RECORDINGS.items()},
     "engine denoc": ("*/acceleration/denoc+*",),
     "engine pinocchio": ("*/acceleration/denoc+pinocchio",),
     "engine mujoco": ("*/acceleration/denoc+mujoco",),
