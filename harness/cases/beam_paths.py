@@ -85,6 +85,24 @@ def torsion(bench: Bench) -> Iterable[Row | Series]:
     yield _among(bench, "torsion", Denoc(cantilever(link)).frequencies(), true, "(2k − 1)/4l √(GJ / ρ I_p)")
 
 
+def torsion_with_payload(bench: Bench) -> Iterable[Row | Series]:
+    """A shaft with an inertia at its end: z tan z = (ρ I_p l) / J."""
+    stiffness, polar, inertia = 0.05, 4e-6, 6e-7
+    link = _with(
+        torsion_modes=2,
+        torsional_stiffness=stiffness,
+        polar_inertia=polar,
+        payload_inertia=constant(np.diag([0.0, 0.0, inertia])),
+    )
+    own = polar * LENGTH / inertia
+    roots = [brentq(lambda z: z * math.tan(z) - own, k * math.pi + 1e-9, (k + 0.5) * math.pi - 1e-9) for k in (0, 1)]
+    true = np.array(roots) / (2.0 * math.pi * LENGTH) * math.sqrt(stiffness / polar)
+    found = Denoc(cantilever(link)).frequencies()
+    yield _among(
+        bench, "torsion_payload", found, true, "z tan z = ρ I_p l / J of a clamped shaft with an inertia at its end"
+    )
+
+
 def second_plane(bench: Bench) -> Iterable[Row | Series]:
     """Bending across, with a stiffness of its own."""
     link = _with(bending2=True, bending_stiffness2=2.7)
@@ -141,6 +159,52 @@ def damping(bench: Bench) -> Iterable[Row | Series]:
             why="the integrator's tolerance; stiffening is of second order in a swing of 10 µm",
             note=f"damping ratio {zeta:.4g}",
             source="ζ = c ω / 2 (Kelvin-Voigt); x = e^(−ζωt) (cos ω_d t + ζ/√(1 − ζ²) sin ω_d t)",
+        )
+
+
+def hinged_damping(bench: Bench) -> Iterable[Row | Series]:
+    """Ratios of the modes of a strip that turns freely with its hub, payload at the tip: from (λ² M + λ C + K) v = 0."""
+    ratios = (0.01, 0.02)
+    model = Denoc(flexible_pendulum(_with(modes=2, modal_damping=ratios, payload=PAYLOAD), gravity=0.0))
+    stiffness, damping = model.linear_passive()
+    mass, n = model.mass_matrix(np.zeros(model.n)), model.n
+    lower = np.linalg.solve(mass, np.hstack([-stiffness, -damping]))
+    roots = np.linalg.eigvals(np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower]))
+    roots = sorted((root for root in roots if root.imag > 1.0), key=lambda root: float(root.imag))
+    found = np.array([-root.real / abs(root) for root in roots])
+    apart = float(np.abs(found - ratios).max() / ratios[0]) if found.shape == (2,) else np.inf
+    yield bench.row(
+        "modal_damping_hinged",
+        (NATIVE, "analytic"),
+        apart,
+        1e-9,
+        why="the modes are those that the ratios are of",
+        note=", ".join(f"{ratio:.6g}" for ratio in found),
+        source="λ = −ζ ω ± i ω √(1 − ζ²), ζ as it is told",
+    )
+
+
+def at_rest(bench: Bench) -> Iterable[Row | Series]:
+    """What one mode leaves out of a level cantilever's sag is in what its sensors read."""
+    g, rigidity = 9.81, 50.0
+    link = _with(modes=1, payload=PAYLOAD, bending_stiffness=rigidity)
+    beam = _beam(link)
+    model = Denoc(replace(cantilever(link), gravity=constant([g, 0.0, 0.0])))
+    sagged = np.linalg.solve(model.linear_passive()[0], -model.gravity(np.zeros(1)))
+    read = model.simulate(sagged, [0.0], np.array([0.0, 1e-4])).channels
+    bend = beam.mass * g * LENGTH / 2.0 + PAYLOAD * g * LENGTH
+    tip = beam.mass * g * LENGTH**3 / (8.0 * rigidity) + PAYLOAD * g * LENGTH**3 / (3.0 * rigidity)
+    for channel, true, cites in (
+        ("tip_deflection", tip, "w l⁴/8EI + P l³/3EI"),
+        ("root_strain", beam.half_depth * bend / rigidity, "h (w l²/2 + P l)/EI"),
+    ):
+        yield bench.row(
+            f"{channel}_at_rest",
+            (NATIVE, "analytic"),
+            abs(float(read[f"rod.{channel}"][0]) - true) / true,
+            2e-5,
+            why="a sag of some millimetres, of which the square is left out",
+            source=cites,
         )
 
 
@@ -222,8 +286,11 @@ def against_ancf(bench: Bench) -> Iterable[Row | Series]:
 _CHECKS: tuple[tuple[str, Callable[[Bench], Iterable[Row | Series]]], ...] = (
     ("payload_inertia", payload),
     ("torsion", torsion),
+    ("torsion_payload", torsion_with_payload),
     ("second_plane", second_plane),
     ("damping", damping),
+    ("hinged_damping", hinged_damping),
+    ("at_rest", at_rest),
     ("sensors", sensors),
     ("static", static),
     ("payload_weight", against_ancf),

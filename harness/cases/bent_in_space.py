@@ -113,6 +113,38 @@ def places(bench: Bench) -> Iterable[Row | Series]:
     yield _row(bench, "link_place_bent", np.array(found), np.array([book.origins(x) for x in q]))
 
 
+def accelerometer(bench: Bench) -> Iterable[Row | Series]:
+    """What a sensor at the first beam's tip reads in free motion: J q̈ + J̇ q̇ of a mark there less gravity, along its bending."""
+    book, q, qd = _states(bench)
+    first = bench.system.links[0].beam
+    assert first is not None
+    tip = first.length * first.direction
+    marks = [
+        Joint(f"mark {k}", JointType.FIXED, "upper", f"mark {k}", xyz=constant(tip + k * first.bending)) for k in (0, 1)
+    ]
+    marked = replace(
+        bench.system,
+        joints=(*bench.system.joints, *marks),
+        links=(*bench.system.links, *(Link(mark.child) for mark in marks)),
+    )
+    placed = Textbook(bench.system.coordinate_names, marked)
+    found, true = [], []
+    still = np.zeros_like(q[0])
+    for x, v in zip(q, qd, strict=True):
+        here, along = placed.origins(x)[-2:]
+        rate = 1e-4
+        turning = (placed.velocities(x + rate * v)[-2] - placed.velocities(x - rate * v)[-2]) / (2.0 * rate)
+        moved = placed.velocities(x)[-2] @ book.forward_dynamics(x, v, still) + turning @ v
+        true.append([float((along - here) @ (moved - bench.system.gravity))])
+        read = bench.native.simulate(x, v, np.array([0.0, 1e-6])).channels["upper.tip_acceleration"]
+        found.append([float(read[0])])
+    apart = quantities.relative(np.array(found), np.array(true))
+    note = "" if apart.max() <= 1e-6 else "the native tip acceleration is not the mark's"
+    yield bench.row(
+        "tip_acceleration_bent", (NATIVE, TEXTBOOK), float(apart.max()), 1e-6, why="central differences of J", note=note
+    )
+
+
 def _row(bench: Bench, quantity: str, ours: Array, theirs: Array) -> Row:
     apart = quantities.relative(ours, theirs)
     note = "" if apart.max() <= 1e-10 else f"the native {quantity.replace('_', ' ')} is not the textbook's"
@@ -137,6 +169,7 @@ CASES = (
             Measured("coriolis_matrix_bent", coriolis),
             Measured("momentum_bent", momentum),
             Measured("link_place_bent", places),
+            Measured("tip_acceleration_bent", accelerometer),
         ),
         group="flexible",
         engines=(NATIVE,),

@@ -110,7 +110,7 @@ def held(bench: Bench) -> Iterable[Row | Series]:
     width = np.diff(time)
     for hold, area in (("zero", tau[:-1] * width), ("linear", 0.5 * (tau[:-1] + tau[1:]) * width)):
         true = np.concatenate([[0.0], np.cumsum(area)]) / INERTIA
-        for method in ("dop853", "rk4"):
+        for method in ("dop853", "rk4", "gauss"):
             run = model.simulate([0.0], [0.0], time, tau=tau[:, None], hold=hold, method=method)
             yield bench.row(
                 f"force_{hold}_{method}",
@@ -121,6 +121,32 @@ def held(bench: Bench) -> Iterable[Row | Series]:
                 why="no method of order two or more errs on a force that runs straight",
                 source="J ω(t) = ∫ τ dt",
             )
+
+
+def held_in_lanes(bench: Bench) -> Iterable[Row | Series]:
+    """The same in the lanes, where steps end between samples too."""
+    from harness.cases.rotor import INERTIA
+    from harness.cases.rotor import system as rotor
+
+    time = np.linspace(0.0, 1.0, 6)
+    tau = np.array([0.01, -0.02, 0.03, 0.0, 0.02, 0.05])
+    for hold, mean in (("zero", tau[:-1]), ("linear", 0.5 * (tau[:-1] + tau[1:]))):
+        true = np.concatenate([[0.0], np.cumsum(mean * np.diff(time))]) / INERTIA
+        for planar in (True, False):
+            model = LaneModel(rotor(), planar=planar)
+            for method in ("adaptive", "rk4"):
+                found = model.simulate(
+                    model.row(), np.zeros(1), np.zeros(1), time, tau=tau[:, None], hold=hold, method=method, step=0.03
+                )[1][0, :, 0]
+                yield bench.row(
+                    f"force_{hold}_lanes_{method}_{'planar' if planar else 'spatial'}",
+                    (NATIVE, "analytic"),
+                    float(np.abs(found - true).max()),
+                    1e-9,
+                    unit="rad/s",
+                    why="no method of order two or more errs on a force that runs straight",
+                    source="J ω(t) = ∫ τ dt",
+                )
 
 
 def lanes(bench: Bench) -> Iterable[Row | Series]:
@@ -162,6 +188,7 @@ CASE = Case(
         Measured("fixed_steps", fixed),
         Measured("adaptive", adaptive),
         Measured("held_forces", held),
+        Measured("held_forces_in_lanes", held_in_lanes),
         Measured("lanes", lanes),
     ),
     group="rigid",

@@ -107,7 +107,7 @@ class Textbook:
         return np.asarray(self.mass_matrix(q) @ qdd + self.bias(q, qd) - self.passive(q, qd))
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        return np.linalg.solve(self.mass_matrix(q), tau + self.passive(q, qd) - self.bias(q, qd))
+        return np.asarray(np.linalg.solve(self.mass_matrix(q), tau + self.passive(q, qd) - self.bias(q, qd)))
 
     def energy(self, q: Array, qd: Array) -> tuple[float, float]:
         stiffness, _, rest = self._linear
@@ -132,6 +132,12 @@ class Textbook:
     def origins(self, q: Array) -> Array:
         """Where every link's frame stands, (links, 3)."""
         return self._origins(denoc_matrices(self.system, q), q)
+
+    def velocities(self, q: Array) -> Array:
+        """Velocity of every link's origin by unit velocities, (links, 3, n)."""
+        matrices = denoc_matrices(self.system, q)
+        twists = matrices.N_l @ matrices.N_d
+        return np.array([twists[rows][3:6] for rows in matrices.rows])
 
     def _origins(self, matrices: DenocMatrices, q: Array) -> Array:
         found: list[Array] = []

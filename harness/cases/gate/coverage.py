@@ -165,17 +165,25 @@ PATHS: dict[str, tuple[str, ...]] = {
     "beam bending2": ("beam_paths/second_plane_frequency/*",),
     "beam torsional_stiffness": ("beam_paths/torsion_frequency/*",),
     "beam polar_inertia": ("beam_paths/torsion_frequency/*",),
-    "beam torsion_modes": ("beam_paths/torsion_frequency/*",),
+    "beam torsion_modes": ("beam_paths/torsion_frequency/*", "beam_paths/torsion_payload_frequency/*"),
     "beam half_depth": ("beam_paths/root_strain/*", "file_toml_*/file_half_depth/*"),
     "beam material_damping": ("beam_paths/material_damping_decay/*",),
-    "beam modal_damping": ("beam_paths/modal_damping_decay/*",),
+    "beam modal_damping": ("beam_paths/modal_damping_decay/*", "beam_paths/modal_damping_hinged/*"),
     "beam modes": ("frequencies_clamped_free/frequency/*",),
     "beam geometric_stiffening": ("flexible_pendulum*/*",),
     "beam payload": ("beam_paths/static_deflection/*", "beam_paths/payload_weight/*"),
     "beam payload_inertia": ("beam_paths/payload_inertia_frequency/*",),
-    "channel tip_deflection": ("two_flexible_links/*", "beam_paths/root_strain/*"),
-    "channel root_strain": ("beam_paths/root_strain/*",),
-    "channel tip_acceleration": ("beam_paths/tip_acceleration/*", "beam_paths/tip_acceleration_at_rest/*"),
+    "channel tip_deflection": (
+        "two_flexible_links/*",
+        "beam_paths/root_strain/*",
+        "beam_paths/tip_deflection_at_rest/*",
+    ),
+    "channel root_strain": ("beam_paths/root_strain/*", "beam_paths/root_strain_at_rest/*"),
+    "channel tip_acceleration": (
+        "beam_paths/tip_acceleration/*",
+        "beam_paths/tip_acceleration_at_rest/*",
+        "bent_in_space/tip_acceleration_bent/*",
+    ),
     # Sensors and inputs, files, and the engines that all this is held against.
     **{f"sensor {name}": (f"sensor_models/sensor_{name}/*",) for name in _SENSORS},
     "reader urdf": (
@@ -206,8 +214,8 @@ PATHS: dict[str, tuple[str, ...]] = {
     "engine pinocchio": ("*/acceleration/denoc+pinocchio",),
     "engine mujoco": ("*/acceleration/denoc+mujoco",),
     "engine exudyn": ("*/acceleration/denoc+exudyn",),
-    "engine exudyn_ancf": ("*/*/denoc+exudyn_ancf",),
-    "engine exudyn_ffrf": ("*/*/denoc+exudyn_ffrf",),
+    "engine exudyn_ancf": ("*/*/denoc+exudyn_ancf", "geared_links/*/denoc+exudyn_ancf"),
+    "engine exudyn_ffrf": ("*/*/denoc+exudyn_ffrf", "geared_links_unstiffened/*/denoc+exudyn_ffrf"),
     "engine analytic": ("rigid_pendulum/acceleration/denoc+analytic",),
 }
 

@@ -7,7 +7,7 @@ import os
 import shutil
 from pathlib import Path
 
-from harness.cases.gate.planted.patches import Patch
+from harness.cases.gate.planted.patch import Patch
 from harness.errors import InputError
 
 PACKAGE = Path(__file__).parents[3]

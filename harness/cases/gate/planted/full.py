@@ -20,7 +20,8 @@ from harness.cases.checks import StateAgreement
 from harness.cases.gate.accepted import DEFAULT
 from harness.cases.gate.defects import Defect, SpoiledEngine
 from harness.cases.gate.planted.copy import PACKAGE, spoiled_copy
-from harness.cases.gate.planted.patches import PATCHES, Patch
+from harness.cases.gate.planted.patch import Patch
+from harness.cases.gate.planted.patches import PATCHES
 from harness.cases.run import Progress, run_case
 from harness.compare.parameters import Group, groups, moved
 from harness.engines import registry

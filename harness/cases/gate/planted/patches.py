@@ -1,47 +1,25 @@
-"""Faults planted in the code itself: one line of it, as it might go wrong, and what the gate must say.
-
-Sources are found by the name of the file and the text, so that a file may move; a test holds that each text stands there
-once. ``cases``: what is run; ``words``: must stand in what the gate says of the rows that fail, all of them.
-"""
+"""Faults planted in the code: readers, adapters, packing, beams, sensors, lanes and kernels; and those of the files beside this one."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-
-@dataclass(frozen=True)
-class Patch:
-    """One line of one file made wrong."""
-
-    name: str
-    file: str
-    old: str
-    new: str
-    cases: tuple[str, ...]
-    words: tuple[str, ...]
-
-
-def _of(file: str, cases: str, *faults: tuple[str, str, str, str]) -> tuple[Patch, ...]:
-    """Faults of one file: name, old, new, words (separated by a semicolon)."""
-    return tuple(
-        Patch(f"{file}: {name}", file, old, new, tuple(cases.split()), tuple(words.split("; ")))
-        for name, old, new, words in faults
-    )
-
+from harness.cases.gate.planted.files import FILES
+from harness.cases.gate.planted.flexible import FLEXIBLE
+from harness.cases.gate.planted.motion import MOTION
+from harness.cases.gate.planted.patch import Patch, of_file
 
 READERS = (
-    *_of(
+    *of_file(
         "rotation.py", "file_urdf_general",
         ("roll, pitch and yaw in the other order", "roll, pitch, yaw = np.asarray(rpy", "yaw, pitch, roll = np.asarray(rpy",
          "file_mass_matrix; readers"),
         ("pitch with the other sign", "[-sp, cp * sr, cp * cr],", "[sp, cp * sr, cp * cr],", "file_mass_matrix; readers"),
     ),
-    *_of(
+    *of_file(
         "rotation.py", "file_mjcf_general",
         ("a quaternion's matrix with one sign wrong", "[2 * (x * y + w * z), 1", "[2 * (x * y - w * z), 1",
          "file_mass_matrix; readers"),
     ),
-    *_of(
+    *of_file(
         "read_urdf.py", "file_urdf_general",
         ("products of inertia exchanged", "tensor = np.array([[xx, xy, xz], [xy, yy, yz]",
          "tensor = np.array([[xx, xz, xy], [xz, yy, yz]", "file_mass_matrix; readers"),
@@ -56,7 +34,7 @@ READERS = (
         ("a thousandth more mass", 'mass = self.number(mass_element, "value", None, owner)',
          'mass = 1.001 * self.number(mass_element, "value", None, owner)', "file_mass_matrix; readers"),
     ),
-    *_of(
+    *of_file(
         "read_mjcf.py", "file_mjcf_general",
         ("offset of a joint in its body left out", "xyz = model.body_pos[b] + body_in_link[parent]", "xyz = model.body_pos[b]",
          "file_mass_matrix; readers"),
@@ -77,7 +55,7 @@ READERS = (
          "place = xyz + model.jnt_pos[k] if",
          "file_mass_matrix; readers"),
     ),
-    *_of(
+    *of_file(
         "flexible_link.py", "file_toml_flexible_pendulum",
         ("half the thickness forgotten to be half", "self.half_depth = self.thickness / 2.0", "self.half_depth = self.thickness",
          "file_half_depth"),
@@ -89,7 +67,7 @@ READERS = (
 )  # fmt: skip
 
 ADAPTERS = (
-    *_of(
+    *of_file(
         "pinocchio_model.py", "chain_7",
         ("gravity a thousandth too strong", "model.gravity.linear = np.array(system.gravity)",
          "model.gravity.linear = 1.001 * np.array(system.gravity)", "gravity; pinocchio"),
@@ -104,13 +82,13 @@ ADAPTERS = (
          "mass; pinocchio"),
         ("axes turned round", "kind(np.array(joint.axis))", "kind(-np.array(joint.axis))", "mass; pinocchio"),
     ),
-    *_of(
+    *of_file(
         "pinocchio_model.py", "joint_springs",
         ("springs slack on the other side", "self.stiffness * (x - self.rest) + self",
          "self.stiffness * (x + self.rest) + self",
          "stiffness; pinocchio"),
     ),
-    *_of(
+    *of_file(
         "mujoco_model.py", "chain_7",
         ("centres of mass a tenth of a millimetre off", "ipos=np.array(link.com),", "ipos=np.array(link.com) + 1e-4,",
          "mass; mujoco"),
@@ -124,20 +102,20 @@ ADAPTERS = (
         ("gravity with the other sign", "spec.option.gravity = np.array(system.gravity)",
          "spec.option.gravity = -np.array(system.gravity)", "gravity; mujoco"),
     ),
-    *_of(
+    *of_file(
         "mujoco_model.py", "joint_springs",
         ("springs slack at zero", "springref=slack", "springref=0.0", "stiffness; mujoco"),
         ("springs twice as stiff", "stiffness=np.array([joint.stiffness,", "stiffness=np.array([2.0 * joint.stiffness,",
          "stiffness; mujoco"),
     ),
-    *_of(
+    *of_file(
         "exudyn_rigid_model.py", "chain_7",
         ("damping a hundredth too strong", "jointDControlVector=np.array([joint.damping for",
          "jointDControlVector=np.array([1.01 * joint.damping for", "damping; exudyn"),
         ("inverse dynamics with a sign wrong", "return mass @ qdd - right", "return mass @ qdd + right",
          "inverse_dynamics; exudyn"),
     ),
-    *_of(
+    *of_file(
         "exudyn_ancf.py", "beam_paths",
         ("payload without weight", "load = [*(beam.payload * self.chain.gravity), 0.0]",
          "load = [*(0.0 * self.chain.gravity), 0.0]", "payload_weight; exudyn_ancf"),
@@ -145,7 +123,7 @@ ADAPTERS = (
 )  # fmt: skip
 
 NATIVE = (
-    *_of(
+    *of_file(
         "tree.py", "chain_7",
         ("joints a thousandth too far out", "row[OFFSET : OFFSET + 3] = origin", "row[OFFSET : OFFSET + 3] = 1.001 * origin",
          "mass; denoc"),
@@ -160,7 +138,7 @@ NATIVE = (
         ("inertia turned the other way", "inertia=rotation @ link.inertia @ rotation.T)",
          "inertia=rotation.T @ link.inertia @ rotation)", "mass"),
     ),
-    *_of(
+    *of_file(
         "tree.py", "joint_springs",
         ("springs slack on the other side", "= joint.stiffness, joint.rest_position", "= joint.stiffness, -joint.rest_position",
          "stiffness"),
@@ -168,22 +146,22 @@ NATIVE = (
          "= 1.01 * joint.stiffness, joint.rest_position",
          "stiffness"),
     ),
-    *_of(
+    *of_file(
         "tree.py", "spatial_quantities",
         ("a link's frame turned the other way", "seats[link.name] = Seat(body, axes.T, np.zeros(3))",
          "seats[link.name] = Seat(body, axes, np.zeros(3))", "link_pose"),
     ),
-    *_of(
+    *of_file(
         "tree.py", "welded_tree",
         ("welded bodies turned the other way", "_add_inertia(rows[seat.body], link, rotation, origin)",
          "_add_inertia(rows[seat.body], link, rotation.T, origin)", "mass; denoc"),
     ),
-    *_of(
+    *of_file(
         "lanes/rows.py", "batch_tree",
         ("welded bodies turned in the other order", "_multiply(turn[up], placed, whole)", "_multiply(placed, turn[up], whole)",
          "batch"),
     ),
-    *_of(
+    *of_file(
         "dynamics_call.py", "batch_flexible",
         ("every row under the first row's forces",
          "call(function, model, q[k].ctypes.data, qd[k].ctypes.data, third[k].ctypes.data, out[k].ctypes.data)",
@@ -192,29 +170,29 @@ NATIVE = (
          "call(function, model, q[k].ctypes.data, qd[k].ctypes.data, third[k].ctypes.data, out[k].ctypes.data)",
          "call(function, model, q[k].ctypes.data, qd[0].ctypes.data, third[k].ctypes.data, out[k].ctypes.data)", "batch_straight"),
     ),
-    *_of(
+    *of_file(
         "model.py", "spatial_quantities",
         ("external forces a hundredth too large", "EXTERNAL + 6] += wrench[3:]", "EXTERNAL + 6] += 1.01 * wrench[3:]",
          "wrenches"),
         ("external moments left out", "EXTERNAL + 3] += wrench[:3] +", "EXTERNAL + 3] += 0.0 * wrench[:3] +", "wrenches"),
     ),
-    *_of(
+    *of_file(
         "model.py", "chain_7",
         ("gravity a thousandth too strong in its own answer", "return self.bias(q, self._zero)",
          "return 1.001 * self.bias(q, self._zero)", "gravity"),
         ("energies exchanged", "return float(kinetic), float(potential)", "return float(potential), float(kinetic)", "energy"),
     ),
-    *_of(
+    *of_file(
         "model.py", "file_urdf_general",
         ("passive forces with the other sign", "subtract_passive(*self._arguments, q, qd, out)\n        return -out",
          "subtract_passive(*self._arguments, q, qd, out)\n        return out", "file_passive"),
     ),
-    *_of(
+    *of_file(
         "model.py", "beam_paths",
         ("beams a hundredth too stiff in the linear forces", "= data.K, data.C", "= 1.01 * data.K, data.C",
          "static_deflection"),
     ),
-    *_of(
+    *of_file(
         "motion/fixed_step.py", "integrators",
         ("a stage of Runge-Kutta in the wrong place", "ahead = h if stage == 2 else 0.5 * h",
          "ahead = h if stage == 2 else 0.45 * h",
@@ -225,7 +203,7 @@ NATIVE = (
 )  # fmt: skip
 
 BEAMS = (
-    *_of(
+    *of_file(
         "beam/integrals.py", "beam_paths frequencies_clamped_free",
         ("material damping twice", "beam.material_damping * stiffness", "2.0 * beam.material_damping * stiffness",
          "material_damping"),
@@ -245,7 +223,7 @@ BEAMS = (
          "(BENDING, 1.01 * beam.bending_stiffness, curvature)",
          "frequency; mode"),
     ),
-    *_of(
+    *of_file(
         "channels.py", "beam_paths",
         ("strain with the other sign", '.root_strain"] = data.half_depth * curvature',
          '.root_strain"] = -data.half_depth * curvature',
@@ -258,7 +236,7 @@ BEAMS = (
 )  # fmt: skip
 
 LANES = (
-    *_of(
+    *of_file(
         "lanes/model.py", "lanes_chain lanes_tree",
         ("rigid parts a thousandth too heavy", "row[at + 6 : at + 16] = _rigid_part(link)",
          "row[at + 6 : at + 16] = 1.001 * _rigid_part(link)", "lanes_adaptive; so it is the lanes"),
@@ -274,17 +252,17 @@ LANES = (
         ("joints a millimetre off", "row[at : at + 3] = joint.xyz", "row[at : at + 3] = joint.xyz + 1e-3",
          "lanes_adaptive; so it is the lanes"),
     ),
-    *_of(
+    *of_file(
         "lanes/model.py", "integrators",
         ("an end of a step with a weight wrong", "table[stages, :stages] = source.B",
          "table[stages, :stages] = source.B * 1.0001",
          "lanes"),
     ),
-    *_of(
+    *of_file(
         "joint_laws/address.py", "joint_laws",
         ("teeth a hundredth too stiff", "push = p[1] * beyond", "push = 1.01 * p[1] * beyond", "play; hub"),
     ),
-    *_of(
+    *of_file(
         "laws.py", "joint_laws",
         ("damping with the other sign", "- load(laws, start + DAMPING * 8) * v", "+ load(laws, start + DAMPING * 8) * v",
          "damping; hub"),
@@ -309,7 +287,7 @@ LANES = (
 )  # fmt: skip
 
 KERNELS = (
-    *_of(
+    *of_file(
         "rigid.py", "chain_7",
         ("half of a slider's Coriolis acceleration", "hx = wy * rz - wz * ry + 2.0 * v * zx",
          "hx = wy * rz - wz * ry + 1.0 * v * zx",
@@ -320,14 +298,14 @@ KERNELS = (
         ("hinges without armature in forward dynamics", "pivot = u0 * zx + u1 * zy + u2 * zz + d[i, ARMATURE]",
          "pivot = u0 * zx + u1 * zy + u2 * zz", "forward dynamics; denoc"),
     ),
-    *_of(
+    *of_file(
         "rigid.py", "spatial_quantities",
         ("momentum without the arm", "lx + nx + y * fz - z * fy", "lx + nx + y * fz", "momentum"),
         ("a Coriolis matrix without the turning of axes", "rate = oy * zz - oz * zy,", "rate = oy * zz,", "coriolis"),
     ),
 )  # fmt: skip
 
-SENSORS = _of(
+SENSORS = of_file(
     "measurement.py", "sensor_models",
     ("offset with the other sign", "return signal + params[:, :1]\n", "return signal - params[:, :1]\n", "sensor_offset"),
     ("gain twice", "return signal * params[:, :1]\n", "return signal * params[:, :1] ** 2\n", "sensor_gain"),
@@ -355,4 +333,15 @@ SENSORS = _of(
      "1.0 / np.maximum(params[:, 0], 1e-12)", "sensor_lowpass"),
 )  # fmt: skip
 
-PATCHES: tuple[Patch, ...] = (*READERS, *ADAPTERS, *NATIVE, *BEAMS, *SENSORS, *LANES, *KERNELS)
+PATCHES: tuple[Patch, ...] = (
+    *READERS,
+    *ADAPTERS,
+    *NATIVE,
+    *BEAMS,
+    *SENSORS,
+    *LANES,
+    *KERNELS,
+    *FLEXIBLE,
+    *FILES,
+    *MOTION,
+)
