@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from harness.cases.beams import LENGTH, cantilever, closed_form, flexible_pendulum, strip
 from harness.cases.case import NATIVE, Bench, Case, Row, Series
 from harness.cases.checks import Measured
+from harness.cases.checks.beam_blame import by_frequencies
 from harness.denoc import Denoc
 from harness.errors import UnsupportedError
 from harness.system import Beam, Link, System
@@ -72,7 +73,7 @@ def payload(bench: Bench) -> Iterable[Row | Series]:
     true = np.array([closed_form(root, link) for root in roots])
     found = np.sort(Denoc(cantilever(link)).frequencies())[:2]
     yield _frequency(
-        bench, "payload_inertia", found, true, 1e-9, "the shapes are the exact ones, payload and inertia included",
+        bench, "payload_inertia", cantilever(link), found, true, "the shapes are the exact ones, payload and inertia included",
         "clamped beam with mass and rotary inertia at its tip, characteristic equation",
     )  # fmt: skip
 
@@ -82,7 +83,7 @@ def torsion(bench: Bench) -> Iterable[Row | Series]:
     stiffness, polar = 0.05, 4e-6
     link = _with(torsion_modes=2, torsional_stiffness=stiffness, polar_inertia=polar)
     true = np.array([(2 * k - 1) / (4.0 * LENGTH) * math.sqrt(stiffness / polar) for k in (1, 2)])
-    yield _among(bench, "torsion", Denoc(cantilever(link)).frequencies(), true, "(2k − 1)/4l √(GJ / ρ I_p)")
+    yield _among(bench, "torsion", cantilever(link), true, "(2k − 1)/4l √(GJ / ρ I_p)")
 
 
 def torsion_with_payload(bench: Bench) -> Iterable[Row | Series]:
@@ -97,10 +98,8 @@ def torsion_with_payload(bench: Bench) -> Iterable[Row | Series]:
     own = polar * LENGTH / inertia
     roots = [brentq(lambda z: z * math.tan(z) - own, k * math.pi + 1e-9, (k + 0.5) * math.pi - 1e-9) for k in (0, 1)]
     true = np.array(roots) / (2.0 * math.pi * LENGTH) * math.sqrt(stiffness / polar)
-    found = Denoc(cantilever(link)).frequencies()
-    yield _among(
-        bench, "torsion_payload", found, true, "z tan z = ρ I_p l / J of a clamped shaft with an inertia at its end"
-    )
+    cites = "z tan z = ρ I_p l / J of a clamped shaft with an inertia at its end"
+    yield _among(bench, "torsion_payload", cantilever(link), true, cites)
 
 
 def second_plane(bench: Bench) -> Iterable[Row | Series]:
@@ -108,22 +107,27 @@ def second_plane(bench: Bench) -> Iterable[Row | Series]:
     link = _with(bending2=True, bending_stiffness2=2.7)
     across = replace(_beam(link), bending_stiffness=2.7)
     true = np.array([closed_form(root, replace(link, beam=across)) for root in CLAMPED_FREE[:2]])
-    yield _among(bench, "second_plane", Denoc(cantilever(link)).frequencies(), true, "(β l)² √(EI₂/ρ) / 2π l²")
+    yield _among(bench, "second_plane", cantilever(link), true, "(β l)² √(EI₂/ρ) / 2π l²")
 
 
-def _among(bench: Bench, quantity: str, found: np.ndarray, true: np.ndarray, cites: str) -> Row:
+def _among(bench: Bench, quantity: str, system: System, true: np.ndarray, cites: str) -> Row:
     """The frequencies nearest to the true ones."""
+    found = Denoc(system).frequencies()
     nearest = np.array([found[np.abs(found - value).argmin()] for value in true])
-    return _frequency(bench, quantity, nearest, true, 1e-9, "the shapes are the exact ones", cites)
+    return _frequency(bench, quantity, system, nearest, true, "the shapes are the exact ones", cites)
 
 
 def _frequency(
-    bench: Bench, quantity: str, found: np.ndarray, true: np.ndarray, allowed: float, why: str, cites: str
+    bench: Bench, quantity: str, system: System, found: np.ndarray, true: np.ndarray, why: str, cites: str
 ) -> Row:
+    allowed = 1e-9
     errors = np.abs(found - true) / true
     worst = int(np.argmax(errors))
     note = f"mode {worst + 1}: {found[worst]:.8g} Hz against {true[worst]:.8g} Hz"
-    place = None if errors[worst] <= allowed else {"link": "rod", "value": "beam", "mode": worst + 1}
+    place: dict[str, object] | None = None
+    if not errors[worst] <= allowed:
+        said, where = by_frequencies(system, NATIVE, true, dict(enumerate(found / true)), mode=worst)
+        note, place = f"{note}; {said}", {"link": "rod", "value": "beam", "mode": worst + 1} | (where or {})
     return bench.row(
         f"{quantity}_frequency",
         (NATIVE, "analytic"),

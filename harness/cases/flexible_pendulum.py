@@ -20,6 +20,7 @@ from harness.cases.beams import (
 )
 from harness.cases.case import NATIVE, Bench, Case, Row, Series
 from harness.cases.checks import EnergyKept, Measured
+from harness.cases.checks.beam_blame import by_frequencies
 from harness.cases.checks.beam_frequency import BeamFrequencyTruth
 from harness.cases.checks.deflection import Accuracy, DeflectionAgreement
 from harness.cases.checks.period import CITES, period_ratio
@@ -80,7 +81,12 @@ def hanging_frequencies(allowed: float, modes: int, why: str) -> Measured:
             yield bench.skipped("hanging_frequency", (NATIVE, ANCF), str(reason))
             return
         pairs = match_modes(ours[:modes], theirs)
+        said: tuple[str, dict[str, object] | None] = ("", None)
+        if any(not abs(ours[i] - theirs[j]) <= allowed for i, j in pairs):
+            ratios = {i: theirs[j] / ours[i] for i, j in pairs}
+            said = by_frequencies(bench.system, ANCF, ours[:modes], ratios)
         for i, j in pairs:
+            far = not abs(ours[i] - theirs[j]) <= allowed
             yield bench.row(
                 f"hanging_frequency_{i + 1}",
                 (NATIVE, ANCF),
@@ -88,7 +94,8 @@ def hanging_frequencies(allowed: float, modes: int, why: str) -> Measured:
                 allowed,
                 unit="Hz",
                 why=why,
-                note=f"{ours[i]:.5f} Hz against {theirs[j]:.5f} Hz",
+                note="; ".join(filter(None, [f"{ours[i]:.5f} Hz against {theirs[j]:.5f} Hz", said[0] if far else ""])),
+                first_divergence={"mode": i + 1} | (said[1] or {}) if far else None,
             )
         if len(pairs) < modes:
             yield bench.row(

@@ -13,6 +13,16 @@ from harness.cli.options import allow_option, console, output_options, say_notes
 if TYPE_CHECKING:
     from harness.system.audit_findings import Correction
 
+#: What is said at the end, and its colour, by the gravest finding.
+VERDICTS = {
+    "impossible": ("The table cannot be true as it stands.", "red"),
+    "implausible": (
+        "The table is hardly true as it stands: nothing in it is impossible, but look at what is said above.",
+        "yellow",
+    ),
+    "note": ("The table is possible.", "green"),
+}
+
 
 @click.command()
 @click.argument("system", metavar="SYSTEM")
@@ -69,8 +79,8 @@ def audit(
         for tie in found.ties:
             which = f"{tie[0].site}: the {len(tie)} corrections of rank {tie[0].rank} are one as good as the other"
             screen.print(Text(f"{which}; {_parted(tie)}."))
-    text = "The table is possible." if found.possible else "The table cannot be true as it stands."
-    screen.print(Text(text, style="bold green" if found.possible else "bold red"))
+    text, colour = VERDICTS[found.worst]
+    screen.print(Text(text, style=f"bold {colour}"))
     document = json_text(found.to_json())
     if out is not None:
         from harness.report.files import write_folder

@@ -84,9 +84,15 @@ class Audit:
         return tuple(tuple(group) for group in groups.values() if len(group) > 1)
 
     @property
+    def worst(self) -> str:
+        """Severity of the gravest finding, "note" if there is none."""
+        found = {finding.severity for finding in self.findings}
+        return next((severity for severity in ("impossible", "implausible") if severity in found), "note")
+
+    @property
     def possible(self) -> bool:
         """Whether nothing stated is impossible or implausible."""
-        return all(finding.severity == "note" for finding in self.findings)
+        return self.worst == "note"
 
     def to_json(self) -> dict[str, Any]:
         """The same for programs, schema ``denoc.audit/1``."""

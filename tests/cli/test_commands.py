@@ -292,6 +292,17 @@ def test_audit_finds_the_printed_table_impossible(run):
     refused(run("audit", flexible, "--measured", "rod=nan"), "no frequency of 'rod'")
 
 
+def test_audit_calls_impossible_only_what_cannot_be(run, tmp_path):
+    model = tmp_path / "arm.toml"
+    joint = '[[joint]]\nname = "j"\ntype = "revolute"\nparent = "base"\nchild = "arm"\naxis = [0, 1, 0]\n'
+    # A radius of gyration of 3.2 m at 0.2 m from the joint: odd, and no law of physics is against it.
+    model.write_text(f'{joint}[[link]]\nname = "arm"\nmass = 1.0\ncom = [0, 0, -0.2]\ninertia = [10, 10, 0.1]\n')
+    status, out, _ = run("audit", str(model))
+    assert status == 1
+    assert "implausible: arm" in out
+    assert "hardly true" in out and "cannot be true" not in out
+
+
 def test_doctor_tries_every_engine(run):
     from harness.engines import registry
 

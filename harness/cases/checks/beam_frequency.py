@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import NATIVE, Bench, Row, Series
+from harness.cases.checks.beam_blame import by_frequencies
 from harness.compare.spectrum import match_modes
 from harness.errors import UnsupportedError
 
@@ -51,12 +52,17 @@ class BeamFrequencyTruth:
             errors = np.array([abs(found[j] - true[i]) / true[i] for i, j in pairs])
             worst = int(np.argmax(errors))
             i, j = pairs[worst]
+            said, place = "", None
+            if not errors[worst] <= allowed:
+                ratios = {i: found[j] / true[i] for i, j in pairs}
+                said, place = by_frequencies(bench.system, name, true, ratios, mode=i)
             yield bench.row(
                 self.quantity,
                 (name, self.truth),
                 float(errors[worst]),
                 allowed,
                 why=why,
-                note=f"mode {i + 1}: {found[j]:.8g} Hz against {true[i]:.8g} Hz",
+                note="; ".join(filter(None, [f"mode {i + 1}: {found[j]:.8g} Hz against {true[i]:.8g} Hz", said])),
+                first_divergence=place,
                 source=self.cites,
             )

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.cases.beam_shapes import told_shapes
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
+from harness.cases.checks.beam_blame import by_motion
 from harness.cases.checks.trajectory import initial_state
 from harness.compare.spectrum import lines, spectrum
 from harness.engines.exudyn_planar import PlanarBeamModel
@@ -73,7 +74,7 @@ class DeflectionAgreement:
                 yield bench.skipped(self.quantity, (NATIVE, self.peer), str(reason))
                 return
             errors[modes] = tip_difference(ours, theirs)[0]
-            yield from self._rows(bench, accuracy, modes, time, ours, theirs)
+            yield from self._rows(bench, system, accuracy, modes, time, ours, theirs)
             if k == len(self.accuracies) - 1:
                 for label in _deflections(theirs):
                     signal = ours.channels[label]
@@ -111,9 +112,17 @@ class DeflectionAgreement:
         return model.simulate(q0, qd0, time, step=None)
 
     def _rows(
-        self, bench: Bench, accuracy: Accuracy, modes: int, time: Array, ours: Trajectory, theirs: Trajectory
+        self,
+        bench: Bench,
+        system: System,
+        accuracy: Accuracy,
+        modes: int,
+        time: Array,
+        ours: Trajectory,
+        theirs: Trajectory,
     ) -> Iterable[Row]:
         engines = (NATIVE, self.peer)
+        blame = self._blame(bench, system, accuracy, time, ours, theirs)
         count = f"{modes}_mode" + ("s" if modes > 1 else "")
         share, where = tip_difference(ours, theirs)
         yield bench.row(
@@ -123,9 +132,15 @@ class DeflectionAgreement:
             accuracy.tip,
             why=accuracy.why,
             note="; ".join(
-                [f"RMS over {self.duration:g} s as a share of the peak, worst at {where}", *told_shapes(bench.system)]
+                [
+                    f"RMS over {self.duration:g} s as a share of the peak, worst at {where}",
+                    *told_shapes(bench.system),
+                    *([blame[0]] if not share <= accuracy.tip else []),
+                ]
             ),
-            first_divergence=_first(time, ours, theirs, 3.0 * accuracy.tip) if not share <= accuracy.tip else None,
+            first_divergence=(_first(time, ours, theirs, 3.0 * accuracy.tip) or {}) | blame[1]
+            if not share <= accuracy.tip
+            else None,
         )
         angle, joint = angle_difference(ours, theirs, bench.system)
         yield bench.row(
@@ -135,7 +150,10 @@ class DeflectionAgreement:
             accuracy.angle,
             unit="rad",
             why=accuracy.why,
-            note=f"largest over {self.duration:g} s, at {joint}",
+            note="; ".join(
+                [f"largest over {self.duration:g} s, at {joint}", *([blame[0]] if not angle <= accuracy.angle else [])]
+            ),
+            first_divergence={"joint": joint} | blame[1] if not angle <= accuracy.angle else None,
         )
         if accuracy.frequency is None:
             return
@@ -162,6 +180,34 @@ class DeflectionAgreement:
                 why=accuracy.why,
                 note=f"{one.frequency:.4f} Hz against {other.frequency:.4f} Hz, strongest line of {label}",
             )
+
+    def _blame(
+        self, bench: Bench, system: System, accuracy: Accuracy, time: Array, ours: Trajectory, theirs: Trajectory
+    ) -> tuple[str, dict[str, object]]:
+        """What number of the description the difference of the two motions would come of; nothing where they agree."""
+        share, angle = tip_difference(ours, theirs)[0], angle_difference(ours, theirs, bench.system)[0]
+        if share <= accuracy.tip and angle <= accuracy.angle:
+            return "", {}
+        labels = _deflections(theirs)
+        peaks = {label: float(np.abs(theirs.channels[label]).max()) for label in labels}
+
+        def flat(run: Trajectory) -> Array:
+            # Deflections count as shares of their peaks, angles by what is allowed of them.
+            angles = [run.position[:, run.names.index(name)] for name in bench.system.joint_names]
+            bent = [accuracy.angle / accuracy.tip / peaks[label] * run.channels[label] for label in labels]
+            return np.concatenate([*angles, *bent])
+
+        # The first part of the motion: later on its difference is no more in proportion to its cause.
+        part = time[: max(8, len(time) // 4)]
+        base = flat(ours)
+        few = np.concatenate([np.arange(len(time)) < len(part)] * (len(base) // len(time)))
+        said, place = by_motion(
+            system,
+            self.peer,
+            lambda of: flat(self._native(bench, of, part)) if of is not system else base[few],
+            (flat(theirs) - base)[few],
+        )
+        return said, place or {}
 
     def _line(self, bench: Bench, figure: str, label: str, time: Array, values: Array, style: str) -> Series:
         return Series(

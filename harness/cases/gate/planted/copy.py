@@ -29,11 +29,27 @@ def spoiled_copy(patch: Patch, folder: Path) -> Path:
             f"{patch.name}: its text does not stand in {patch.file} once", mend="bring the patch up to date"
         )
     (path,) = hits
-    text = path.read_text("utf-8").replace(patch.old, patch.new)
+    before = path.read_text("utf-8")
+    text = before.replace(patch.old, patch.new)
     path.unlink()
     path.write_text(text, encoding="utf-8")
-    _forget(target, path)
+    # What compiles functions by hand may hand on any of its own.
+    if "jit(" in before or "simd" in path.parts or _compiled_part(before) != _compiled_part(text):
+        _forget(target, path)
     return folder
+
+
+def _compiled_part(text: str) -> list[str]:
+    """What of a module can be in a kernel: what stands at its top, and functions that are handed to the compiler.
+
+    A function that nothing decorates is Python's own, and no kernel can call it.
+    """
+    return [
+        ast.dump(node)
+        for node in ast.parse(text).body
+        if not isinstance(node, ast.FunctionDef | ast.ClassDef)
+        or (isinstance(node, ast.FunctionDef) and node.decorator_list)
+    ]
 
 
 def _link(source: str, target: str) -> str:

@@ -8,7 +8,7 @@ INTEGRALS = (
     *of_file(
         "beam/integrals.py", "flexible_pendulum_as_printed",
         ("half of the foreshortening at every node", "H=_foreshortening(tuple(shapes), plane, x),",
-         "H=0.5 * _foreshortening(tuple(shapes), plane, x),", "hanging_frequency; gravity"),
+         "H=0.5 * _foreshortening(tuple(shapes), plane, x),", "hanging_frequency; stiffening"),
     ),
     *of_file(
         "beam/integrals.py", "frequencies_pinned_hub",
