@@ -15,6 +15,7 @@ from harness.cases.checks.states import random_states
 from harness.cases.checks.textbook import TEXTBOOK, AgainstTextbook, Textbook
 from harness.cases.lane_mechanisms import FLEXIBLE
 from harness.compare import quantities
+from harness.compare.single_answer import blame_momentum
 from harness.system import Beam, Joint, JointType, Link, System
 from harness.system.description import constant
 from harness.system.flexible_link import flexible_link
@@ -103,7 +104,15 @@ def momentum(bench: Bench) -> Iterable[Row | Series]:
     book, q, qd = _states(bench)
     found = [bench.native.momentum(*state) for state in zip(q, qd, strict=True)]
     true = [book.momentum_matrix(x) @ v for x, v in zip(q, qd, strict=True)]
-    yield _row(bench, "momentum_bent", np.array(found), np.array(true))
+    apart = float(quantities.relative(np.array(found), np.array(true)).max())
+    said: str = ""
+    place: dict[str, object] | None = None
+    if not apart <= 1e-10:
+        ours = np.array([[bench.native.momentum(x, unit) for unit in np.eye(len(book.names))] for x in q]).swapaxes(
+            1, 2
+        )
+        said, place = blame_momentum(book.names, np.array([book.momentum_matrix(x) for x in q]), ours, 1e-10)
+    yield bench.row("momentum_bent", (NATIVE, TEXTBOOK), apart, 1e-10, why=WHY, note=said, first_divergence=place)
 
 
 def places(bench: Bench) -> Iterable[Row | Series]:

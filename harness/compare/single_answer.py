@@ -2,7 +2,8 @@
 
 The answer is taken apart by what it hangs on: inverse dynamics asked at rest, in motion forwards and backwards and with a
 unit of acceleration at one joint after the other gives the weight, the Coriolis force, the damping and the mass matrix that
-its own recursion has, whatever the other answers of the engine are.
+its own recursion has, whatever the other answers of the engine are. Energy hangs on the mass matrix by the squares and products of
+velocities, and on weight and springs by its slope; momentum on the inertia that each joint carries.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from harness.engines.protocol import EngineModel
 from harness.system.description import Array
 
 STATES = 4  # looked at: what is constant over them is an armature
+# Central difference of order 6 of the potential energy, how far it is moved [rad or m], and what that leaves.
+_WEIGHTS, _STEP, _SLOPES = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0), 0.01, 1e-8
 
 
 def blame_answer(
@@ -23,7 +26,7 @@ def blame_answer(
 ) -> Blame | None:
     """The term in which ``other`` answers otherwise than ``reference`` at B states, None where it cannot be told.
 
-    quantity: ``inverse_dynamics``, ``mass_matrix``, ``bias`` or ``gravity``. q, qd: shape (B, n). allowed: as for
+    quantity: ``inverse_dynamics``, ``mass_matrix``, ``bias``, ``gravity`` or ``energy``. q, qd: shape (B, n). allowed: as for
     ``attribute``.
     """
     if quantity not in _TAKEN_APART:
@@ -31,6 +34,8 @@ def blame_answer(
     take = _TAKEN_APART[quantity]
     ours, theirs = (take(model, q[:STATES], qd[:STATES]) for model in (reference, other))
     names = reference.names
+    if quantity == "energy":
+        allowed = max(allowed, _SLOPES)
     for term in TERMS:
         differs = term_difference(term, ours, theirs)
         if not differs > allowed:
@@ -38,7 +43,11 @@ def blame_answer(
         if term == "mass_matrix":
             return blame_mass(names, ours, theirs, allowed, differs, 1.0)
         blame = blame_force(term, names, ours, theirs, allowed, differs, 1.0)
-        if quantity == "inverse_dynamics" and term == "gravity" and _sprung(reference, q[:STATES], ours, allowed):
+        if (
+            quantity in ("inverse_dynamics", "energy")
+            and term == "gravity"
+            and _sprung(reference, q[:STATES], ours, allowed)
+        ):
             return replace(
                 blame, term="gravity_or_stiffness", words=blame.words.replace("gravity", "gravity or a spring")
             )
@@ -96,7 +105,49 @@ def _parts(rows: list[tuple[Array, Array, Array, Array, Array]], qd: Array) -> P
     return Parts(mass, coriolis, gravity, damping, stiffness, np.zeros_like(qd[: len(rows)]))
 
 
+def _of_energy(model: EngineModel, q: Array, qd: Array) -> Parts:
+    n = qd.shape[1]
+    units, none = np.eye(n), np.zeros(n)
+    rows = []
+    for x in q:
+        single = np.array([model.energy(x, unit)[0] for unit in units])
+        mass = np.diag(2.0 * single)
+        for i in range(n):
+            for j in range(i):
+                mass[i, j] = mass[j, i] = model.energy(x, units[i] + units[j])[0] - single[i] - single[j]
+        slope = np.zeros(n)
+        # Positions on a manifold have no differences of their own: there the kinetic energy alone is looked at.
+        if len(x) == n:
+            for k, unit in enumerate(units):
+                rises = (
+                    model.energy(x + (j + 1) * _STEP * unit, none)[1]
+                    - model.energy(x - (j + 1) * _STEP * unit, none)[1]
+                    for j in range(3)
+                )
+                slope[k] = sum(weight * rise for weight, rise in zip(_WEIGHTS, rises, strict=True)) / _STEP
+        rows.append((mass, none, slope, none, none))
+    return _parts(rows, qd)
+
+
+def blame_momentum(names: tuple[str, ...], ours: Array, theirs: Array, allowed: float) -> tuple[str, dict[str, object]]:
+    """Where momenta by unit velocities, angular then linear, (B, 6, n), differ: the outermost joint whose own does, and in what.
+
+    A body's inertia is in the momentum of every joint that carries it, so that it is at the last of them.
+    """
+    size = np.maximum(np.abs(ours).max(axis=(0, 2)), 1e-300)
+    apart = np.abs(theirs - ours).max(axis=0) / size[:, None]
+    far = np.flatnonzero(apart.max(axis=0) > allowed)
+    if not len(far):
+        return "", {}
+    place = names[far[-1]]
+    linear = bool((apart[3:, far] > allowed).any())
+    what = "mass, its place or its speed" if linear else "inertia, or what it is taken about"
+    words = f"momentum differs by what {place} carries: {what}"
+    return words, {"term": "momentum", "at": place, "part": "linear" if linear else "angular"}
+
+
 _TAKEN_APART = {
+    "energy": _of_energy,
     "inverse_dynamics": _of_inverse_dynamics,
     "mass_matrix": _of_mass_matrix,
     "bias": _of_bias,

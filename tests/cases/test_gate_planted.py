@@ -40,6 +40,24 @@ def test_a_copy_is_wrong_in_one_file_and_keeps_what_is_compiled_of_the_others(tm
     assert ("rigid" in kept) == ("rigid" in there)
 
 
+def test_a_copy_leaves_the_checkouts_kernels_alone_and_keeps_its_own(tmp_path):
+    from harness.denoc.compiling.compiled import STAMP, versions_of
+
+    stamps = list(PACKAGE.rglob(STAMP))
+    before = [stamp.read_text() for stamp in stamps]
+    place = spoiled_copy(next(patch for patch in PATCHES if patch.file == "beam/integrals.py"), tmp_path)
+    copied = list((place / "harness").rglob(STAMP))
+    assert len(copied) == len(stamps)
+    # No kernel is made of the integrals, which are plain Python: all that were kept are kept.
+    kept, there = (sorted(path.name for path in root.rglob("*.nbi")) for root in (place / "harness", PACKAGE))
+    assert kept == there
+    for stamp in copied:
+        assert stamp.read_text() == versions_of(place / "harness" / "denoc")
+        # What a run writes there must not reach the checkout through a link.
+        stamp.write_text("another")
+    assert [stamp.read_text() for stamp in stamps] == before
+
+
 @pytest.mark.parametrize("name", ["tree: mass of link 'link3'", "chain: rotation of joint 'joint2'", "clean 3"])
 def test_a_fault_closes_the_gate_and_is_named_and_none_leaves_it_open(name):
     fault = Fault(name, seed=3) if name.startswith("clean") else next(f for f in faults() if f.name == name)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.compare.single_answer import blame_answer
+from harness.compare.single_answer import blame_answer, blame_momentum
+from harness.denoc import Denoc
 from harness.engines import registry
 from harness.system import System, random_chain
 
@@ -54,6 +55,8 @@ def test_nothing_is_blamed_where_answers_agree(answer: str) -> None:
         ("inverse_dynamics", joint(3, armature=0.0), "armature", "joint4"),
         ("inverse_dynamics", joint(1, damping=0.0), "damping", "joint2"),
         ("inverse_dynamics", heavier(2), "mass_matrix", "joint3"),
+        ("energy", joint(3, armature=0.0), "armature", "joint4"),
+        ("energy", heavier(2), "mass_matrix", "joint3"),
         ("mass_matrix", joint(3, armature=0.0), "armature", "joint4"),
         ("mass_matrix", heavier(2), "mass_matrix", "joint3"),
     ],
@@ -63,16 +66,38 @@ def test_the_term_and_the_joint_that_were_changed_are_named(answer: str, changed
     assert (found.term, found.coordinate) == (term, at)
 
 
-@pytest.mark.parametrize("answer", ["inverse_dynamics", "bias", "gravity"])
+@pytest.mark.parametrize("answer", ["inverse_dynamics", "bias", "gravity", "energy"])
 def test_weight_of_another_place_is_told_with_its_factor(answer: str) -> None:
     found = blamed(answer, replace(CHAIN, gravity=CHAIN.gravity * 9.80665 / 9.81))
     assert found.term == "gravity"
+    # Energy tells weight by differences, of which six digits are sure.
     assert found.words == f"gravity is {9.80665 / 9.81:.6g} times the reference's"
 
 
 def test_beside_springs_weight_and_springs_are_not_told_apart_by_what_holds_them() -> None:
     sprung = joint(4, stiffness=2.0, rest_position=0.3)
     assert blamed("inverse_dynamics", joint(4, stiffness=2.0, rest_position=0.5), sprung).term == "gravity_or_stiffness"
+
+
+def test_energy_of_a_spring_with_another_rest_is_not_taken_for_weight_alone() -> None:
+    sprung = joint(4, stiffness=2.0, rest_position=0.3)
+    found = blamed("energy", joint(4, stiffness=2.0, rest_position=0.5), sprung)
+    assert (found.term, found.coordinate) == ("gravity_or_stiffness", "joint5")
+
+
+@pytest.mark.parametrize(("k", "part", "changes"), [(2, "linear", {"mass": 1.01}), (1, "angular", {"inertia": 1.01})])
+def test_momentum_is_blamed_on_the_joint_that_carries_the_body(k: int, part: str, changes: dict[str, float]) -> None:
+    link = CHAIN.links[k]
+    changed = CHAIN.replace_link(replace(link, **{key: factor * getattr(link, key) for key, factor in changes.items()}))
+
+    def by_unit_velocities(system: System) -> np.ndarray:
+        model = Denoc(system)
+        return np.array([[model.momentum(q, unit) for unit in np.eye(5)] for q in Q]).swapaxes(1, 2)
+
+    said, place = blame_momentum(CHAIN.coordinate_names, *map(by_unit_velocities, (CHAIN, changed)), 1e-10)
+    assert place == {"term": "momentum", "at": f"joint{k + 1}", "part": part}
+    assert f"what joint{k + 1} carries" in said
+    assert blame_momentum(CHAIN.coordinate_names, *[by_unit_velocities(CHAIN)] * 2, 1e-10) == ("", {})
 
 
 class BackwardsCoriolis:

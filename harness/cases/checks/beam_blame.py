@@ -16,15 +16,22 @@ Blame = tuple[str, dict[str, object] | None]
 
 
 def by_frequencies(
-    system: System, other: str, true: Array, ratios: Mapping[int, float], *, mode: int | None = None
+    system: System,
+    other: str,
+    true: Array,
+    ratios: Mapping[int, float],
+    *,
+    mode: int | None = None,
+    at: Array | None = None,
 ) -> Blame:
     """The number that the ratios of found to true frequencies, by mode, would come of.
 
-    other: who found them; mode: the worst one, counted from 0. With one mode alone anything explains it, and nothing is named.
+    other: who found them; mode: the worst one, counted from 0; at: the state they are about, zero if None. With one mode alone
+    anything explains it, and nothing is named.
     """
     place: dict[str, object] = {} if mode is None else {"mode": mode + 1}
     chosen = sorted(ratios)
-    start = np.zeros(len(system.coordinate_names))
+    start = np.zeros(len(system.coordinate_names)) if at is None else at
     own = np.asarray(Denoc(system).frequencies(start))
     pairs = dict(match_modes(np.asarray(true), own))
     chosen = [k for k in chosen if k in pairs]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import Bench, Row, Series
+from harness.cases.checks.beam_blame import by_frequencies
 from harness.cases.checks.trajectory import initial_state
 from harness.errors import UnsupportedError
 
@@ -47,12 +48,18 @@ class FrequencyTruth:
             nearest = found[np.abs(found[:, None] - true[None, :]).argmin(axis=0)]
             errors = np.abs(nearest - true) / true
             worst = int(np.argmax(np.nan_to_num(errors, nan=np.inf)))
+            said, place = "", None
+            if not errors[worst] <= self.allowed and np.isfinite(errors).all():
+                said, place = by_frequencies(
+                    bench.system, name, true, dict(enumerate(nearest / true)), mode=worst, at=q
+                )
             yield bench.row(
                 self.quantity,
                 (name, self.truth),
                 float(errors[worst]),
                 self.allowed,
                 why=self.why,
-                note=f"{nearest[worst]:.7g} Hz against {true[worst]:.7g} Hz",
+                note="; ".join(filter(None, [f"{nearest[worst]:.7g} Hz against {true[worst]:.7g} Hz", said])),
+                first_divergence=place,
                 source=self.cites,
             )

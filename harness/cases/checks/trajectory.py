@@ -10,6 +10,7 @@ import numpy as np
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
 from harness.cases.checks.states import blamed
 from harness.compare.divergence_shape import by_steps, shape_of
+from harness.engines.denoc_native import NativeModel
 from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
@@ -90,7 +91,8 @@ class TrajectoryAgreement:
             divergence |= place
             note = "; ".join(filter(None, [note, said]))
         if divergence is not None and self.signal == "position":
-            note = "; ".join(filter(None, [note, by_steps(difference, self._floors(bench, name, time))]))
+            how = "halving the step" if self.step is not None else "a hundredth of the tolerance"
+            note = "; ".join(filter(None, [note, by_steps(difference, self._floors(bench, name, time), how)]))
         unit = "1" if self.relative else unit_of(bench.system, common)
         return bench.row(
             self.quantity,
@@ -104,11 +106,16 @@ class TrajectoryAgreement:
         )
 
     def _floors(self, bench: Bench, name: str, time: Array) -> dict[str, float]:
-        """What half the step changes in each of the two engines; nothing for one that chooses its steps by tolerance."""
+        """What half the step changes in each of the two engines; with adaptive steps, what a tight run of the native one does."""
         floors: dict[str, float] = {}
-        if self.step is None:
-            return floors
         q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
+        if self.step is None:
+            model = bench.models[NATIVE]
+            if isinstance(model, NativeModel) and not bench.system.loops:
+                loose, tight = (model.model.simulate(q0, qd0, time, rtol=r, atol=1e-2 * r) for r in (1e-10, 1e-12))
+                moved = float(np.abs(tight.position - loose.position).max())
+                floors |= {NATIVE: moved} if np.isfinite(moved) else {}
+            return floors
         for engine in (NATIVE, name):
             try:
                 runs = [bench.models[engine].simulate(q0, qd0, time, step=self.step / k).position for k in (1, 2)]

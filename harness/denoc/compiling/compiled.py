@@ -58,6 +58,10 @@ def inlined(function: F) -> F:
     return cast(F, njit(_nrt=False, forceinline=True, **_PART)(function))
 
 
+#: Beside the kernels of this folder: the versions of all files that they were made with.
+STAMP = "kernels.stamp"
+
+
 def cache_folder(room: Path) -> Path:
     """Where numba keeps what is compiled of the files in a folder; raises OSError where it keeps nothing."""
     kept = getattr(compiled(cache_folder), "_cache", None)
@@ -65,6 +69,12 @@ def cache_folder(room: Path) -> Path:
         raise FileNotFoundError("no place to keep compiled kernels in")
     locator = kept._impl.locator
     return Path(type(locator)(cache_folder, str(room / "kernel.py")).get_cache_path())
+
+
+def versions_of(home: Path) -> str:
+    """Which versions of the files below ``home`` are there, as the stamp beside the kernels has it."""
+    files = [(path.relative_to(home), path.stat()) for path in sorted(home.glob("*/*.py"))]
+    return " ".join(f"{path.as_posix()}:{file.st_size}:{file.st_mtime_ns}" for path, file in files)
 
 
 def _drop_stale_cache() -> None:
@@ -76,14 +86,12 @@ def _drop_stale_cache() -> None:
     home = Path(__file__).parents[1]
     # A place that cannot be read or written to holds no cache of numba's either.
     with contextlib.suppress(OSError):
-        sources = sorted(home.glob("*/*.py"))
-        files = [(path.relative_to(home), path.stat()) for path in sources]
-        now = " ".join(f"{path.as_posix()}:{file.st_size}:{file.st_mtime_ns}" for path, file in files)
+        now = versions_of(home)
         own = cache_folder(Path(__file__).parent)
-        stamp = own / "kernels.stamp"
+        stamp = own / STAMP
         if stamp.is_file() and stamp.read_text() == now:
             return
-        for room in {path.parent for path in sources}:
+        for room in {path.parent for path in home.glob("*/*.py")}:
             for index in cache_folder(room).glob("*.nbi"):
                 index.unlink(missing_ok=True)
         own.mkdir(parents=True, exist_ok=True)

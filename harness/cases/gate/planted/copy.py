@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 from harness.cases.gate.planted.patch import Patch
+from harness.denoc.compiling.compiled import STAMP, versions_of
 from harness.errors import InputError
 
 PACKAGE = Path(__file__).parents[3]
@@ -36,20 +37,36 @@ def spoiled_copy(patch: Patch, folder: Path) -> Path:
     # What compiles functions by hand may hand on any of its own.
     if "jit(" in before or "simd" in path.parts or _compiled_part(before) != _compiled_part(text):
         _forget(target, path)
+    _stamp(target)
     return folder
+
+
+def _stamp(package: Path) -> None:
+    """Say of the kernels left that they belong to the files as they are now: else all would be thrown away.
+
+    A new file, for the old one is linked, and what is written into it would be the checkout's.
+    """
+    for stamp in list(package.rglob(STAMP)):
+        stamp.unlink()
+        stamp.write_text(versions_of(package / "denoc"), encoding="utf-8")
 
 
 def _compiled_part(text: str) -> list[str]:
     """What of a module can be in a kernel: what stands at its top, and functions that are handed to the compiler.
 
-    A function that nothing decorates is Python's own, and no kernel can call it.
+    A function that nothing decorates, or that only keeps its answers, is Python's own, and no kernel can call it.
     """
     return [
         ast.dump(node)
         for node in ast.parse(text).body
         if not isinstance(node, ast.FunctionDef | ast.ClassDef)
-        or (isinstance(node, ast.FunctionDef) and node.decorator_list)
+        or (isinstance(node, ast.FunctionDef) and any(not _keeps_answers(mark) for mark in node.decorator_list))
     ]
+
+
+def _keeps_answers(decorator: ast.expr) -> bool:
+    name = decorator.func if isinstance(decorator, ast.Call) else decorator
+    return isinstance(name, ast.Name) and name.id in ("cache", "lru_cache")
 
 
 def _link(source: str, target: str) -> str:
