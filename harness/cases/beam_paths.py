@@ -173,8 +173,8 @@ def hinged_damping(bench: Bench) -> Iterable[Row | Series]:
     stiffness, damping = model.linear_passive()
     mass, n = model.mass_matrix(np.zeros(model.n)), model.n
     lower = np.linalg.solve(mass, np.hstack([-stiffness, -damping]))
-    roots = np.linalg.eigvals(np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower]))
-    roots = sorted((root for root in roots if root.imag > 1.0), key=lambda root: float(root.imag))
+    whole = np.linalg.eigvals(np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower]))
+    roots = sorted((root for root in whole if root.imag > 1.0), key=lambda root: float(root.imag))
     found = np.array([-root.real / abs(root) for root in roots])
     apart = float(np.abs(found - ratios).max() / ratios[0]) if found.shape == (2,) else np.inf
     yield bench.row(

@@ -14,6 +14,7 @@ import numpy as np
 from harness.cases.case import NATIVE, Array, Bench, Case, Row, Series
 from harness.cases.checks import Measured
 from harness.cases.rotor import system
+from harness.errors import InputError
 from harness.recording import read_recording
 
 TIME = np.linspace(0.0, 2.0, 401)  # s
@@ -160,6 +161,10 @@ def formats(bench: Bench) -> Iterable[Row | Series]:
             yield bench.skipped(
                 quantity, (NATIVE,), f"{error.name} is not installed: pip install 'denoc-harness[parquet]'"
             )
+            continue
+        except InputError as error:
+            note = f"the reader of {name.replace('_', ' ')} refuses it: {error.what}"
+            yield bench.row(quantity, (NATIVE, "analytic"), np.nan, allowed, why="conversions of units", note=note)
             continue
         worst = max(apart, key=lambda channel: apart[channel])
         yield bench.row(

@@ -94,6 +94,45 @@ def steps(bench: Bench) -> Iterable[Row | Series]:
         yield bench.row(f"manifold_{key}", (NATIVE, "mujoco"), apart, 1e-13, why=ROUNDING)
 
 
+def followers(bench: Bench) -> Iterable[Row | Series]:
+    """Where followers and screws put their links against their parents, by the laws as they are written in ``following``."""
+    if NATIVE not in bench.models:
+        return
+    from scipy.spatial.transform import Rotation
+
+    system, model, rng = bench.system, bench.native, bench.rng()
+    places = {name: k for k, name in enumerate(system.position_names)}
+    found, true = [], []
+    for _ in range(STATES):
+        q = random_position(system, rng)
+        thumb, screw = float(q[places["thumb"]]), float(q[places["screw"]])
+        finger = -0.5 * thumb + 0.2
+        tip = 2.0 * finger - 0.1
+        # Turn [rad] and shift [m] along the axis, of each joint.
+        moved = {"screw": (screw, 0.1 * screw), "thumb": (thumb, 0.0), "finger": (0.0, finger), "tip": (tip, 0.3 * tip)}
+        for name, (angle, shift) in moved.items():
+            joint = system.joint(name)
+            (above, origin), (turn, place) = model.link_pose(q, joint.parent), model.link_pose(q, joint.child)
+            found.append(np.append((above.T @ turn).ravel(), above.T @ (place - origin)))
+            own = joint.rotation @ Rotation.from_rotvec(angle * joint.axis).as_matrix()
+            true.append(np.append(own.ravel(), joint.xyz + joint.rotation @ (shift * joint.axis)))
+    apart = np.abs(np.array(found) - np.array(true)).max(axis=1)
+    names = list(moved)
+    worst = int(np.argmax(apart))
+    yield bench.row(
+        "followers_place",
+        (NATIVE, "analytic"),
+        float(apart.max()),
+        1e-13,
+        why=ROUNDING,
+        note=""
+        if apart.max() <= 1e-13
+        else f"what joint {names[worst % len(names)]!r} does as the one it follows moves",
+        first_divergence=None if apart.max() <= 1e-13 else {"joint": names[worst % len(names)]},
+        source="finger = −0.5 thumb + 0.2, tip = 2 finger − 0.1, pitches of 0.1 and 0.3 m/rad",
+    )
+
+
 def _case(name: str, title: str, build: Callable[[], System], *more: Any) -> Case:
     system = build()
     return Case(
@@ -115,7 +154,10 @@ CASES = (
         Measured("manifold", steps),
     ),
     _case(
-        "joints_that_follow", "Ball with a screw, and joints that follow others, one before what it follows", following
+        "joints_that_follow",
+        "Ball with a screw, and joints that follow others, one before what it follows",
+        following,
+        Measured("followers", followers),
     ),
     _case("free_of_a_link", "Free joint between two links that move", free_of_a_link),
     Case(

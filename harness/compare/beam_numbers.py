@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.system import Beam, Link, System
+from harness.system import Beam, Joint, Link, System
 from harness.system.description import constant
 from harness.system.flexible_link import flexible_link
 
@@ -51,36 +52,43 @@ def numbers(system: System) -> Iterator[Number]:
         if link.beam is not None:
             yield from _of_beam(system, link, link.beam)
         elif link.mass > 0.0:
-            yield Number(
-                "mass and inertia", f"link {link.name!r}", {"link": link.name, "value": "mass"},
-                lambda s, link=link: system.replace_link(
-                    replace(link, mass=s * link.mass, inertia=constant(s * np.asarray(link.inertia)))
-                ),
-            )  # fmt: skip
-            yield Number(
-                "inertia", f"link {link.name!r}", {"link": link.name, "value": "inertia"},
-                lambda s, link=link: system.replace_link(replace(link, inertia=constant(s * np.asarray(link.inertia)))),
-            )  # fmt: skip
-    for joint in system.movable_joints:
-        for key in ("armature", "damping", "stiffness"):
-            if getattr(joint, key):
-                yield Number(
-                    key, f"joint {joint.name!r}", {"joint": joint.name, "value": key},
-                    lambda s, joint=joint, key=key: system.replace_joint(replace(joint, **{key: s * getattr(joint, key)})),
-                )  # fmt: skip
+            yield from _of_rigid(system, link)
     for joint in system.joints:
-        if np.any(joint.xyz):
-            yield Number(
-                "place", f"joint {joint.name!r}", {"joint": joint.name, "value": "xyz"},
-                lambda s, joint=joint: system.replace_joint(replace(joint, xyz=constant(s * np.asarray(joint.xyz)))),
-            )  # fmt: skip
+        yield from _of_joint(system, joint)
     if np.any(system.gravity):
-        yield Number(
-            "gravity",
-            "",
-            {"value": "gravity"},
-            lambda s: replace(system, gravity=constant(s * np.asarray(system.gravity))),
-        )
+
+        def pulled(s: float) -> System:
+            return replace(system, gravity=constant(s * np.asarray(system.gravity)))
+
+        yield Number("gravity", "", {"value": "gravity"}, pulled)
+
+
+def _of_rigid(system: System, link: Link) -> Iterator[Number]:
+    def heavier(s: float) -> System:
+        return system.replace_link(replace(link, mass=s * link.mass, inertia=constant(s * np.asarray(link.inertia))))
+
+    def wider(s: float) -> System:
+        return system.replace_link(replace(link, inertia=constant(s * np.asarray(link.inertia))))
+
+    site = f"link {link.name!r}"
+    yield Number("mass and inertia", site, {"link": link.name, "value": "mass"}, heavier)
+    yield Number("inertia", site, {"link": link.name, "value": "inertia"}, wider)
+
+
+def _of_joint(system: System, joint: Joint) -> Iterator[Number]:
+    def changed(**values: Any) -> System:
+        return system.replace_joint(replace(joint, **values))
+
+    scaled: dict[str, tuple[bool, Callable[[float], System]]] = {
+        "armature": (joint.movable and joint.armature != 0.0, lambda s: changed(armature=s * joint.armature)),
+        "damping": (joint.movable and joint.damping != 0.0, lambda s: changed(damping=s * joint.damping)),
+        "stiffness": (joint.movable and joint.stiffness != 0.0, lambda s: changed(stiffness=s * joint.stiffness)),
+        "xyz": (bool(np.any(joint.xyz)), lambda s: changed(xyz=constant(s * np.asarray(joint.xyz)))),
+    }
+    for key, (there, how) in scaled.items():
+        if there:
+            what = "place" if key == "xyz" else key
+            yield Number(what, f"joint {joint.name!r}", {"joint": joint.name, "value": key}, how)
 
 
 def _of_beam(system: System, link: Link, beam: Beam) -> Iterator[Number]:
@@ -100,7 +108,8 @@ def _of_beam(system: System, link: Link, beam: Beam) -> Iterator[Number]:
         def scaled(s: float, key: str = key) -> System:
             value = getattr(beam, key)
             new = constant(s * np.asarray(value)) if key in ("payload_inertia", "modal_damping") else s * value
-            changed = replace(beam, **{key: tuple(new) if key == "modal_damping" else new})
+            change: dict[str, Any] = {key: tuple(new) if key == "modal_damping" else new}
+            changed = replace(beam, **change)
             return system.replace_link(flexible_link(link.name, changed))
 
         yield Number(key.replace("_", " "), f"link {link.name!r}", {"link": link.name, "value": key}, scaled)

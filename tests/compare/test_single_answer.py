@@ -94,10 +94,11 @@ def test_momentum_is_blamed_on_the_joint_that_carries_the_body(k: int, part: str
         model = Denoc(system)
         return np.array([[model.momentum(q, unit) for unit in np.eye(5)] for q in Q]).swapaxes(1, 2)
 
-    said, place = blame_momentum(CHAIN.coordinate_names, *map(by_unit_velocities, (CHAIN, changed)), 1e-10)
+    own, other = by_unit_velocities(CHAIN), by_unit_velocities(changed)
+    said, place = blame_momentum(CHAIN.coordinate_names, own, other, 1e-10)
     assert place == {"term": "momentum", "at": f"joint{k + 1}", "part": part}
     assert f"what joint{k + 1} carries" in said
-    assert blame_momentum(CHAIN.coordinate_names, *[by_unit_velocities(CHAIN)] * 2, 1e-10) == ("", {})
+    assert blame_momentum(CHAIN.coordinate_names, own, own, 1e-10) == ("", {})
 
 
 class BackwardsCoriolis:

@@ -148,8 +148,16 @@ PATHS: dict[str, tuple[str, ...]] = {
     "joint lower": ("file_*/file_limits/*",),
     "joint upper": ("file_*/file_limits/*",),
     "joint axis2": ("joints_in_space/acceleration/*", "joints_in_space/trajectory/*"),
-    "joint pitch": ("joints_that_follow/acceleration/*", "joints_that_follow/energy/*"),
-    "joint mimic": ("joints_that_follow/acceleration/*", "joints_that_follow/mass_matrix/*"),
+    "joint pitch": (
+        "joints_that_follow/acceleration/*",
+        "joints_that_follow/energy/*",
+        "joints_that_follow/followers_place/*",
+    ),
+    "joint mimic": (
+        "joints_that_follow/acceleration/*",
+        "joints_that_follow/mass_matrix/*",
+        "joints_that_follow/followers_place/*",
+    ),
     # … of a rigid link …
     "link mass": ("chain_*/gravity/*",),
     "link com": ("chain_*/gravity/*",),

@@ -82,7 +82,7 @@ MODELS = (
     *of_file(
         "lowering.py", "joints_that_follow",
         ("followers from the leader's zero", "offset += multiplier * mimic.offset", "offset += 0.0 * multiplier * mimic.offset",
-         "joints_that_follow; denoc"),
+         "followers_place; finger"),
     ),
 )  # fmt: skip
 
@@ -98,7 +98,7 @@ RECORDINGS = (
     *of_file(
         "ros_messages.py", "recording_files",
         ("nanoseconds taken as microseconds", "return seconds * 1_000_000_000 + rest", "return seconds * 1_000_000_000 + rest // 1000",
-         "recording_rosbag; time"),
+         "recording_rosbag; recording_mcap; reader of mcap"),
         ("numbers of the joint before", "for joint, number in zip(joints, array, strict=True):", "for joint, number in zip(joints, array[::-1], strict=True):",
          "recording_mcap; hub"),
     ),

@@ -6,6 +6,7 @@ from harness.cases.gate.planted.files import FILES
 from harness.cases.gate.planted.flexible import FLEXIBLE
 from harness.cases.gate.planted.motion import MOTION
 from harness.cases.gate.planted.patch import Patch, of_file
+from harness.cases.gate.planted.paths import PATHS_LEFT
 
 READERS = (
     *of_file(
@@ -344,4 +345,5 @@ PATCHES: tuple[Patch, ...] = (
     *FLEXIBLE,
     *FILES,
     *MOTION,
+    *PATHS_LEFT,
 )
