@@ -82,7 +82,7 @@ MODELS = (
     *of_file(
         "lowering.py", "joints_that_follow",
         ("followers from the leader's zero", "offset += multiplier * mimic.offset", "offset += 0.0 * multiplier * mimic.offset",
-         "followers_place; finger"),
+         "followers_place; what joint"),
     ),
 )  # fmt: skip
 
@@ -100,7 +100,7 @@ RECORDINGS = (
         ("nanoseconds taken as microseconds", "return seconds * 1_000_000_000 + rest", "return seconds * 1_000_000_000 + rest // 1000",
          "recording_rosbag; recording_mcap; reader of mcap"),
         ("numbers of the joint before", "for joint, number in zip(joints, array, strict=True):", "for joint, number in zip(joints, array[::-1], strict=True):",
-         "recording_mcap; hub"),
+         "recording_mcap; reader of mcap"),
     ),
     *of_file(
         "formats/matlab.py", "recording_files",
@@ -113,7 +113,7 @@ RECORDINGS = (
     ),
     *of_file(
         "formats/hdf5.py", "recording_files",
-        ("units passed over", "units.update(dict.fromkeys(found, unit))", "units.update({})", "recording_hdf5; position"),
+        ("units passed over", "units.update(dict.fromkeys(found, unit))", "units.update({})", "recording_hdf5; reader of hdf5"),
     ),
 )  # fmt: skip
 
