@@ -142,7 +142,9 @@ def run(model: mujoco.MjModel, rng: np.random.Generator, middle: Array, hidden: 
         mujoco.mj_forward(model, data)
         mujoco.mj_mulM(model, data, torque, a[k] + 100.0 * (q[k] - data.qpos) + 20.0 * (v[k] - data.qvel))
         tau = torque + data.qfrc_bias - data.qfrc_passive + model.dof_frictionloss * np.tanh(v[k] / 0.02)
-        out_q[k], out_v[k], out_a[k], out_tau[k] = data.qpos, data.qvel, data.qacc, tau
+        # MuJoCo's steps are a leapfrog: a torque set here acts from half a step ago, when the joints were half a step's way back.
+        out_q[k] = data.qpos - 0.5 * STEP * data.qvel
+        out_v[k], out_a[k], out_tau[k] = data.qvel, data.qacc, tau
         for _ in range(inside):
             data.qfrc_applied[:] = tau
             if hidden is not None and hidden.effect not in IN_MODEL:
@@ -226,7 +228,7 @@ def draw(out: Path, seed: int, count: int) -> None:
     """Conceal and seal ``count`` cases; digests are published before anything is diagnosed."""
     digests = {}
     for k in range(count):
-        name, effect = list(ARMS)[k % len(ARMS)], EFFECTS[k % len(EFFECTS)]
+        name, effect = list(ARMS)[k % len(ARMS)], EFFECTS[(k + k // len(EFFECTS)) % len(EFFECTS)]
         rng = np.random.default_rng([seed, k])
         case = f"{k:02d}-{name}"
         hidden = record(out / "cases" / case, name, rng, effect)
