@@ -35,7 +35,7 @@ def bend(system: System, site: str, parameters: Mapping[str, float]) -> System:
         raise InputError(f"link {site!r} bends already", mend="higher_mode adds a mode to it")
     tip = tip_of(link, system)
     length = float(np.linalg.norm(tip))
-    if length == 0.0 or link.mass <= 0.0:
+    if length == 0.0 or link.mass <= 0.0 or not np.any(link.com):
         raise InputError(
             f"link {site!r} has no length or mass to bend with", mend="its centre of mass lies on its joint"
         )

@@ -28,16 +28,16 @@ from harness.diagnose.estimation.intervals import WIDE, Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_hold import held_runs, search_either_way
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
-from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run
-from harness.diagnose.inverse.effort_noise import effort_noise, grid_of
+from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run, pace
+from harness.diagnose.inverse.effort_noise import MEMORY, Grid, effort_noise, grid_of
 from harness.diagnose.inverse.effort_search import EffortStudy, settle
-from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes, ordinary_terms
+from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
+from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
 from harness.diagnose.problem.held_efforts import held_notes
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.effects.effect import Effect, SiteKind
-from harness.effects.scale import swings
 from harness.errors import InputError, UnsupportedError
 from harness.recording.recording import QualityNote, Recording
 from harness.system import System
@@ -87,7 +87,7 @@ def diagnose_effort(
     deadline = deadline or Deadline()
     _known(only)
     every = [*recordings, *([held] if held is not None else [])]
-    swing = min(swings(system, every[0])) / (2.0 * np.pi)
+    swing = min(pace(system, recording) for recording in every)
     cutoff = min(cutoff_for(system, recording, swing) for recording in every)
     tell("smoothing")
     runs = [effort_run(system, recording, cutoff) for recording in every]
@@ -106,7 +106,7 @@ def diagnose_effort(
     beside = _divided(held_runs(system, runs, every), held is not None)
     if data.samples < FEWEST or judged.samples < FEWEST // 4:
         raise InputError(
-            f"{data.samples} independent samples of effort are left to learn from and {judged.samples} to judge on",
+            f"{data.samples:.0f} independent samples of effort are left to learn from and {judged.samples:.0f} to judge on",
             mend="record more motion that nothing outside disturbs",
         )
     tell("noise of the efforts")
@@ -194,21 +194,33 @@ def _data(
     system: System, train: list[EffortRun], test: list[EffortRun], deadline: Deadline
 ) -> tuple[EffortData, EffortData]:
     grids = tuple(grid_of(run) for run in train)
+    links = link_terms(system, train)
     noises = []
     for j in range(train[0].q.shape[1]):
         mine = [(run, grid) for run, grid in zip(train, grids, strict=True) if run.driven[j] and grid.samples]
-        pieces = []
+        pieces, dry = [], 0.0
         if mine:
-            designs = [ordinary_terms(system, run, j) for run, _ in mine]
-            design = np.concatenate([d[run.usable] for d, (run, _) in zip(designs, mine, strict=True)])
-            target = np.concatenate([run.effort[run.usable, j] for run, _ in mine])
-            size = np.maximum(np.sqrt(np.mean(design**2, axis=0)), 1e-300)
-            found = np.linalg.lstsq(design / size, target, rcond=1e-8)[0] / size
-            for (run, grid), d in zip(mine, designs, strict=True):
-                pieces += [(run.effort[s, j] - d[s] @ found) for s in grid.stretches]
-        noises.append(effort_noise(pieces or [np.zeros(1)]))
+            which = [k for k, run in enumerate(train) if any(run is one for one, _ in mine)]
+            ordinary = ordinary_torque(system, [run for run, _ in mine], j, [links[k] for k in which])
+            dry = ordinary.dry
+            pieces = _pieces([(run, grid, left) for (run, grid), left in zip(mine, ordinary.left, strict=True)], j, dry)
+        noises.append(effort_noise(pieces or [np.zeros(1)], dry))
     data = EffortData(EffortModel(system, train, deadline), grids, tuple(noises))
     return data, EffortData(EffortModel(system, test, deadline), tuple(grid_of(run) for run in test), tuple(noises))
+
+
+def _pieces(mine: Sequence[tuple[EffortRun, Grid, Array]], j: int, dry: float) -> list[Array]:
+    """Consecutive samples of what is left that dry friction's direction has no part in, or all where there are too few of those."""
+    every = [left[s] for _, grid, left in mine for s in grid.stretches]
+    spread = 1.4826 * float(np.median(np.abs(np.concatenate(every))))
+    sure = []
+    for run, grid, left in mine:
+        for s in grid.stretches:
+            clear = dry * run.unsure[s, j] <= spread
+            cuts = np.flatnonzero(np.diff(clear.astype(int))) + 1
+            parts = zip(np.split(s, cuts), np.split(clear, cuts), strict=True)
+            sure += [left[part] for part, good in parts if good[0] and len(part) > MEMORY]
+    return sure if sum(map(len, sure)) >= FEWEST // 4 else every
 
 
 def _note(system: System, run: EffortRun, push: Push) -> QualityNote:

@@ -91,9 +91,18 @@ class EffortData:
     def joints(self) -> list[int]:
         return [int(j) for j in np.flatnonzero(np.any([run.driven for run in self.model.runs], axis=0))]
 
-    @property
-    def samples(self) -> int:
-        return sum(g.samples * int(r.driven.sum()) for g, r in zip(self.grids, self.model.runs, strict=True))
+    @cached_property
+    def samples(self) -> float:
+        """Independent samples, each counted for as much as it tells."""
+        return float(np.sum(self.whitened.weights**2))
+
+    def misfit(self, rows: Array) -> float:
+        """Twice the negative logarithm of the likelihood of whitened rows, their size profiled out."""
+        return self.samples * float(np.log(self.size(rows) ** 2))
+
+    def size(self, rows: Array) -> float:
+        """Standard deviation of whitened rows."""
+        return float(np.sqrt(rows @ rows / self.samples))
 
     @cached_property
     def whitened(self) -> Whitened:
@@ -174,12 +183,12 @@ def fit_effort(
             jacobian = np.zeros((len(found.fun), len(start)))
             jacobian[:, free] = found.jac
         rows, clusters = data.rows(hypothesis, x), data.whitened.clusters
-        before, size = size, float(np.sqrt(np.mean(rows**2)))
+        before, size = size, data.size(rows)
         if calls or not free.any() or (far == 1.0 and abs(size - before) < 0.01 * size):
             break
         far = 1.0
     prior = float(x[:nominal] @ x[:nominal])
-    cost = len(rows) * float(np.log(np.mean(rows**2))) + prior
+    cost = data.misfit(rows) + prior
     return EffortFit(
         hypothesis, x, rows / size, clusters, jacobian[: len(rows)] if free.any() else jacobian, prior, cost
     )

@@ -19,6 +19,7 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.ndimage import binary_dilation
 from scipy.signal import butter, sosfilt, sosfilt_zi, sosfiltfilt
 
+from harness.effects.scale import swings
 from harness.errors import InputError
 from harness.recording.noise import estimate_noise
 from harness.recording.recording import Recording
@@ -67,6 +68,15 @@ class EffortRun:
         """Samples that the low-pass knows both sides of, shape (T,)."""
         reach = EDGE / self.bandwidth
         return np.asarray((self.time >= reach) & (self.time <= self.time[-1] - reach))
+
+    @cached_property
+    def unsure(self) -> Array:
+        """Share of a joint's dry friction by which its smoothed effort may be off either way, (T, n).
+
+        A joint that turns about sticks for a while, or creeps, and which way it is pushed meanwhile is not in its position. A
+        direction of ±1 whose mean is m = tanh(v / still) has a standard deviation of √(1 − m²), throughout one turn alike.
+        """
+        return np.abs(self.smooth(1.0 / np.cosh(np.minimum(np.abs(self.qd / self.still), 700.0))))
 
     @cached_property
     def _filter(self) -> ZeroPhase:
@@ -236,6 +246,31 @@ def _reading_noise(recording: Recording, joint: str) -> float:
         channel = recording.channel(f"{joint}.position")
         known[joint] = estimate_noise(recording.time, channel.values, unit=channel.unit, channel=channel.name).std
     return known[joint]
+
+
+def pace(system: System, recording: Recording) -> float:
+    """How fast the slowest joint swings or is driven [Hz], whichever is faster: an axis that is all but upright hardly swings."""
+    own = np.array(swings(system, recording)) / (2.0 * np.pi)
+    return float(min(max(f, driven_at(recording, name)) for f, name in zip(own, system.joint_names, strict=True)))
+
+
+def driven_at(recording: Recording, joint: str) -> float:
+    """Mean frequency of a joint's recorded motion [Hz], zero where its position is not recorded.
+
+    √(∫f² S df / ∫S df) of its spectrum (Rice, Bell System Technical J. 24 (1945) 46), less the white noise of the reading.
+    """
+    channel = next((c for c in recording.channels if c.site == joint and c.quantity == "position"), None)
+    if channel is None:
+        return 0.0
+    good = np.isfinite(channel.values)
+    even = np.arange(recording.time[good][0], recording.time[good][-1], recording.interval)
+    values = np.interp(even, recording.time[good], channel.values[good])
+    power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))) ** 2
+    frequency = np.fft.rfftfreq(len(values), recording.interval)
+    # Of white noise all frequencies have as much.
+    power = np.maximum(power - _reading_noise(recording, joint) ** 2 * 0.375 * len(values), 0.0)
+    total = float(power.sum())
+    return float(np.sqrt(np.sum(frequency**2 * power) / total)) if total > 0.0 else 0.0
 
 
 def cutoff_for(system: System, recording: Recording, swing: float) -> float:

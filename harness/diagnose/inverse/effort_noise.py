@@ -49,19 +49,23 @@ def grid_of(run: EffortRun) -> Grid:
 
 @dataclass(frozen=True, eq=False)
 class EffortNoise:
-    """Autoregression of a joint's residual effort: ``ahead`` (MEMORY,), and the size of its innovation [N·m]."""
+    """Autoregression of a joint's residual effort: ``ahead`` (MEMORY,), and the size of its innovation [N·m].
+
+    dry: level of the dry friction whose direction is unsure while the joint turns about [N·m].
+    """
 
     ahead: Array
     innovation: float
     std: float
+    dry: float = 0.0
 
 
-def effort_noise(pieces: Sequence[Array]) -> EffortNoise:
+def effort_noise(pieces: Sequence[Array], dry: float = 0.0) -> EffortNoise:
     """Yule–Walker estimate over stretches of residual [N·m], its order by the Bayesian information criterion."""
     total = sum(len(p) for p in pieces)
     lags = np.array([sum(float(p[k:] @ p[: len(p) - k]) for p in pieces) / total for k in range(MEMORY + 1)])
     if lags[0] <= 0.0:
-        return EffortNoise(np.zeros(MEMORY), 1e-12, 1e-12)
+        return EffortNoise(np.zeros(MEMORY), 1e-12, 1e-12, dry)
     # As many lags as pay for themselves: the regression has taken its own share of the power out of the residual, and a longer
     # memory would take that for colour.
     lags[0] *= 1.0 + 1e-6
@@ -74,4 +78,4 @@ def effort_noise(pieces: Sequence[Array]) -> EffortNoise:
             best, chosen = cost, ahead
     ahead = np.concatenate([chosen, np.zeros(MEMORY - len(chosen))])
     left = max(float(lags[0] - ahead @ lags[1:]), 1e-6 * float(lags[0]))
-    return EffortNoise(ahead, float(np.sqrt(left)), float(np.sqrt(lags[0])))
+    return EffortNoise(ahead, float(np.sqrt(left)), float(np.sqrt(lags[0])), dry)

@@ -73,13 +73,13 @@ class EffortStudy:
         """Whitened residuals of the data held out, nothing fitted to them, in units of the noise that the fit left."""
         rows = self.held.rows(fitted.hypothesis, fitted.x)
         raw = self.data.rows(fitted.hypothesis, fitted.x)
-        return np.asarray(rows / float(np.sqrt(np.mean(raw**2))))
+        return np.asarray(rows / self.data.size(raw))
 
     def heldout_z(self, smaller: EffortFit, larger: EffortFit) -> float:
         """How much better the larger hypothesis predicts data held out, in standard deviations."""
         rows = self.held.rows(smaller.hypothesis, smaller.x)
         other = self.held.rows(larger.hypothesis, larger.x)
-        size = float(np.sqrt(np.mean(other**2)))
+        size = self.held.size(other)
         return heldout_gain(rows / size, other / size)
 
     def from_nothing(self, fitted: EffortFit, k: int) -> float:
@@ -93,12 +93,12 @@ class EffortStudy:
     def weight(self, fitted: EffortFit) -> float:
         """Criterion of the training data, and the same of the data held out without a fit: smaller is better."""
         rows = self.held.rows(fitted.hypothesis, fitted.x)
-        return self.criterion(fitted) + len(rows) * float(np.log(np.mean(rows**2)))
+        return self.criterion(fitted) + self.held.misfit(rows)
 
     def ranked(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
         """Candidates by the share of the residual that their trace explains beside what is fitted, with a start each."""
         here = self.data.rows(base.hypothesis, base.x)
-        size = float(np.sqrt(np.mean(here**2)))
+        size = self.data.size(here)
         # What the nominal quantities may still take is limited by their prior, so those columns carry it.
         prior = np.zeros((self.nominal, base.jacobian.shape[1]))
         prior[:, : self.nominal] = np.eye(self.nominal)

@@ -92,6 +92,10 @@ class NominalRows:
             row[slot] = self._row[slot] * f[k]
         return row
 
+    def of_each_number(self) -> list[Array]:
+        """Rows of the mechanism with nothing in it but one of a link's ten inertial numbers, which is one."""
+        return [self._bare(part, unit, {}) for part in self._links for unit in np.eye(len(INERTIA_SLOTS))]
+
     def terms(self) -> Terms:
         """What the torque along any motion is made up of."""
         factors: list[tuple[int, ...]] = []

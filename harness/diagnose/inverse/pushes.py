@@ -13,14 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
-from harness.denoc.model import Denoc
 from harness.diagnose.inverse.effort_motion import EffortRun
+from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
 from harness.system import System
 
 Array = NDArray[np.float64]
 
-ROUNDS = 20  # of reweighting
-TUKEY = 4.685  # of a robust standard deviation: 95 % efficiency under Gaussian noise (Beaton and Tukey 1974)
 BEGINS = 6.0  # robust standard deviations at which a push is noticed
 ENDS = 2.5  # to which it reaches on either side
 SHARE = 0.15  # of the efforts' 95th percentile, below which a push is not claimed
@@ -39,73 +37,32 @@ class Push:
     peak: float
 
 
-def ordinary_terms(system: System, run: EffortRun, joint: int) -> Array:
-    """Torques that any model of the mechanism could have at a joint, up to a factor each, smoothed, shape (T, 7).
-
-    Inertia, gravity and velocity-product torque of the nominal model, then viscous, dry, quadratic and constant torque.
-    """
-    model = Denoc(system)
-    still, motion = np.zeros_like(run.q), run.qd
-    gravity = model.inverse_dynamics_batch(run.q, still, still)
-    moving = model.inverse_dynamics_batch(run.q, motion, still) - gravity
-    inertia = model.inverse_dynamics_batch(run.q, still, run.qdd) - gravity
-    v = motion[:, joint]
-    terms = [
-        inertia[:, joint],
-        gravity[:, joint],
-        moving[:, joint],
-        v,
-        np.tanh(v / run.still[joint]),
-        v * np.abs(v),
-        np.ones(len(v)),
-    ]
-    return run.smooth(np.stack(terms, axis=1))
-
-
 def find_pushes(system: System, runs: Sequence[EffortRun]) -> tuple[Push, ...]:
     """Pushes in all recordings together, seen as what no combination of ordinary torques explains.
 
-    The combination is fitted robustly (Tukey's biweight), so that pushes do not pull it. None are claimed where they would
-    fill more than two fifths of the recordings.
+    The combination is fitted robustly, so that pushes do not pull it, and what dry friction may do at a turn is no push. None are
+    claimed where they would fill more than two fifths of the recordings.
     """
     found: list[Push] = []
     total = sum(run.time[-1] - run.time[0] for run in runs)
+    links = link_terms(system, runs)
     for j in range(runs[0].q.shape[1]):
         if not any(run.driven[j] for run in runs):
             continue
-        designs = [ordinary_terms(system, run, j) for run in runs]
+        ordinary = ordinary_torque(system, runs, j, links)
         use = np.concatenate([run.usable for run in runs])
-        design, target = np.concatenate(designs), np.concatenate([run.effort[:, j] for run in runs])
-        left = robust_residual(design, target, use)
+        target = np.concatenate([run.effort[:, j] for run in runs])
+        left = np.concatenate(ordinary.left)
         spread = 1.4826 * float(np.median(np.abs(left[use])))
         least = max(BEGINS * spread, SHARE * float(np.percentile(np.abs(target[use]), 95)))
-        at = 0
-        for k, run in enumerate(runs):
-            rest = np.where(run.inner, left[at : at + len(run.time)], 0.0)
-            at += len(run.time)
+        for k, (run, surely) in enumerate(zip(runs, ordinary.surely(runs, j), strict=True)):
+            rest = np.where(run.inner, surely, 0.0)
             for first, last in _stretches(rest, run, least, ENDS * spread):
                 peak = float(rest[first : last + 1][np.argmax(np.abs(rest[first : last + 1]))])
                 found.append(Push(k, j, float(run.time[first]), float(run.time[last]), peak))
     if sum(p.last - p.first for p in found) > MOST * total:
         return ()
     return tuple(found)
-
-
-def robust_residual(design: Array, target: Array, use: NDArray[np.bool_]) -> Array:
-    """What a robust regression (Tukey's biweight, iteratively reweighted) leaves of every sample, shape (T,)."""
-    size = np.sqrt(np.mean(design[use] ** 2, axis=0))
-    columns = design[:, size > 0.0] / size[size > 0.0]
-    weight = use.astype(np.float64)
-    left = target
-    for _ in range(ROUNDS):
-        root = np.sqrt(weight)[:, None]
-        found, *_ = np.linalg.lstsq(columns * root, target * root[:, 0], rcond=1e-8)
-        left = target - columns @ found
-        spread = 1.4826 * float(np.median(np.abs(left[use])))
-        if spread <= 0.0:
-            break
-        weight = use * np.maximum(1.0 - (left / (TUKEY * spread)) ** 2, 0.0) ** 2
-    return np.asarray(left)
 
 
 def _stretches(rest: Array, run: EffortRun, begins: float, ends: float) -> list[tuple[int, int]]:

@@ -58,7 +58,8 @@ class _Place:
 class Whitened:
     """Whitened rows of hypotheses about the efforts of a model's runs.
 
-    clusters: of which stretch each row is, (rows,).
+    clusters: of which stretch each row is, (rows,). weights: by which rows are multiplied where dry friction's direction is unsure,
+    (rows,): the more it may be off beside the noise, the less a row tells.
     """
 
     def __init__(self, model: EffortModel, grids: Sequence[Grid], noises: Sequence[EffortNoise]) -> None:
@@ -98,6 +99,19 @@ class Whitened:
             order_joints = np.tile(place.joints, len(place.samples))[place.order]
             self._which[place.first : place.first + len(place.order)] = order_joints
         self._kept: dict[Any, Any] = {}
+        dry = np.array([noise.dry for noise in noises])
+        self._sure: dict[int, Array] = {}
+        for place in self._places:
+            off = dry * np.abs(place.run.unsure[place.samples])
+            whole = off.copy()
+            for lag in range(1, MEMORY + 1):
+                whole[lag:] += np.abs(self._ahead[:, lag - 1]) * off[:-lag]
+            whole /= self._innovation
+            whole[place.begins] = off[place.begins] / self._std
+            self._sure[id(place)] = 1.0 / np.sqrt(1.0 + whole**2)
+        self.weights = np.concatenate(
+            [self._sure[id(place)][:, place.joints].ravel()[place.order] for place in self._places] or [np.zeros(0)]
+        )
 
     def recorded(self, model: EffortModel) -> Whitened:
         """The same columns beside other efforts, those of a model with the same motions."""
@@ -264,4 +278,4 @@ class Whitened:
             out[lag:] -= self._ahead[joints, lag - 1] * seen[:-lag]
         out /= self._innovation[joints]
         out[place.begins] = seen[place.begins] / self._std[joints]
-        return out
+        return np.asarray(out * self._sure[id(place)][:, joints])
