@@ -76,7 +76,16 @@ class EffortRun:
         A joint that turns about sticks for a while, or creeps, and which way it is pushed meanwhile is not in its position. A
         direction of ±1 whose mean is m = tanh(v / still) has a standard deviation of √(1 − m²), throughout one turn alike.
         """
-        return np.abs(self.smooth(1.0 / np.cosh(np.minimum(np.abs(self.qd / self.still), 700.0))))
+        return np.abs(self.smooth(self._doubt))
+
+    @cached_property
+    def late(self) -> Array:
+        """The same where a joint turns late in every turn, or early, as sticking makes it, (T, n)."""
+        return self.smooth(self._doubt * np.sign(self.qdd))
+
+    @cached_property
+    def _doubt(self) -> Array:
+        return np.asarray(1.0 / np.cosh(np.minimum(np.abs(self.qd / self.still), 700.0)))
 
     @cached_property
     def _filter(self) -> ZeroPhase:

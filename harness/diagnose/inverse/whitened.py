@@ -109,6 +109,10 @@ class Whitened:
             whole /= self._innovation
             whole[place.begins] = off[place.begins] / self._std
             self._sure[id(place)] = 1.0 / np.sqrt(1.0 + whole**2)
+        self._late = self._all([run.late * dry for run in model.runs], smoothed=True)
+        power = np.bincount(self._which, self._late**2, len(noises))
+        # The inverse square root of 1 + u u', applied to rows: u (1 - (1 + u'u)^-½) / u'u is taken of u.
+        self._taken = (1.0 - 1.0 / np.sqrt(1.0 + power)) / np.maximum(power, 1e-300)
         self.weights = np.concatenate(
             [self._sure[id(place)][:, place.joints].ravel()[place.order] for place in self._places] or [np.zeros(0)]
         )
@@ -153,7 +157,12 @@ class Whitened:
             self._add(torque, self._law(name, one.site, (), motion, others), share)
         effort, slope = self._effort(inputs)
         rows = effort - torque
-        return rows if slope is None else rows / slope
+        return self._turning(rows if slope is None else rows / slope)
+
+    def _turning(self, rows: Array) -> Array:
+        """Rows less what joints that turn late or early, every time alike, may have put into them."""
+        share = np.bincount(self._which, self._late * rows, len(self._taken)) * self._taken
+        return np.asarray(rows - share[self._which] * self._late)
 
     def _torque(self, nominal: Array, others: Sequence[Attachment]) -> Array:
         """Whitened torque that the motions need without laws of the hypothesis; the caller's to write to."""
