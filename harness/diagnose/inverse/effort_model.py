@@ -69,7 +69,6 @@ class EffortModel:
         self.nominal: tuple[Nominal, ...] = nominal_quantities(system)
         self._kept: dict[Any, list[tuple[EffortRun, Array]]] = {}
         self._motions: dict[Any, list[EffortRun]] = {}
-        self._directions: dict[Any, list[Array]] = {}
         self._depends: dict[Any, NDArray[np.intp] | None] = {}
         self._added: dict[Any, tuple[Array, Expressed]] = {}
 
@@ -157,7 +156,7 @@ class EffortModel:
         stribeck = {a.site: a.parameters for a in whole.beyond if a.effect == "stribeck_friction"}
         joints = [whole.system.joint(name) for name in whole.system.joint_names]
         out: list[Array] = []
-        for moved, signs in zip(self.moved(further), self._signs(further), strict=True):
+        for moved in self.moved(further):
             torque = model(moved.q, moved.qd, moved.qdd)
             if whole.forces.any:
                 torque = torque - whole.forces(moved.q, moved.qd)
@@ -167,25 +166,14 @@ class EffortModel:
                 if extra is not None:
                     level = level + _stribeck(extra, moved.qd[:, j])
                 if np.any(level):
-                    torque[:, j] += level * signs[:, j]
+                    torque[:, j] += level * moved.direction[:, j]
             out.append(torque)
         return out
-
-    def _signs(self, further: Sequence[Attachment]) -> list[Array]:
-        """Of every run the directions of its true motion that dry friction knows, (T, n)."""
-        key = self.motion_key(further)
-        if key not in self._directions:
-            while len(self._directions) >= MOTIONS:
-                del self._directions[next(iter(self._directions))]
-            self._directions[key] = [
-                np.tanh(moved.qd / run.still) for run, moved in zip(self.runs, self.moved(further), strict=True)
-            ]
-        return self._directions[key]
 
     def dry(self, run: EffortRun) -> Array:
         """Torque that the system's own dry friction takes along a run, (T, n)."""
         level = np.array([self.system.joint(name).friction for name in self.system.joint_names])
-        return np.asarray(level * np.tanh(run.qd / run.still))
+        return np.asarray(level * run.direction)
 
     def _mechanism(
         self, nominal: Array, further: Sequence[Attachment]
@@ -318,9 +306,9 @@ def law_shape(name: str, given: tuple[float, ...], moved: EffortRun, run: Effort
     if name == "drag":
         return np.asarray(v * np.abs(v))
     if name == "sign":
-        return np.asarray(np.tanh(v / run.still[j]))
+        return np.asarray(moved.direction[:, j])
     if name == "stiction":
-        return np.asarray(np.exp(-((v / given[0]) ** 2)) * np.tanh(v / run.still[j]))
+        return np.asarray(np.exp(-((v / given[0]) ** 2)) * moved.direction[:, j])
     if name == "angle":
         return q
     if name == "cube":

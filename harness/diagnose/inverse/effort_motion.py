@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.ndimage import binary_dilation
-from scipy.signal import butter, sosfilt, sosfilt_zi, sosfiltfilt
+from scipy.signal import butter, savgol_filter, sosfilt, sosfilt_zi, sosfiltfilt
 
 from harness.effects.scale import swings
 from harness.errors import InputError
@@ -47,7 +47,8 @@ class EffortRun:
 
     time: [s], shape (T,). q, qd, qdd: motion through a wider low-pass, shape (T, n).
     raw, effort: efforts as recorded and smoothed, shape (T, n).
-    driven: joints with a recorded effort, shape (n,). still: velocity below which a joint may rest, shape (n,).
+    sharp: velocity over short stretches of the reading, which does not ring where a joint comes to rest, shape (T, n).
+    driven: joints with a recorded effort, shape (n,). still: such a velocity below which a joint may rest, shape (n,).
     usable: samples that can be compared, shape (T,). bandwidth: cutoff [Hz].
     """
 
@@ -56,6 +57,7 @@ class EffortRun:
     q: Array
     qd: Array
     qdd: Array
+    sharp: Array
     raw: Array
     effort: Array
     driven: NDArray[np.bool_]
@@ -80,12 +82,17 @@ class EffortRun:
 
     @cached_property
     def late(self) -> Array:
-        """The same where a joint turns late in every turn, or early, as sticking makes it, (T, n)."""
-        return self.smooth(self._doubt * np.sign(self.qdd))
+        """The same where friction turns before the joint does in every turn, or after, as sticking makes it, (T, n)."""
+        return self.smooth(self._doubt * np.sign(np.gradient(self.smooth(self.direction), axis=0)))
 
     @cached_property
     def _doubt(self) -> Array:
-        return np.asarray(1.0 / np.cosh(np.minimum(np.abs(self.qd / self.still), 700.0)))
+        return np.sqrt(1.0 - self.direction**2)
+
+    @cached_property
+    def direction(self) -> Array:
+        """Which way each joint moves, as dry friction knows it: -1 to 1, (T, n)."""
+        return np.asarray(np.tanh(self.sharp / self.still))
 
     @cached_property
     def _filter(self) -> ZeroPhase:
@@ -109,7 +116,7 @@ class EffortRun:
         spline = make_interp_spline(self.time, q[:, which], k=5)
         qd, qdd = self.qd.copy(), self.qdd.copy()
         qd[:, which], qdd[:, which] = spline.derivative(1)(self.time), spline.derivative(2)(self.time)
-        return replace(self, q=q, qd=qd, qdd=qdd)
+        return replace(self, q=q, qd=qd, qdd=qdd, sharp=self.sharp + qd - self.qd)
 
 
 class ZeroPhase:
@@ -205,14 +212,12 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
         raise InputError("the recording has no effort to fit", mend="leave --fit-effort out", source=recording.source)
     blank = np.zeros_like(raw)
     run = EffortRun(
-        recording.name, time, blank, blank, blank, raw, np.asarray(sosfiltfilt(sections, raw, axis=0)), driven,
+        recording.name, time, blank, blank, blank, blank, raw, np.asarray(sosfiltfilt(sections, raw, axis=0)), driven,
         np.full(len(names), 1e-12), np.ones(len(time), dtype=bool), cutoff,
     ).moved(np.stack(columns, axis=1))  # fmt: skip
-    still = np.array(
-        [
-            max(STILL * motion_noise(recording, name, widest, 1), STILL_SHARE * float(np.abs(v).max()), 1e-12)
-            for name, v in zip(names, run.qd.T, strict=True)
-        ]
+    sharp, still = zip(
+        *(_short_slopes(recording, name, time, v, 1.0 / widest) for name, v in zip(names, run.qd.T, strict=True)),
+        strict=True,
     )
     edge = round(EDGE / (cutoff * step))
     usable = np.ones(len(time), dtype=bool)
@@ -221,7 +226,7 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
         if gap.kind == "gap":
             for first, last in gap.where:
                 usable &= (time < first - 1.0 / cutoff) | (time > last + 1.0 / cutoff)
-    run = replace(run, still=still, usable=usable)
+    run = replace(run, sharp=np.stack(sharp, axis=1), still=np.array(still), usable=usable)
     return run.without(_resting(run))
 
 
@@ -232,6 +237,28 @@ def recorded_efforts(system: System, recording: Recording, time: Array) -> Array
         good = np.isfinite(channel.values)
         raw[:, system.joint_names.index(channel.site)] = np.interp(time, recording.time[good], channel.values[good])
     return raw
+
+
+def _short_slopes(recording: Recording, joint: str, time: Array, smooth: Array, longest: float) -> tuple[Array, float]:
+    """Slopes of a joint's reading over stretches no longer than its noise asks for, (T,), and the least that is told from rest.
+
+    The noise of a straight line's slope through n samples Δt apart is σ/Δt √(12/(n (n² − 1))). smooth: the smoothed velocity, (T,).
+    """
+    channel = recording.channel(f"{joint}.position")
+    good = np.isfinite(channel.values)
+    even = np.arange(0.0, recording.time[-1] + 0.5 * recording.interval, recording.interval)
+    noise, fastest = _reading_noise(recording, joint), float(np.abs(smooth).max())
+
+    def unsure(count: int) -> float:
+        return STILL * noise / recording.interval * float(np.sqrt(12.0 / (count * (count**2 - 1.0))))
+
+    count, most = 3, min(longest / recording.interval, len(even) - 1.0)
+    while count + 2 <= most and unsure(count) > STILL_SHARE * fastest:
+        count += 2
+    slopes = savgol_filter(
+        np.interp(even, recording.time[good], channel.values[good]), count, 1, deriv=1, delta=recording.interval
+    )
+    return np.interp(time, even, slopes), max(unsure(count), STILL_SHARE * fastest, 1e-12)
 
 
 def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) -> float:
@@ -306,7 +333,7 @@ def _resting(run: EffortRun) -> NDArray[np.bool_]:
     reach = max(1, round(0.5 * RESTING / (run.bandwidth * step)))
     out = np.zeros(len(run.time), dtype=bool)
     for j in np.flatnonzero(run.driven):
-        slow = np.abs(run.qd[:, j]) < run.still[j]
+        slow = np.abs(run.sharp[:, j]) < run.still[j]
         # Long stretches only: erosion by half a period and dilation by one and a half.
         core = ~binary_dilation(~slow, iterations=reach)
         out |= binary_dilation(core, iterations=3 * reach)

@@ -50,7 +50,7 @@ def ordinary_terms(system: System, run: EffortRun, joint: int) -> Array:
         gravity[:, joint],
         moving[:, joint],
         v,
-        np.tanh(v / run.still[joint]),
+        run.direction[:, joint],
         v * np.abs(v),
         np.ones(len(v)),
     ]
@@ -63,8 +63,7 @@ def joint_terms(run: EffortRun, joint: int) -> Array:
     terms = [a, q, q**3]
     for k in range(1, WAVES + 1):
         terms += [np.sin(k * q), np.cos(k * q)]
-    still = run.still[joint]
-    terms += [np.exp(-((v / (f * still)) ** 2)) * np.tanh(v / still) for f in FALLS]
+    terms += [np.exp(-((v / (f * run.still[joint])) ** 2)) * run.direction[:, joint] for f in FALLS]
     return run.smooth(np.stack(terms, axis=1))
 
 
