@@ -16,7 +16,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, maximum_filter1d
 from scipy.signal import butter, savgol_filter, sosfilt, sosfilt_zi, sosfiltfilt
 
 from harness.effects.scale import swings
@@ -48,6 +48,7 @@ class EffortRun:
     time: [s], shape (T,). q, qd, qdd: motion through a wider low-pass, shape (T, n).
     raw, effort: efforts as recorded and smoothed, shape (T, n).
     sharp: velocity over short stretches of the reading, which does not ring where a joint comes to rest, shape (T, n).
+    short: how long those stretches are, for each joint [s], shape (n,).
     driven: joints with a recorded effort, shape (n,). still: such a velocity below which a joint may rest, shape (n,).
     usable: samples that can be compared, shape (T,). bandwidth: cutoff [Hz].
     """
@@ -58,6 +59,7 @@ class EffortRun:
     qd: Array
     qdd: Array
     sharp: Array
+    short: Array
     raw: Array
     effort: Array
     driven: NDArray[np.bool_]
@@ -87,7 +89,11 @@ class EffortRun:
 
     @cached_property
     def _doubt(self) -> Array:
-        return np.sqrt(1.0 - self.direction**2)
+        # A stretch that reaches into motion does not show the rest in it.
+        step = float(self.time[1] - self.time[0])
+        plain = np.sqrt(1.0 - self.direction**2)
+        wide = [maximum_filter1d(d, 1 + round(s / step)) for d, s in zip(plain.T, self.short, strict=True)]
+        return np.stack(wide, axis=1)
 
     @cached_property
     def direction(self) -> Array:
@@ -212,10 +218,10 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
         raise InputError("the recording has no effort to fit", mend="leave --fit-effort out", source=recording.source)
     blank = np.zeros_like(raw)
     run = EffortRun(
-        recording.name, time, blank, blank, blank, blank, raw, np.asarray(sosfiltfilt(sections, raw, axis=0)), driven,
+        recording.name, time, blank, blank, blank, blank, np.zeros(len(names)), raw, np.asarray(sosfiltfilt(sections, raw, axis=0)), driven,
         np.full(len(names), 1e-12), np.ones(len(time), dtype=bool), cutoff,
     ).moved(np.stack(columns, axis=1))  # fmt: skip
-    sharp, still = zip(
+    sharp, still, short = zip(
         *(_short_slopes(recording, name, time, v, 1.0 / widest) for name, v in zip(names, run.qd.T, strict=True)),
         strict=True,
     )
@@ -226,7 +232,7 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
         if gap.kind == "gap":
             for first, last in gap.where:
                 usable &= (time < first - 1.0 / cutoff) | (time > last + 1.0 / cutoff)
-    run = replace(run, sharp=np.stack(sharp, axis=1), still=np.array(still), usable=usable)
+    run = replace(run, sharp=np.stack(sharp, axis=1), still=np.array(still), short=np.array(short), usable=usable)
     return run.without(_resting(run))
 
 
@@ -239,8 +245,10 @@ def recorded_efforts(system: System, recording: Recording, time: Array) -> Array
     return raw
 
 
-def _short_slopes(recording: Recording, joint: str, time: Array, smooth: Array, longest: float) -> tuple[Array, float]:
-    """Slopes of a joint's reading over stretches no longer than its noise asks for, (T,), and the least that is told from rest.
+def _short_slopes(
+    recording: Recording, joint: str, time: Array, smooth: Array, longest: float
+) -> tuple[Array, float, float]:
+    """Slopes of a joint's reading over stretches no longer than its noise asks for, (T,), the least that is told from rest, and the length [s].
 
     The noise of a straight line's slope through n samples Δt apart is σ/Δt √(12/(n (n² − 1))). smooth: the smoothed velocity, (T,).
     """
@@ -258,7 +266,7 @@ def _short_slopes(recording: Recording, joint: str, time: Array, smooth: Array, 
     slopes = savgol_filter(
         np.interp(even, recording.time[good], channel.values[good]), count, 1, deriv=1, delta=recording.interval
     )
-    return np.interp(time, even, slopes), max(unsure(count), STILL_SHARE * fastest, 1e-12)
+    return np.interp(time, even, slopes), max(unsure(count), STILL_SHARE * fastest, 1e-12), count * recording.interval
 
 
 def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) -> float:
