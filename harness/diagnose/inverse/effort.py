@@ -125,7 +125,7 @@ def diagnose_effort(
     try:
         with deadline.spared():
             study.fit(Hypothesis(), [np.zeros(study.nominal)])
-        turned = EffortStudy(data.recorded(beside[0]), judged.recorded(beside[1]), known)
+        turned = EffortStudy(data.recorded(beside[0]), judged.recorded(beside[1]), known, traces=smooth.traces)
         best = deadline.attempt(
             *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
         )

@@ -64,10 +64,13 @@ class EffortData:
     def nominal_slopes(self, hypothesis: Hypothesis, x: Array, *, far: float = 1.0) -> Array:
         """Slopes of the whitened rows over the nominal quantities near x, (rows, nominal); far: how many times as far as usual.
 
-        They are those of all hypotheses with the same effects other than laws of joints, which only add to the torque.
+        They are those of all hypotheses with the same effects other than laws of joints, which only add to the torque; as far as
+        that is near enough, those of the nominal model alone.
         """
         model = self.model
         nominal = len(model.nominal)
+        if far > 1.0:
+            hypothesis, x = Hypothesis(), x[:nominal]
         bent = [
             (member, span)
             for member, span in zip(hypothesis.members, model.spans(hypothesis), strict=True)

@@ -218,8 +218,8 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
         raise InputError("the recording has no effort to fit", mend="leave --fit-effort out", source=recording.source)
     blank = np.zeros_like(raw)
     run = EffortRun(
-        recording.name, time, blank, blank, blank, blank, np.zeros(len(names)), raw, np.asarray(sosfiltfilt(sections, raw, axis=0)), driven,
-        np.full(len(names), 1e-12), np.ones(len(time), dtype=bool), cutoff,
+        recording.name, time, blank, blank, blank, blank, np.zeros(len(names)), raw,
+        np.asarray(sosfiltfilt(sections, raw, axis=0)), driven, np.full(len(names), 1e-12), np.ones(len(time), dtype=bool), cutoff,
     ).moved(np.stack(columns, axis=1))  # fmt: skip
     sharp, still, short = zip(
         *(_short_slopes(recording, name, time, v, 1.0 / widest) for name, v in zip(names, run.qd.T, strict=True)),
@@ -248,7 +248,7 @@ def recorded_efforts(system: System, recording: Recording, time: Array) -> Array
 def _short_slopes(
     recording: Recording, joint: str, time: Array, smooth: Array, longest: float
 ) -> tuple[Array, float, float]:
-    """Slopes of a joint's reading over stretches no longer than its noise asks for, (T,), the least that is told from rest, and the length [s].
+    """Slopes of a joint's reading over stretches no longer than its noise asks for, (T,), the least told from rest, the length [s].
 
     The noise of a straight line's slope through n samples Δt apart is σ/Δt √(12/(n (n² − 1))). smooth: the smoothed velocity, (T,).
     """

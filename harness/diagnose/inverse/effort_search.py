@@ -22,6 +22,8 @@ BEAM = 2  # sets carried on
 TRIED = 5  # candidates fitted beside each of them
 DEEPEST = 5  # effects
 MOST_STARTS = 6  # of one candidate
+SHORT = 2.0  # times what its trace explains, that a fit may bring: traces are of few starts, and of small effects
+FAR = 4.0  # times the same, that a rival may bring at most
 FEW_CALLS = 5  # evaluations that show whether a rival comes anywhere near
 STRETCHED = 1e-7  # chance of a stretch of the nominal quantities under their tolerance, below which it is evidence
 HELD_OUT = 1.0  # standard deviations by which an effect must improve data held out
@@ -38,6 +40,7 @@ class EffortStudy:
     held: EffortData
     candidates: tuple[Candidate, ...]
     fits: dict[frozenset[str], EffortFit] = field(default_factory=dict)
+    traces: dict[str, tuple[list[Array], Array]] = field(default_factory=dict)
 
     @property
     def nothing(self) -> EffortFit:
@@ -50,10 +53,13 @@ class EffortStudy:
 
     def criterion(self, fitted: EffortFit) -> float:
         """Extended Bayesian information criterion (Chen and Chen, Biometrika 95 (2008) 759, γ = 1)."""
-        count = len(fitted.hypothesis.members)
-        rare = sum(m.effect.rarity for m in fitted.hypothesis.members)
-        sets = log_choose(len(self.candidates), count)
-        return fitted.cost + fitted.hypothesis.size * float(np.log(self.data.samples)) + 2.0 * (sets + rare)
+        return fitted.cost + self.price(fitted.hypothesis)
+
+    def price(self, hypothesis: Hypothesis) -> float:
+        """What a set of effects has to bring to be as good as none."""
+        rare = sum(m.effect.rarity for m in hypothesis.members)
+        sets = log_choose(len(self.candidates), len(hypothesis.members))
+        return hypothesis.size * float(np.log(self.data.samples)) + 2.0 * (sets + rare)
 
     def fit(self, hypothesis: Hypothesis, starts: Sequence[Array]) -> EffortFit:
         best = self.fits.get(hypothesis.identity)
@@ -105,24 +111,43 @@ class EffortStudy:
         basis, _ = np.linalg.qr(np.vstack([base.jacobian, prior]))
         rest = np.concatenate([here / size, base.x[: self.nominal]])
         rest = rest - basis @ (basis.T @ rest)
+        seen = basis[: len(here)]
         out = []
         for candidate in self.candidates:
             if not compatible(base.hypothesis, candidate):
                 continue
-            hypothesis = base.hypothesis.with_(candidate)
-            best: tuple[float, Array] | None = None
-            for start in starts_of(candidate):
-                whole = np.concatenate([base.x, start])
-                there = self.data.rows(hypothesis, whole)
-                trace = np.concatenate([(there - here) / size, np.zeros(self.nominal)])
-                trace = trace - basis @ (basis.T @ trace)
-                length = float(trace @ trace)
-                gain = float(trace @ rest) ** 2 / length if length > 1e-12 else 0.0
-                if np.isfinite(gain) and (best is None or gain > best[0]):
-                    best = (gain, start)
-            if best is not None:
-                out.append((best[0], candidate, best[1]))
+            starts, traces = self.traces_of(candidate)
+            # Beside the basis, whose rows of the prior a trace has nothing in.
+            inside = traces @ seen
+            length = np.einsum("ij,ij->i", traces, traces) - np.einsum("ij,ij->i", inside, inside)
+            along = traces @ rest[: len(here)] - inside @ (basis.T @ rest)
+            there = length > 1e-12 * size**2
+            gain = np.where(there, along**2 / np.where(there, length, 1.0), 0.0)
+            k = int(np.argmax(np.where(np.isfinite(gain), gain, -1.0)))
+            out.append((float(gain[k]), candidate, starts[k]))
         return sorted(out, key=lambda item: -item[0])
+
+    def traces_of(self, candidate: Candidate) -> tuple[list[Array], Array]:
+        """Starts of a candidate and what each changes in the rows of the nominal model, (starts, rows).
+
+        Beside other effects and other nominal quantities that is a little different, which matters little to an order.
+        """
+        if candidate.key not in self.traces:
+            blank = np.zeros(self.nominal)
+            hypothesis, starts = Hypothesis().with_(candidate), starts_of(candidate)
+            here = self.data.rows(Hypothesis(), blank)
+            rows = [self.data.rows(hypothesis, np.concatenate([blank, start])) - here for start in starts]
+            self.traces[candidate.key] = starts, np.array(rows)
+        return self.traces[candidate.key]
+
+    def promising(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
+        """The candidates that come first beside a fit, without those that would not pay if their trace brought twice as much."""
+        out = []
+        for gain, candidate, start in self.ranked(base)[:TRIED]:
+            price = self.price(base.hypothesis.with_(candidate)) - self.price(base.hypothesis)
+            if SHORT * gain >= price:
+                out.append((gain, candidate, start))
+        return out
 
     def extend(self, base: EffortFit, candidate: Candidate, start: Array) -> EffortFit:
         hypothesis = base.hypothesis.with_(candidate)
@@ -144,10 +169,13 @@ class EffortStudy:
         without = self.reduce(best, k)
         limit = self.weight(best) + APART
         # What a few steps bring not half as near as the member came will not come near it.
-        hopeless = max(10.0 * APART, 0.5 * (self.criterion(without) - self.criterion(best)))
+        brought = self.criterion(without) - self.criterion(best)
+        hopeless = max(10.0 * APART, 0.5 * brought)
         out = []
-        for _, candidate, start in self.ranked(without)[: 2 * TRIED]:
-            if candidate.key in best.hypothesis.keys:
+        for gain, candidate, start in self.ranked(without)[: 2 * TRIED]:
+            # A trace that explains a share g of S takes N log(1 − g/S) off; where that is far off, so is the candidate.
+            told = -self.data.samples * float(np.log1p(-min(gain / self.data.samples, 1.0 - 1e-9)))
+            if candidate.key in best.hypothesis.keys or FAR * told + 10.0 * APART < brought:
                 continue
             hypothesis = without.hypothesis.with_(candidate)
             if hypothesis.identity not in self.fits:
@@ -193,7 +221,7 @@ def search(
             best = beam[0]
         grown: list[EffortFit] = []
         for base in beam:
-            for _, candidate, start in study.ranked(base)[:TRIED]:
+            for _, candidate, start in study.promising(base):
                 grown.append(study.extend(base, candidate, start))
         progress(f"efforts, {depth + 1} effects")
         if not grown:

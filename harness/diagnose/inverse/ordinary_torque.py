@@ -120,7 +120,7 @@ def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links
     seen = np.where(there, seen / np.where(there, size, 1.0), 0.0)
     chosen = [k for k in range(ORDINARY) if there[k]]
     further = [k for k in range(ORDINARY, len(size)) if there[k]]
-    certain = np.ones(len(target))
+    certain: Array = np.ones(len(target))
     found, spread, weight = _robust(seen[:, chosen], target, certain)
     for _ in range(MOST + 1):
         dry = abs(float(found[chosen.index(DRY)] / size[DRY])) if DRY in chosen else 0.0
