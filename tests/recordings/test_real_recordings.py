@@ -21,7 +21,8 @@ import harness
 from harness.diagnose.conditioning.free_motion import carried_start, free_parts
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.inverse.effort_motion import effort_run
-from harness.diagnose.inverse.pushes import find_pushes, ordinary_terms
+from harness.diagnose.inverse.ordinary_torque import ordinary_terms
+from harness.diagnose.inverse.pushes import find_pushes
 from harness.diagnose.levels.levels import fit_levels
 from harness.effects import apply
 from harness.recording import Recording, read_recording

@@ -124,7 +124,8 @@ class EffortStudy:
             there = length > 1e-12 * size**2
             gain = np.where(there, along**2 / np.where(there, length, 1.0), 0.0)
             k = int(np.argmax(np.where(np.isfinite(gain), gain, -1.0)))
-            out.append((float(gain[k]), candidate, starts[k]))
+            times = -float(along[k] / length[k]) * size if there[k] else 1.0
+            out.append((float(gain[k]), candidate, _begun(candidate, starts[k], times)))
         return sorted(out, key=lambda item: -item[0])
 
     def traces_of(self, candidate: Candidate) -> tuple[list[Array], Array]:
@@ -135,6 +136,9 @@ class EffortStudy:
         if candidate.key not in self.traces:
             blank = np.zeros(self.nominal)
             hypothesis, starts = Hypothesis().with_(candidate), starts_of(candidate)
+            if len(candidate.effect.parameters) == 1:
+                # Of a single number, what one size of it changes all others do as well, but for how much.
+                starts = starts[:1]
             here = self.data.rows(Hypothesis(), blank)
             rows = [self.data.rows(hypothesis, np.concatenate([blank, start])) - here for start in starts]
             self.traces[candidate.key] = starts, np.array(rows)
@@ -187,6 +191,17 @@ class EffortStudy:
             if self.criterion(found) < self.criterion(best) + APART and self.weight(found) < limit:
                 out.append((candidate, found))
         return sorted(out, key=lambda pair: self.weight(pair[1]))
+
+
+def _begun(candidate: Candidate, start: Array, times: float) -> Array:
+    """Where a fit begins: of a single number, as far from its absence as its trace asks for."""
+    if len(start) > 1:
+        return start
+    (parameter,) = candidate.effect.parameters
+    absent = parameter.neutral if np.isfinite(parameter.neutral) else 0.0
+    asked = absent + times * (start - absent)
+    inside = np.all((parameter.lower < asked) & (asked < parameter.upper))
+    return asked if inside and np.any(asked != absent) else start
 
 
 def starts_of(candidate: Candidate) -> list[Array]:

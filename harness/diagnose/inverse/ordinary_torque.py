@@ -126,7 +126,7 @@ def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links
         dry = abs(float(found[chosen.index(DRY)] / size[DRY])) if DRY in chosen else 0.0
         if spread <= 0.0:
             break
-        certain = 1.0 / (1.0 + (dry * unsure / spread) ** 2)
+        certain = np.asarray(1.0 / (1.0 + (dry * unsure / spread) ** 2))
         found, spread, weight = _robust(seen[:, chosen], target, certain)
         best = _most(seen, target, weight, chosen, further, independent)
         if best is None or spread <= 0.0 or len(chosen) >= ORDINARY + MOST:
@@ -143,10 +143,10 @@ def _robust(columns: Array, target: Array, certain: Array) -> tuple[Array, float
     """Coefficients, robust standard deviation of what is left, and weights."""
     weight = certain
     before, spread = np.inf, 0.0
-    found = np.zeros(columns.shape[1])
+    found: Array = np.zeros(columns.shape[1])
     for _ in range(ROUNDS):
         root = np.sqrt(weight)
-        found, *_ = np.linalg.lstsq(columns * root[:, None], target * root, rcond=1e-8)
+        found = np.asarray(np.linalg.lstsq(columns * root[:, None], target * root, rcond=1e-8)[0])
         left = (target - columns @ found) * np.sqrt(certain)
         spread = 1.4826 * float(np.median(np.abs(left[certain > 0.5]))) if np.any(certain > 0.5) else 0.0
         if spread <= 0.0 or abs(spread - before) < SETTLED * spread:

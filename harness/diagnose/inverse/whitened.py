@@ -35,12 +35,14 @@ DENSE = 1_000_000  # numbers in a table of what every sample compared takes of t
 class _Place:
     """Where a run's samples go. samples: indices (N,); begins: those too near a stretch's beginning to be whitened, (N,).
 
+    sure: by which rows are multiplied where dry friction's direction is unsure, of all joints, (N, n).
     joints: driven ones (J,); order: of the rows, in an array (N, J) of samples; first: of the run's rows among all.
     """
 
     run: EffortRun
     samples: NDArray[np.intp]
     begins: NDArray[np.bool_]
+    sure: Array
     joints: NDArray[np.intp]
     order: NDArray[np.intp]
     first: int
@@ -67,6 +69,7 @@ class Whitened:
         self._ahead = np.array([noise.ahead for noise in noises])
         self._innovation = np.array([noise.innovation for noise in noises])
         self._std = np.array([noise.std for noise in noises])
+        dry = np.array([noise.dry for noise in noises])
         self._places: list[_Place] = []
         clusters: list[NDArray[np.intp]] = []
         count = 0
@@ -81,11 +84,13 @@ class Whitened:
                 clusters.append(np.full(len(stretch) * len(joints), len(clusters)))
                 at += len(stretch)
             samples = np.concatenate(grid.stretches) if grid.stretches else np.zeros(0, dtype=np.intp)
+            first = np.concatenate(begins) if begins else np.zeros(0, dtype=bool)
             self._places.append(
                 _Place(
                     run,
                     samples,
-                    np.concatenate(begins) if begins else np.zeros(0, dtype=bool),
+                    first,
+                    self._sure(np.abs(dry * run.unsure[samples]), first),
                     joints,
                     np.concatenate(order) if order else np.zeros(0, dtype=np.intp),
                     count,
@@ -99,23 +104,22 @@ class Whitened:
             order_joints = np.tile(place.joints, len(place.samples))[place.order]
             self._which[place.first : place.first + len(place.order)] = order_joints
         self._kept: dict[Any, Any] = {}
-        dry = np.array([noise.dry for noise in noises])
-        self._sure: dict[int, Array] = {}
-        for place in self._places:
-            off = dry * np.abs(place.run.unsure[place.samples])
-            whole = off.copy()
-            for lag in range(1, MEMORY + 1):
-                whole[lag:] += np.abs(self._ahead[:, lag - 1]) * off[:-lag]
-            whole /= self._innovation
-            whole[place.begins] = off[place.begins] / self._std
-            self._sure[id(place)] = 1.0 / np.sqrt(1.0 + whole**2)
         self._late = self._all([run.late * dry for run in model.runs], smoothed=True)
         power = np.bincount(self._which, self._late**2, len(noises))
         # The inverse square root of 1 + u u', applied to rows: u (1 - (1 + u'u)^-½) / u'u is taken of u.
         self._taken = (1.0 - 1.0 / np.sqrt(1.0 + power)) / np.maximum(power, 1e-300)
         self.weights = np.concatenate(
-            [self._sure[id(place)][:, place.joints].ravel()[place.order] for place in self._places] or [np.zeros(0)]
+            [place.sure[:, place.joints].ravel()[place.order] for place in self._places] or [np.zeros(0)]
         )
+
+    def _sure(self, off: Array, begins: NDArray[np.bool_]) -> Array:
+        """One over the standard deviation of rows beside samples that may be off by so much, (N, n), the noise's being one."""
+        whole = off.copy()
+        for lag in range(1, MEMORY + 1):
+            whole[lag:] += np.abs(self._ahead[:, lag - 1]) * off[:-lag]
+        whole /= self._innovation
+        whole[begins] = off[begins] / self._std
+        return np.asarray(1.0 / np.sqrt(1.0 + whole**2))
 
     def recorded(self, model: EffortModel) -> Whitened:
         """The same columns beside other efforts, those of a model with the same motions."""
@@ -287,4 +291,4 @@ class Whitened:
             out[lag:] -= self._ahead[joints, lag - 1] * seen[:-lag]
         out /= self._innovation[joints]
         out[place.begins] = seen[place.begins] / self._std[joints]
-        return np.asarray(out * self._sure[id(place)][:, joints])
+        return np.asarray(out * place.sure[:, joints])
