@@ -19,6 +19,7 @@ from harness.diagnose.conditioning.free_motion import free_parts
 from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.conditioning.poses import in_charts
 from harness.diagnose.inverse.effort import diagnose_effort
+from harness.diagnose.inverse.efforts_first import efforts_first, instead
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.known_error import worth_of_known_error
 from harness.diagnose.problem.acting import acting, coupled
@@ -130,6 +131,9 @@ def diagnose(
     if fit_effort:
         by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell, deadline=deadline)
         return replace(by_effort, provenance=made_from, notes=notes)
+    first: Diagnosis | None = None
+    if not further and not any(payloads):
+        first = efforts_first(system, read, held, only=only, tell=tell, deadline=deadline)
     problem = pose(system, read, heldout=held, payloads=payloads)
     every = [*read, *([held] if held is not None else [])]
     carrying = {link for change in payloads for link in change}
@@ -146,13 +150,13 @@ def diagnose(
         tell("weighing what was found")
         conclusion = conclude(outcome)
     except TimeUp:
-        nothing = nothing_fitted(crude_noise(problem), every, deadline)
+        nothing = instead(None, first) or nothing_fitted(crude_noise(problem), every, deadline)
         return replace(nothing, provenance=made_from, notes=notes)
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
     tell("telling")
     found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
-    return replace(found, provenance=made_from, notes=notes)
+    return replace(instead(found, first) or found, provenance=made_from, notes=notes)
 
 
 def _nominal(system: System, tolerance: float | None) -> System:

@@ -61,6 +61,18 @@ class Deadline:
         self._ends = [float("inf") if limit is None else self._begun + share * limit for share in SHARES]
         self._stage = Stage.SEARCH
         self._left: list[NotTried] = []
+        self._parts: list[Deadline] = []
+
+    @property
+    def limited(self) -> bool:
+        """Whether there is an end to it from the beginning."""
+        return self._ends[-1] < float("inf")
+
+    def part(self, share: float) -> Deadline:
+        """A deadline of its own for something that comes first and may take a share of what is left; interrupted with this one."""
+        part = Deadline(max(share * (self._ends[-1] - monotonic()), 1e-3))
+        self._parts.append(part)
+        return part
 
     @property
     def not_tried(self) -> tuple[NotTried, ...]:
@@ -80,6 +92,8 @@ class Deadline:
     def interrupt(self) -> None:
         """Come to an end now, with the best answer so far."""
         now = monotonic()
+        for part in self._parts:
+            part.interrupt()
         self._ends = [min(end, now + further) for end, further in zip(self._ends, AT_ONCE, strict=True)]
 
     def check(self) -> None:

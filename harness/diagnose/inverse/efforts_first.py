@@ -1,0 +1,70 @@
+"""What recorded efforts tell of an arm while there is no time to run its motion.
+
+Running the motion of an arm with each of a hundred effects takes minutes, inverse dynamics along it seconds. Where there is a limit
+they are asked first, and what they tell is the answer if the limit leaves the motion without one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.answer.explain import untried
+from harness.diagnose.inverse.effort import diagnose_effort
+from harness.diagnose.problem.deadline import Deadline, NotTried
+from harness.errors import InputError, UnsupportedError
+from harness.recording.recording import Recording
+from harness.system import System
+
+SEVERAL = 4  # joints, from which on the motion's own search seldom ends within a minute
+SHARE = 0.5  # of the time
+UNRUN = NotTried(
+    "runs of the motion itself, and with them effects that have a memory or coordinates of their own",
+    "what was found in the efforts may stand in for such an effect, such as play or a joint that gives",
+)
+BY_EFFORTS = "By the recorded efforts, since there was no time to run the motion:"
+# Nothing is called well, and nothing complete, that was looked at from one side only.
+WEAKER = {"consistent": "unexplained", "explained": "partly_explained"}
+
+
+def efforts_first(
+    system: System,
+    recordings: Sequence[Recording],
+    held: Recording | None,
+    *,
+    only: Sequence[str],
+    tell: Callable[[str], None],
+    deadline: Deadline,
+) -> Diagnosis | None:
+    """What efforts tell of an arm whose every joint has its position and effort recorded, if there is a limit; None otherwise."""
+    every = [*recordings, *([held] if held is not None else [])]
+    if not deadline.limited or len(system.joint_names) < SEVERAL or not all(_whole(system, one) for one in every):
+        return None
+    try:
+        found = diagnose_effort(system, recordings, held, only=only, tell=tell, deadline=deadline.part(SHARE))
+    except (InputError, UnsupportedError):
+        # It is the motion that was asked about.
+        return None
+    return found if found.fit else None
+
+
+def instead(found: Diagnosis | None, by_effort: Diagnosis | None) -> Diagnosis | None:
+    """The answer by efforts where the motion's own was cut short (None: before it had any) with nothing claimed."""
+    if by_effort is None or (found is not None and (found.complete or _claims(found))):
+        return found
+    not_tried = (*by_effort.not_tried, UNRUN)
+    summary = f"{BY_EFFORTS} {by_effort.summary} {untried((UNRUN,))}"
+    return replace(
+        by_effort, verdict=WEAKER.get(by_effort.verdict, by_effort.verdict), summary=summary, not_tried=not_tried
+    )
+
+
+def _whole(system: System, recording: Recording) -> bool:
+    placed = {c.site for c in recording.channels if c.quantity == "position"}
+    driven = {c.site for c in recording.efforts}
+    return set(system.joint_names) <= placed & driven
+
+
+def _claims(found: Diagnosis) -> bool:
+    return any(finding.get("grade") != "possible" for finding in found.findings)

@@ -1,0 +1,116 @@
+"""What efforts tell of an arm stands in where a limit leaves its motion without an answer, and says so."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from simulated_recordings import recording
+
+from harness.diagnose import diagnose
+from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.inverse import efforts_first as module
+from harness.diagnose.inverse.efforts_first import UNRUN, efforts_first, instead
+from harness.diagnose.problem.deadline import Deadline, NotTried
+from harness.system import Joint, JointType, Link, System
+
+NAMES = ("a", "b", "c", "d")
+
+
+def arm() -> System:
+    """Four links in a row, each 0.2 m on."""
+    links = [Link("base", mass=0.0, com=(0.0, 0.0, 0.0), inertia=np.zeros((3, 3)))]
+    joints = []
+    for k, name in enumerate(NAMES):
+        links.append(Link(f"link_{name}", mass=0.5, com=(0.0, 0.0, -0.1), inertia=np.diag([2e-3, 2e-3, 1e-4])))
+        joints.append(
+            Joint(
+                name,
+                JointType.CONTINUOUS,
+                links[k].name,
+                links[-1].name,
+                xyz=(0.0, 0.0, -0.2 if k else 0.0),
+                axis=(0.0, 1.0, 0.0),
+            )
+        )
+    return System(name="arm", base="base", links=tuple(links), joints=tuple(joints))
+
+
+def answer(verdict: str, *grades: str | None, not_tried: tuple[NotTried, ...] = ()) -> Diagnosis:
+    findings = [
+        {"effect": "viscous_damping", "site": "b", "parameters": {}} | ({"grade": g} if g else {}) for g in grades
+    ]
+    return Diagnosis(
+        verdict=verdict, summary="It is said.", noise=[], mismatch=[], findings=findings, ranking=[],
+        fit=[{"channel": "a.effort"}], remainder={}, next_experiment={}, quality=[], not_tried=not_tried,
+    )  # fmt: skip
+
+
+LEFT = (NotTried("all of it", "everything"),)
+
+
+@pytest.mark.parametrize(
+    ("found", "taken"),
+    [
+        (answer("explained", "certain"), False),
+        (answer("consistent"), False),  # all was tried, nothing is missing
+        (answer("partly_explained", "likely", not_tried=LEFT), False),  # something is claimed
+        (answer("unexplained", not_tried=LEFT), True),
+        (answer("unexplained", "possible", not_tried=LEFT), True),
+        (None, True),
+    ],
+)
+def test_the_efforts_answer_stands_in_only_where_nothing_is_claimed(found, taken):
+    by_effort = answer("explained", None)
+    told = instead(found, by_effort)
+    assert told is not None
+    if not taken:
+        assert told is found
+        return
+    assert told.findings == by_effort.findings and not told.complete
+    assert UNRUN in told.not_tried
+    # Looked at from one side only, nothing is called explained.
+    assert told.verdict == "partly_explained"
+    assert "efforts" in told.summary and UNRUN.what in told.summary
+    assert instead(found, None) is found
+
+
+def runs(system: System, joints: tuple[str, ...] = NAMES):
+    time = np.arange(0.0, 4.0, 0.01)
+    channels = {f"{n}.position": 0.3 * np.sin(2.0 * time + k) for k, n in enumerate(NAMES)}
+    channels |= {f"{n}.effort": np.cos(2.0 * time + k) for k, n in enumerate(joints)}
+    return [recording("run", time, channels)]
+
+
+def test_efforts_are_asked_first_only_under_a_limit_and_where_all_are_known(monkeypatch):
+    asked = []
+
+    def record(system, recordings, held, **options):
+        asked.append(options["deadline"])
+        return answer("explained", None)
+
+    monkeypatch.setattr(module, "diagnose_effort", record)
+    system = arm()
+    options = {"only": (), "tell": lambda _: None}
+    assert efforts_first(system, runs(system), None, deadline=Deadline(), **options) is None
+    assert efforts_first(system, runs(system, NAMES[:3]), None, deadline=Deadline(60.0), **options) is None
+    assert not asked
+    whole = Deadline(60.0)
+    assert efforts_first(system, runs(system), None, deadline=whole, **options) is not None
+    (part,) = asked
+    assert not part.over
+    # An interrupt ends both: what may go on then is done within seconds.
+    whole.interrupt()
+    assert part.over and whole.over
+
+
+def test_a_limit_too_short_for_the_motion_still_has_the_efforts_answer(monkeypatch):
+    monkeypatch.setattr(
+        sys.modules["harness.diagnose.diagnose"], "efforts_first", lambda *_, **__: answer("explained", None)
+    )
+    system = arm()
+    found = diagnose(runs(system), system, time_limit=0.01)
+    assert [f["site"] for f in found.findings] == ["b"]
+    assert not found.complete
+    assert found.provenance is not None
