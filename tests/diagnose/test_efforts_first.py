@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -20,20 +20,15 @@ NAMES = ("a", "b", "c", "d")
 
 def arm() -> System:
     """Four links in a row, each 0.2 m on."""
-    links = [Link("base", mass=0.0, com=(0.0, 0.0, 0.0), inertia=np.zeros((3, 3)))]
-    joints = []
+    links: list[Link] = []
+    joints: list[Joint] = []
     for k, name in enumerate(NAMES):
-        links.append(Link(f"link_{name}", mass=0.5, com=(0.0, 0.0, -0.1), inertia=np.diag([2e-3, 2e-3, 1e-4])))
-        joints.append(
-            Joint(
-                name,
-                JointType.CONTINUOUS,
-                links[k].name,
-                links[-1].name,
-                xyz=(0.0, 0.0, -0.2 if k else 0.0),
-                axis=(0.0, 1.0, 0.0),
-            )
+        below = links[-1].name if links else "base"
+        links.append(
+            Link(f"link_{name}", mass=0.5, com=np.array([0.0, 0.0, -0.1]), inertia=np.diag([2e-3, 2e-3, 1e-4]))
         )
+        place, axis = np.array([0.0, 0.0, -0.2 if k else 0.0]), np.array([0.0, 1.0, 0.0])
+        joints.append(Joint(name, JointType.CONTINUOUS, below, links[-1].name, xyz=place, axis=axis))
     return System(name="arm", base="base", links=tuple(links), joints=tuple(joints))
 
 
@@ -107,7 +102,7 @@ def test_efforts_are_asked_first_only_under_a_limit_and_where_all_are_known(monk
 
 def test_a_limit_too_short_for_the_motion_still_has_the_efforts_answer(monkeypatch):
     monkeypatch.setattr(
-        sys.modules["harness.diagnose.diagnose"], "efforts_first", lambda *_, **__: answer("explained", None)
+        import_module("harness.diagnose.diagnose"), "efforts_first", lambda *_, **__: answer("explained", None)
     )
     system = arm()
     found = diagnose(runs(system), system, time_limit=0.01)
