@@ -47,6 +47,7 @@ ARMS: dict[str, tuple[str, tuple[float, ...]]] = {
 DURATION, RATE, STEP = 30.0, 250.0, 5e-4
 SWING, HARMONICS, BASE = 0.6, 5, 0.1  # rad, number, Hz: of the Fourier series that joints follow (Swevers et al. 1997)
 ENCODER, TORQUE = 5e-5, 0.01  # rad; share of a joint's RMS torque: noise
+HOLD = 30.0  # 1/s: feedback of the position over a joint's stated damping
 FRICTION, DAMPING = 0.05, 0.05  # share of a joint's RMS torque, dry and (at its RMS speed) viscous, stated by the model
 # What is concealed makes up so much of a joint's RMS torque.
 LEAST, MOST = 0.06, 0.2
@@ -141,6 +142,8 @@ def run(model: mujoco.MjModel, rng: np.random.Generator, middle: Array, hidden: 
     for k in range(len(times)):
         mujoco.mj_forward(model, data)
         mujoco.mj_mulM(model, data, torque, a[k] + 100.0 * (q[k] - data.qpos) + 20.0 * (v[k] - data.qvel))
+        # A joint that carries next to nothing is held against its friction, or what is concealed there would take it away.
+        torque += HOLD * model.dof_damping * (q[k] - data.qpos)
         tau = torque + data.qfrc_bias - data.qfrc_passive + model.dof_frictionloss * np.tanh(v[k] / 0.02)
         # MuJoCo's steps are a leapfrog: a torque set here acts from half a step ago, when the joints were half a step's way back.
         out_q[k] = data.qpos - 0.5 * STEP * data.qvel

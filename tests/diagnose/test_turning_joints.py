@@ -121,3 +121,24 @@ def test_an_upright_axis_is_looked_at_as_fast_as_it_is_driven():
     weightless = replace(SYSTEM, gravity=np.asarray(SYSTEM.gravity) * 1e-6)
     assert pace(weightless, run) == pytest.approx(expected, rel=0.02)
     assert cutoff_for(weightless, run, pace(weightless, run)) > expected
+
+
+def test_what_a_regression_foretells_of_another_motion_is_no_push():
+    """An excursion of ten times the swing that it may not look at: fits to different noise err there by far more than the noise."""
+    far = WAY + 8.0 * np.exp(-(((TIME - 12.0) / 0.4) ** 2))
+    there, told = [], []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        effort = 0.3 * far**3 + 0.05 * rng.standard_normal(len(TIME))
+        reading = far + 1e-6 * rng.standard_normal(len(TIME))
+        run = effort_run(SYSTEM, recording("run", TIME, {"pivot.position": reading, "pivot.effort": effort}), CUTOFF)
+        run = run.without((run.time > 10.5) & (run.time < 13.5))
+        found = ordinary_torque(SYSTEM, [run], 0, link_terms(SYSTEM, [run]))
+        k = int(np.argmin(np.abs(run.time - 12.0)))
+        there.append(abs(found.left[0][k]))
+        told.append(abs(found.surely([run], 0)[0][k]))
+        assert np.all(found.reach[0][run.usable] == 1.0)
+    # White noise through a Butterworth of order 4 there and back, as above.
+    noise = 0.05 * np.sqrt(0.897 * CUTOFF / 125.0)
+    assert max(there) > 50.0 * noise
+    assert max(told) < 6.0 * noise

@@ -86,16 +86,21 @@ def link_terms(system: System, runs: Sequence[EffortRun]) -> list[Array]:
 
 @dataclass(frozen=True, eq=False)
 class OrdinaryTorque:
-    """What a joint's ordinary torques leave of its effort in every run, (T,) each; dry: their level of dry friction [N·m]."""
+    """What a joint's ordinary torques leave of its effort in every run, (T,) each.
+
+    reach: standard deviations of what is left over those of the noise, (T,) each: one where the regression has looked, elsewhere
+    the more the less a motion is like those that it has seen. dry: their level of dry friction [N·m].
+    """
 
     left: list[Array]
+    reach: list[Array]
     dry: float
 
     def surely(self, runs: Sequence[EffortRun], joint: int) -> list[Array]:
-        """What is left less what dry friction may do while the joint turns about."""
+        """What is left less what dry friction may do while the joint turns about, and by as much smaller as it is less certain."""
         return [
-            np.sign(rest) * np.maximum(np.abs(rest) - self.dry * run.unsure[:, joint], 0.0)
-            for rest, run in zip(self.left, runs, strict=True)
+            np.sign(rest) * np.maximum(np.abs(rest) - self.dry * run.unsure[:, joint], 0.0) / reach
+            for rest, reach, run in zip(self.left, self.reach, runs, strict=True)
         ]
 
 
@@ -136,7 +141,16 @@ def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links
         found, spread, weight = _robust(seen[:, chosen], target, certain)
     dry = abs(float(found[chosen.index(DRY)] / size[DRY])) if DRY in chosen else 0.0
     left = [run.effort[:, joint] - w[:, chosen] @ (found / size[chosen]) for run, w in zip(runs, whole, strict=True)]
-    return OrdinaryTorque(left, dry)
+    # The variance of a prediction is 1 + x (X' X)⁻¹ x' of the noise's; neighbours in X tell as much as one. X has all torques that
+    # might have been chosen: which of them were says nothing of motions unlike those seen.
+    inverse = np.linalg.pinv(np.linalg.qr(seen[:, there], mode="r"), rcond=1e-6)
+    reach = [
+        np.where(
+            run.usable, 1.0, np.sqrt(1.0 + step / every * np.sum(((w[:, there] / size[there]) @ inverse) ** 2, axis=1))
+        )
+        for run, w in zip(runs, whole, strict=True)
+    ]
+    return OrdinaryTorque(left, reach, dry)
 
 
 def _robust(columns: Array, target: Array, certain: Array) -> tuple[Array, float, Array]:
