@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.errors import InputError
-from harness.recording.recording import LINEAR_UNITS, UNITS
+from harness.recording.recording import LINEAR_UNITS, SPATIAL_UNITS, UNITS
 
 if TYPE_CHECKING:
     import pint
@@ -232,6 +232,10 @@ def _mend(text: str, given: Any, quantity: str, prismatic: bool | None) -> str:
 
 
 def _examples(quantity: str) -> str:
+    if quantity in SPATIAL_UNITS:
+        return {"m": "m, mm, um", "m/s": "m/s, mm/s", "rad/s": "rad/s, deg/s, rpm", "1": "1, as quaternions have it"}[
+            SPATIAL_UNITS[quantity]
+        ]
     return {
         "time": "s, ms, us",
         "position": "rad, deg, turn (or m, mm of a prismatic joint)",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from simulated_recordings import recording
 
-from harness.diagnose import diagnose
+from harness import diagnose
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.inverse import efforts_first as module
 from harness.diagnose.inverse.efforts_first import UNRUN, efforts_first, instead
