@@ -495,10 +495,11 @@ class _Answer:
         size = f"by {severity:.3g} times the noise"
         left = f"The effort that the nominal model needs for the recorded motion leaves the recorded one {size}"
         band = f"below {self.cutoff:.2g} Hz, where accelerations can be read off the recorded angle"
+        hold = "hold" if len(titles) > 1 else "holds"
         text = {
             "consistent": f"The effort that the model needs for the recorded motion agrees with the recorded one ({band}).",
             "explained": f"{left} ({band}); with {' and '.join(titles)} the residual is at the noise, also on data held out.",
-            "partly_explained": f"{left} ({band}); {' and '.join(titles)} hold up on data held out, but there is more.",
+            "partly_explained": f"{left} ({band}); {' and '.join(titles)} {hold} up on data held out, but there is more.",
             "unexplained": f"{left} ({band}), and nothing in the catalogue earns its place.",
         }[verdict]
         if rivals:
