@@ -47,7 +47,8 @@ def test_the_rocker_alone_tells_as_well(model) -> None:
 def test_a_gap_is_found_where_the_loop_is_closed(model) -> None:
     gap = 0.002
     recordings = four_bar(closing=ROPE.format(gap=gap), step="0.00005")
-    found = diagnose(recordings, model)
+    # Contacts are stiff, and the whole catalogue beside one takes far longer.
+    found = diagnose(recordings, model, only=("loop_clearance", "viscous_damping", "coulomb_friction"))
     assert "loop_clearance@knee" in [f"{f['effect']}@{f['site']}" for f in found.findings]
     told = next(f for f in found.findings if f["effect"] == "loop_clearance")["parameters"]["gap"]
-    assert told["value"] == pytest.approx(gap, rel=0.15)
+    assert told["value"] == pytest.approx(gap, rel=0.05)
