@@ -58,8 +58,8 @@ def pendulum(time: np.ndarray, angle: float, viscous: float = 0.0, dry: float = 
         def rates(t: float, y: np.ndarray, way: float = way) -> list[float]:
             return [y[1], (-MOMENT * np.sin(y[0]) - viscous * y[1] - dry * way) / INERTIA]
 
-        def stops(t: float, y: np.ndarray, way: float = way) -> float:
-            return way * y[1] if t > begun + 1e-3 else 1.0  # noqa: B023
+        def stops(t: float, y: np.ndarray, way: float = way, begun: float = begun) -> float:
+            return way * y[1] if t > begun + 1e-3 else 1.0
 
         stops.terminal = True  # type: ignore[attr-defined]
         run = solve_ivp(

@@ -24,6 +24,7 @@ from typing import Any
 
 from harness.denoc.joint_laws import laws as law
 from harness.denoc.lanes.nodes import DIRECTION, FREE, HOLD, JOINT, LIMIT, QD, QDD, TAU, Q
+from harness.denoc.recursion.triples import cross, dot3, minus, plus
 from harness.denoc.simd.vector import call_recursion, inner, lane_stepper, load, store, vectors
 
 # Heads of the plan.
@@ -123,26 +124,6 @@ def _put(ws: Any, at: int, k: int, lane: int, x: float, y: float, z: float) -> N
 
 
 @inner
-def _cross(a: Any, b: Any) -> Any:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@inner
-def _dot(a: Any, b: Any) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@inner
-def _plus(a: Any, b: Any) -> Any:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-@inner
-def _minus(a: Any, b: Any) -> Any:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@inner
 def _times(s: float, a: Any) -> Any:
     return s * a[0], s * a[1], s * a[2]
 
@@ -182,9 +163,9 @@ def move_bodies(plan: Any, ws: Any, lane: int) -> None:
             up = motion + MOTION * above
             arm = _turned(ws, up, lane, _get(ws, own, 9, lane))
             spin, spin_rate = _get(ws, up, 12, lane), _get(ws, up, 18, lane)
-            origin = _plus(_get(ws, up, 9, lane), arm)
-            speed = _plus(_get(ws, up, 15, lane), _cross(spin, arm))
-            pull = _plus(_get(ws, up, 21, lane), _plus(_cross(spin_rate, arm), _cross(spin, _cross(spin, arm))))
+            origin = plus(_get(ws, up, 9, lane), arm)
+            speed = plus(_get(ws, up, 15, lane), cross(spin, arm))
+            pull = plus(_get(ws, up, 21, lane), plus(cross(spin_rate, arm), cross(spin, cross(spin, arm))))
             for column in range(3):
                 p = (own + column) * 8 + lane
                 turned = _turned(ws, up, lane, (ws[p], ws[p + 24], ws[p + 48]))
@@ -202,11 +183,11 @@ def move_bodies(plan: Any, ws: Any, lane: int) -> None:
             _put(ws, out, 24, lane, axis[0], axis[1], axis[2])
             if kind == SLIDES:
                 arm = _times(q, axis)
-                origin = _plus(origin, arm)
+                origin = plus(origin, arm)
                 going = _times(qd, axis)
-                pull = _plus(pull, _plus(_cross(spin_rate, arm), _cross(spin, _cross(spin, arm))))
-                pull = _plus(pull, _times(2.0, _cross(spin, going)))
-                speed = _plus(speed, _plus(_cross(spin, arm), going))
+                pull = plus(pull, plus(cross(spin_rate, arm), cross(spin, cross(spin, arm))))
+                pull = plus(pull, _times(2.0, cross(spin, going)))
+                speed = plus(speed, plus(cross(spin, arm), going))
             else:
                 s, c = math.sin(q), math.cos(q)
                 d = 1.0 - c
@@ -218,8 +199,8 @@ def move_bodies(plan: Any, ws: Any, lane: int) -> None:
                     ws[p + 8] = r0 * (d * x * y - s * z) + r1 * (c + d * y * y) + r2 * (d * y * z + s * x)
                     ws[p + 16] = r0 * (d * x * z + s * y) + r1 * (d * y * z - s * x) + r2 * (c + d * z * z)
                 turning = _times(qd, axis)
-                spin_rate = _plus(spin_rate, _cross(spin, turning))
-                spin = _plus(spin, turning)
+                spin_rate = plus(spin_rate, cross(spin, turning))
+                spin = plus(spin, turning)
         _put(ws, out, 9, lane, origin[0], origin[1], origin[2])
         _put(ws, out, 12, lane, spin[0], spin[1], spin[2])
         _put(ws, out, 15, lane, speed[0], speed[1], speed[2])
@@ -278,26 +259,26 @@ def measure_conditions(plan: Any, ws: Any, lane: int) -> None:
         al1, al2 = _of_body(plan, ws, one, 18, lane), _of_body(plan, ws, other, 18, lane)
         u = _in_base(plan, ws, one, lane, _get(ws, own, 0, lane))
         b = _in_base(plan, ws, other, lane, _get(ws, own, 6, lane))
-        du = _cross(w1, u)
-        ddu = _plus(_cross(al1, u), _cross(w1, du))
+        du = cross(w1, u)
+        ddu = plus(cross(al1, u), cross(w1, du))
         x2 = (0.0, 0.0, 0.0)
         way = (0.0, 0.0, 0.0)
         if kind == ALONG:
             p = _in_base(plan, ws, one, lane, _get(ws, own, 3, lane))
-            x2 = _plus(_of_body(plan, ws, other, 9, lane), b)
-            way = _minus(x2, _plus(_of_body(plan, ws, one, 9, lane), p))
-            v1 = _plus(_of_body(plan, ws, one, 15, lane), _cross(w1, p))
-            v2 = _plus(_of_body(plan, ws, other, 15, lane), _cross(w2, b))
-            a1 = _plus(_of_body(plan, ws, one, 21, lane), _plus(_cross(al1, p), _cross(w1, _cross(w1, p))))
-            a2 = _plus(_of_body(plan, ws, other, 21, lane), _plus(_cross(al2, b), _cross(w2, _cross(w2, b))))
-            going = _minus(v2, v1)
-            bias = _dot(u, _minus(a2, a1)) + 2.0 * _dot(du, going) + _dot(ddu, way)
-            _put(ws, states, 3 * k, lane, _dot(u, way), _dot(u, going) + _dot(du, way), bias)
+            x2 = plus(_of_body(plan, ws, other, 9, lane), b)
+            way = minus(x2, plus(_of_body(plan, ws, one, 9, lane), p))
+            v1 = plus(_of_body(plan, ws, one, 15, lane), cross(w1, p))
+            v2 = plus(_of_body(plan, ws, other, 15, lane), cross(w2, b))
+            a1 = plus(_of_body(plan, ws, one, 21, lane), plus(cross(al1, p), cross(w1, cross(w1, p))))
+            a2 = plus(_of_body(plan, ws, other, 21, lane), plus(cross(al2, b), cross(w2, cross(w2, b))))
+            going = minus(v2, v1)
+            bias = dot3(u, minus(a2, a1)) + 2.0 * dot3(du, going) + dot3(ddu, way)
+            _put(ws, states, 3 * k, lane, dot3(u, way), dot3(u, going) + dot3(du, way), bias)
         else:
-            db = _cross(w2, b)
-            ddb = _plus(_cross(al2, b), _cross(w2, db))
-            bias = _dot(ddu, b) + 2.0 * _dot(du, db) + _dot(u, ddb)
-            _put(ws, states, 3 * k, lane, _dot(u, b), _dot(du, b) + _dot(u, db), bias)
+            db = cross(w2, b)
+            ddb = plus(cross(al2, b), cross(w2, db))
+            bias = dot3(ddu, b) + 2.0 * dot3(du, db) + dot3(u, ddb)
+            _put(ws, states, 3 * k, lane, dot3(u, b), dot3(du, b) + dot3(u, db), bias)
         bodies, motion = _bodies_at(plan), _motion_at(plan)
         for side in range(2):
             body = other if side == 0 else one
@@ -310,15 +291,15 @@ def measure_conditions(plan: Any, ws: Any, lane: int) -> None:
                     if kind == ALONG:
                         moved = axis
                         if joint == TURNS:
-                            moved = _cross(axis, _minus(x2, _get(ws, at, 9, lane)))
-                        share = _dot(u, moved)
+                            moved = cross(axis, minus(x2, _get(ws, at, 9, lane)))
+                        share = dot3(u, moved)
                         if side == 1:
                             # The axis turns with the first frame: a turn takes the way along.
                             share = -share
                             if joint == TURNS:
-                                share += _dot(_cross(axis, u), way)
+                                share += dot3(cross(axis, u), way)
                     elif joint == TURNS:
-                        share = _dot(u, _cross(axis, b)) if side == 0 else _dot(_cross(axis, u), b)
+                        share = dot3(u, cross(axis, b)) if side == 0 else dot3(cross(axis, u), b)
                     ws[(row + column) * 8 + lane] += share
                 body = plan[bodies + 3 * body]
 
@@ -376,8 +357,8 @@ def act_on_groups(plan: Any, ws: Any) -> None:
             speed = math.sqrt(x * x + y * y + z * z)
             factor = -(damping + drag * speed + dry / math.sqrt(speed * speed + ALMOST_REST * ALMOST_REST))
             force = factor * x, factor * y, factor * z
-            ws[j1 + TAU * 8] += _dot(a1, force)
-            ws[j2 + TAU * 8] += _dot(a2, force)
+            ws[j1 + TAU * 8] += dot3(a1, force)
+            ws[j2 + TAU * 8] += dot3(a2, force)
             ws[j3 + TAU * 8] += force[2]
 
 

@@ -32,36 +32,12 @@ from harness.denoc.loops.tables import (
     VELOCITY,
 )
 from harness.denoc.recursion import rows as r
+from harness.denoc.recursion.triples import Triple, cross, dot3, minus, plus
 
 Places = Any
 Numbers = Any
 Rows = Any
 Vector = Any
-Triple = tuple[float, float, float]
-
-
-@inlined
-def cross(a: Triple, b: Triple) -> Triple:
-    """The vector product a × b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@inlined
-def dot3(a: Triple, b: Triple) -> float:
-    """The scalar product a · b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@inlined
-def plus(a: Triple, b: Triple) -> Triple:
-    """a + b."""
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-@inlined
-def minus(a: Triple, b: Triple) -> Triple:
-    """a - b."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inlined

@@ -13,11 +13,12 @@ import numpy as np
 
 from harness.denoc.compiling.compiled import internal
 from harness.denoc.loops import places as at_
-from harness.denoc.loops.conditions import cross, evaluate, minus, place_frames, plus, triple
+from harness.denoc.loops.conditions import evaluate, place_frames, triple
 from harness.denoc.loops.tables import CONDITIONS, COUPLED, FIRST, HEAD, KIND, OF, ORIGIN, SECOND, N
 from harness.denoc.recursion.rigid import advance_origin, move_joint, put_motion
 from harness.denoc.recursion.rows import COLUMN, FORCE, PARENT, PIVOT, POSITION, REACH, REVOLUTE, TURN
 from harness.denoc.recursion.rows import KIND as JOINT
+from harness.denoc.recursion.triples import cross, minus, plus
 
 Places = Any
 Numbers = Any
