@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ STATES = 4
 WHY = "rounding of double precision, and of the differences that the textbook's velocity forces are taken from"
 
 
-def _beam(direction: tuple[float, float, float], bending: tuple[float, float, float], **given: object) -> Beam:
+def _beam(direction: tuple[float, float, float], bending: tuple[float, float, float], **given: Any) -> Beam:
     beam = Beam(
         length=0.5,
         direction=constant(direction),
@@ -39,7 +40,7 @@ def _beam(direction: tuple[float, float, float], bending: tuple[float, float, fl
         modes=2,
         material_damping=1e-3,
     )
-    return replace(beam, **given)  # type: ignore[arg-type]
+    return replace(beam, **given)
 
 
 def system(stiffening: bool = True, planes: int = 2) -> System:

@@ -67,7 +67,8 @@ def write_matlab(file: Path) -> None:
 
 def write_numpy(file: Path) -> None:
     with file.open("wb") as stream:
-        np.savez(stream, time=TIME, **CHANNELS)  # type: ignore[arg-type]
+        named: dict[str, Any] = {"time": TIME, **CHANNELS}
+        np.savez(stream, **named)
 
 
 def write_netcdf(file: Path) -> None:
