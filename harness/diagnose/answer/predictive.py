@@ -26,7 +26,7 @@ from harness.diagnose.problem.hypothesis import Hypothesis, compatible
 from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.dissipation_starts import plain_set
 from harness.diagnose.selection.investigation import Outcome
-from harness.diagnose.selection.wald_test import absent
+from harness.diagnose.selection.wald_test import carried
 from harness.effects.force_table import NAME, ForceTable
 from harness.system import Attachment, System
 
@@ -58,11 +58,12 @@ def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
     folds = _folds(outcome)
     if outcome.force is None or len(folds) < 2:
         return None
-    fits = _fitted(outcome, _sets(outcome, conclusion))
+    ordinary = _ordinary(outcome)
+    fits = _fitted(outcome, _sets(outcome, conclusion, ordinary))
     ways: list[Way] = [Alone(outcome, own.hypothesis, own.x) for own in fits]
     whole = all(w in outcome.training.windows for fold in folds for w in fold)
     if outcome.evidence is not None and whole:
-        asked = (conclusion.own.hypothesis.identity, _ordinary(outcome).identity, frozenset[str]())
+        asked = (conclusion.own.hypothesis.identity, ordinary.identity, frozenset[str]())
         ways += [
             WithForce(outcome, outcome.evidence, own)
             for own in fits
@@ -82,15 +83,19 @@ def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
         return Predictive(own, held, _system(outcome, found), found.table)
 
 
-def _sets(outcome: Outcome, conclusion: Conclusion) -> list[tuple[Hypothesis, Array]]:
+def _sets(outcome: Outcome, conclusion: Conclusion, ordinary: Hypothesis) -> list[tuple[Hypothesis, Array]]:
     """Sets that may predict best, each with numbers to begin at; those with fewer members first."""
     near = [f for f in outcome.ordered if f.hypothesis.keys != conclusion.own.hypothesis.keys][:NEAREST]
     found = {f.hypothesis.identity: (f.hypothesis, f.x) for f in (conclusion.own, *near)}
-    nominal = np.zeros(len(outcome.predictor.nominal))
-    for hypothesis in (Hypothesis(), _ordinary(outcome)):
-        start = np.concatenate([nominal, *map(start_vector, hypothesis.members)])
-        found.setdefault(hypothesis.identity, (hypothesis, start))
+    for hypothesis in (Hypothesis(), ordinary):
+        found.setdefault(hypothesis.identity, (hypothesis, _usual(outcome, hypothesis)))
     return sorted(found.values(), key=lambda pair: len(pair[0].members))
+
+
+def _usual(outcome: Outcome, hypothesis: Hypothesis) -> Array:
+    """Numbers of a set as stated, and of its effects as they usually are."""
+    nominal = np.zeros(len(outcome.predictor.nominal))
+    return np.concatenate([nominal, *map(start_vector, hypothesis.members)])
 
 
 def _ordinary(outcome: Outcome) -> Hypothesis:
@@ -114,27 +119,11 @@ def _fitted(outcome: Outcome, sets: Sequence[tuple[Hypothesis, Array]]) -> list[
     for hypothesis, x in sets:
         own = Alone(outcome, hypothesis, x).learned(windows).fitted
         for part in [f for f in found if f.hypothesis.identity < hypothesis.identity]:
-            if part.score < own.score and (start := _from_part(outcome, part, hypothesis)) is not None:
+            _, start = carried(part.hypothesis, part.x, hypothesis, _usual(outcome, hypothesis))
+            if part.score < own.score and np.isfinite(start).all():
                 own = min(own, Alone(outcome, hypothesis, start).learned(windows).fitted, key=lambda f: f.score)
         found.append(own)
     return found
-
-
-def _from_part(outcome: Outcome, part: Fit, hypothesis: Hypothesis) -> Array | None:
-    """A set's numbers where it is what a part of it is; None where a further member has no size at which it is absent."""
-    count = len(outcome.predictor.nominal)
-    pieces = [part.x[:count]]
-    for member in hypothesis.members:
-        if member.key in part.hypothesis.keys:
-            span = part.hypothesis.span(part.hypothesis.keys.index(member.key))
-            pieces.append(part.x[count + span.start : count + span.stop])
-            continue
-        own = start_vector(member)
-        if member.size:
-            own[0] = absent(member, own)
-        pieces.append(own)
-    x = np.concatenate(pieces)
-    return x if np.isfinite(x).all() else None
 
 
 def _system(outcome: Outcome, found: Learned) -> System:

@@ -22,7 +22,7 @@ from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate, Hypothesi
 from harness.diagnose.selection.scans.catalogue import scanned
 from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.study import Study
-from harness.diagnose.selection.wald_test import absent
+from harness.diagnose.selection.wald_test import carried
 from harness.effects.scale import pull
 
 Array = NDArray[np.float64]
@@ -88,24 +88,10 @@ class Evidence:
 
     def _starts(self, study: Study, fitted: Fit, other: Beside) -> list[Beside]:
         """A set from where another one stands beside the force; what that has not as the own fit has it, and absent."""
-        hypothesis, count, keys = fitted.hypothesis, len(study.predictor.nominal), other.hypothesis.keys
-        x = fitted.x.copy()
-        x[:count] = other.x[:count]
-        new = []
-        for k, member in enumerate(hypothesis.members):
-            span = hypothesis.span(k)
-            place = slice(count + span.start, count + span.stop)
-            if member.key in keys:
-                known = other.hypothesis.span(keys.index(member.key))
-                x[place] = other.x[count + known.start : count + known.stop]
-            elif member.size:
-                new.append((place.start, absent(member, x[place])))
+        hypothesis = fitted.hypothesis
+        own, gone = carried(other.hypothesis, other.x, hypothesis, fitted.x)
+        starts = [own] if np.array_equal(own, gone) or not np.isfinite(gone).all() else [own, gone]
         states = {w: carry_state(study.predictor, other.hypothesis, hypothesis, s) for w, s in other.states.items()}
-        starts = [x]
-        if new and all(np.isfinite(value) for _, value in new):
-            starts.append(x.copy())
-            for place, value in new:
-                starts[-1][place] = value
         return [replace(other, x=start, states=states) for start in starts]
 
     def loudness(self, found: Beside) -> Array:

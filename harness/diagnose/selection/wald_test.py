@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import from_internal, to_internal
-from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 
 Array = NDArray[np.float64]
 
@@ -37,6 +37,26 @@ def rise_without(fitted: Fit, nominal: int, k: int) -> float:
     followed = rows[:, free] @ np.linalg.lstsq(rows[:, free], -there, rcond=None)[0]
     left = there + followed
     return float(left @ left - here @ here)
+
+
+def carried(before: Hypothesis, x: Array, after: Hypothesis, otherwise: Array) -> tuple[Array, Array]:
+    """A set's numbers with those that another set has from there: the others as given, and with their members absent.
+
+    Not finite in the second where a further member has no size at which it is absent.
+    """
+    nominal = len(otherwise) - after.size
+    given = otherwise.copy()
+    given[:nominal] = x[:nominal]
+    without = given.copy()
+    for k, member in enumerate(after.members):
+        span = after.span(k)
+        place = slice(nominal + span.start, nominal + span.stop)
+        if member.key in before.keys:
+            known = before.span(before.keys.index(member.key))
+            given[place] = without[place] = x[nominal + known.start : nominal + known.stop]
+        elif member.size:
+            without[place.start] = absent(member, given[place])
+    return given, without
 
 
 def absent(member: Candidate, own: Array) -> float:
