@@ -29,6 +29,8 @@ FIRST[table, 1] + k STEP[table, 1]; between these it is bilinear, beyond them th
 
 import numpy as np
 
+from harness.effects.force_table import bilinear
+
 name = "{name}"
 title = "{title}"
 signature = "{signature}"
@@ -38,16 +40,7 @@ FIRST = np.array({first})
 STEP = np.array({step})
 FORCE = np.array({force})
 
-
-def torque(position, velocity, time, p):
-    j = round(p[0])
-    x = min(max((position - FIRST[j, 0]) / STEP[j, 0], 0.0), FORCE.shape[1] - 1.0)
-    y = min(max((velocity - FIRST[j, 1]) / STEP[j, 1], 0.0), FORCE.shape[2] - 1.0)
-    i, k = min(int(x), FORCE.shape[1] - 2), min(int(y), FORCE.shape[2] - 2)
-    u, v = x - i, y - k
-    low = (1.0 - v) * FORCE[j, i, k] + v * FORCE[j, i, k + 1]
-    high = (1.0 - v) * FORCE[j, i + 1, k] + v * FORCE[j, i + 1, k + 1]
-    return (1.0 - u) * low + u * high
+torque = bilinear(FIRST, STEP, FORCE)
 '''
 
 
@@ -77,7 +70,7 @@ class ForceTable:
             source="what the recordings leave beside the effects",
             expressed_by={"denoc": "a joint law of its own"},
             needs=("motion",),
-            user=UserLaw(_law(self.first, self.step, self.force)),
+            user=UserLaw(bilinear(self.first, self.step, self.force)),
         )
 
     def text(self, file: str) -> str:
@@ -88,7 +81,8 @@ class ForceTable:
         )  # fmt: skip
 
 
-def _law(first: Array, step: Array, force: Array) -> Callable[[float, float, float, Any], float]:
+def bilinear(first: Array, step: Array, force: Array) -> Callable[[float, float, float, Any], float]:
+    """The joint law of tables over position and velocity, p[0] the number of the table; arguments as in ``ForceTable``."""
     rows, columns = force.shape[1:]
 
     def torque(position: float, velocity: float, time: float, p: Any) -> float:
