@@ -150,8 +150,7 @@ class StateForce:
         return self.at[:, None] - self.at[None]
 
     def _correlation(self, force: Force) -> Array:
-        away = np.sum((self._apart / force.lengths) ** 2, axis=2)
-        correlation = np.exp(-0.5 * away) * (self.joint[:, None] == self.joint)
+        correlation = _alike(self._apart, force.lengths) * (self.joint[:, None] == self.joint)
         correlation[np.diag_indices(len(correlation))] += JITTER
         return np.asarray(correlation)
 
@@ -172,13 +171,9 @@ class StateForce:
         own = self.joint == number
         axes = [_further(axis) for axis in self.axes[number]]
         new = np.array([(p, v) for p in axes[0] for v in axes[1]]) / self.units[number]
-        at = self.at[own]
-
-        def alike(one: Array, other: Array) -> Array:
-            return np.asarray(np.exp(-0.5 * np.sum(((one[:, None] - other[None]) / force.lengths) ** 2, axis=2)))
-
-        inside = alike(at, at) + JITTER * np.eye(len(at))
-        acting = self.torque * alike(new, at) @ np.linalg.solve(inside, nodes[own])
+        towards = _alike(new[:, None] - self.at[own], force.lengths)
+        inside = self._correlation(force)[np.ix_(own, own)]
+        acting = self.torque * towards @ np.linalg.solve(inside, nodes[own])
         return axes[0], axes[1], acting.reshape(len(axes[0]), len(axes[1]))
 
     def over(self, forces: Mapping[Window, Array]) -> Array:
@@ -404,6 +399,11 @@ def _axis(values: Array, count: int) -> Array:
     low, high = float(np.min(values)), float(np.max(values))
     wide = max(high - low, 1e-9)
     return np.linspace(low - 1e-6 * wide, high + 1e-6 * wide, count)
+
+
+def _alike(apart: Array, lengths: Array) -> Array:
+    """How alike a smooth force is at states so far apart, (…, 2): a squared exponential."""
+    return np.asarray(np.exp(-0.5 * np.sum((apart / lengths) ** 2, axis=-1)))
 
 
 def _further(axis: Array) -> Array:
