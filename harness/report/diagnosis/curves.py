@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,11 +154,14 @@ def phase(f: ForceMap) -> str:
         marks = axes[0, 0].scatter(
             f.position[pick], f.velocity[pick], c=f.force[pick], s=7, cmap="RdBu_r", vmin=-span, vmax=span, rasterized=True
         )  # fmt: skip
-        axes[0, 0].set_xlabel(f"position [{f.units[0]}]")
-        axes[0, 0].set_ylabel(f"velocity [{f.units[0]}/s]")
-        bar = made.figure.colorbar(marks, ax=axes[0, 0])
-        bar.set_label(f"missing force [{written(f.units[1])}]")
+        _over_the_state(f, made, axes[0, 0], marks, "missing force")
     return str(made.svg)
+
+
+def _over_the_state(f: ForceMap, made: Any, ax: Any, marks: Any, what: str) -> None:
+    ax.set_xlabel(f"position [{f.units[0]}]")
+    ax.set_ylabel(f"velocity [{f.units[0]}/s]")
+    made.figure.colorbar(marks, ax=ax).set_label(f"{what} [{written(f.units[1])}]")
 
 
 def unnamed(f: ForceMap, table: ForceTable) -> str:
@@ -172,10 +176,7 @@ def unnamed(f: ForceMap, table: ForceTable) -> str:
             *axes_of, table.force[k].T, cmap="RdBu_r", vmin=-span, vmax=span, shading="gouraud", rasterized=True
         )
         ax.plot(f.position[pick], f.velocity[pick], ".", color=INK, ms=0.8, alpha=0.5, rasterized=True)
-        ax.set_xlabel(f"position [{f.units[0]}]")
-        ax.set_ylabel(f"velocity [{f.units[0]}/s]")
-        bar = made.figure.colorbar(marks, ax=ax)
-        bar.set_label(f"force [{written(f.units[1])}]")
+        _over_the_state(f, made, ax, marks, "force")
     return str(made.svg)
 
 
