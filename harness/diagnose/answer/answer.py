@@ -13,7 +13,7 @@ from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import MODIFIED_BY, Diagnosis
 from harness.diagnose.answer.explain import NO_FINDING, finding_words, foretelling, plainest, summary, untried
 from harness.diagnose.answer.findings import in_words, rivals_of
-from harness.diagnose.answer.formula import formula
+from harness.diagnose.answer.formula import form_text, formula
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.predictive import Predictive, predictive
 from harness.diagnose.answer.replay import LONGEST, Opening
@@ -26,6 +26,7 @@ from harness.diagnose.claims.held_out_only import held_names
 from harness.diagnose.claims.model_comparison import why_lost
 from harness.diagnose.claims.rivals import ranking as likeliest
 from harness.diagnose.claims.rivals import with_the_same
+from harness.diagnose.criticism.check import Form
 from harness.diagnose.criticism.locate import Mismatch, locate, rmse
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.estimation.intervals import Estimate, across, estimates, no_more_exact_than_the_law
@@ -111,10 +112,13 @@ def answer(
         findings=_findings(outcome, conclusion, values, zeros, grades, again),
         ranking=ranked,
         fit=rows,
-        remainder={
-            **_remainder(problem.system, conclusion.remains, conclusion.doubted, outcome.force is not None),
-            **({"residual_torque": form.text} if form is not None else {}),
-        },
+        remainder=_remainder(
+            problem.system,
+            conclusion.remains,
+            conclusion.doubted,
+            outcome.force is not None,
+            form.form if form is not None else conclusion.remains.form,
+        ),
         explained_share=explained_share(rows),
         discrepancy=left.document() if left is not None else [],
         predicting=best.fitted.hypothesis.keys if best is not None else (),
@@ -379,16 +383,17 @@ def _ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     return rows
 
 
-def _remainder(system: System, remains: Remains, doubted: Sequence[str], force: bool) -> dict[str, Any]:
+def _remainder(
+    system: System, remains: Remains, doubted: Sequence[str], force: bool, form: Form | None
+) -> dict[str, Any]:
     """What is left: its tests, its sparsest form and its map; force: whether one is left out that has no shape."""
     found: dict[str, Any] = {
         "significant": remains.significant or force,
         "tests": [{"what": t.name, "gain": t.gain, "chance": t.chance, "where": list(t.where)} for t in remains.tests],
         "doubted": list(doubted),
     }
-    if remains.form is not None:
-        unit = system.joint(remains.form.joint).force_unit
-        found["residual_torque"] = f"at {remains.form.joint}: {remains.form} {written(unit)}"
+    if form is not None:
+        found["residual_torque"] = form_text(form, system)
     if remains.force_map is not None:
         m = remains.force_map
         found["map"] = {"joint": m.joint, "position": m.position, "velocity": m.velocity, "torque": m.force}

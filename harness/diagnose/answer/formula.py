@@ -10,6 +10,7 @@ from harness.diagnose.criticism.check import Form, left_by
 from harness.diagnose.criticism.checks.force_of_few_terms import sparsest
 from harness.diagnose.selection.investigation import Outcome
 from harness.recording.units import written
+from harness.system import System
 
 TELLING = 2  # terms at most: with more, most forces look like something
 MOST_OF_IT = 0.5  # of the squares above the noise, below which a formula says too little of what is left
@@ -24,10 +25,6 @@ class Formula:
     unit: str
 
     @property
-    def text(self) -> str:
-        return f"at {self.form.joint}: {self.form} {written(self.unit)}"
-
-    @property
     def sentence(self) -> str:
         """In words; nothing where it takes too many terms to say much."""
         if len(self.form.terms) > TELLING:
@@ -36,6 +33,11 @@ class Formula:
             f"As a formula over position q and velocity v it is about {self.form} {written(self.unit)} at {self.form.joint}, "
             f"which would take {percent(self.share)} of it."
         )
+
+
+def form_text(form: Form, system: System) -> str:
+    """A form with its joint and unit, for programs."""
+    return f"at {form.joint}: {form} {written(system.joint(form.joint).force_unit)}"
 
 
 def formula(outcome: Outcome, conclusion: Conclusion) -> Formula | None:
