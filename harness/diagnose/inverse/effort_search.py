@@ -199,13 +199,12 @@ def _begun(candidate: Candidate, start: Array, times: float) -> Array:
         return start
     (parameter,) = candidate.effect.parameters
     absent = parameter.neutral if np.isfinite(parameter.neutral) else 0.0
-    # A trace is of a small change: what would take a much larger one is begun at the largest of the usual starts.
-    most = max(abs(float(one[0]) - absent) for one in starts_of(candidate))
-    asked = (
-        absent + np.clip(times * (start - absent), -most, most)
-        if candidate.effect.law is None
-        else absent + times * (start - absent)
-    )
+    away = times * (start - absent)
+    if candidate.effect.law is None:
+        # A trace is of a small change: what would take a much larger one is begun at the largest of the usual starts.
+        most = max(abs(float(one[0]) - absent) for one in starts_of(candidate))
+        away = np.clip(away, -most, most)
+    asked = absent + away
     inside = np.all((parameter.lower < asked) & (asked < parameter.upper))
     return asked if inside and np.any(asked != absent) else start
 
