@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,13 @@ from harness.diagnose.selection.beam_search import Effort, grow, polish, transfe
 from harness.diagnose.selection.dissipation_starts import ordinary
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
 from harness.diagnose.selection.model_error import Structure, begun_ordinary, reweighed, under_model_error
-from harness.diagnose.selection.short_window_starts import begun, far_off, ordinary_by_way_of_shorter, very_short
+from harness.diagnose.selection.short_window_starts import (
+    begun,
+    far_off,
+    few_suffice,
+    ordinary_by_way_of_shorter,
+    very_short,
+)
 from harness.diagnose.selection.state_evidence import Evidence
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
 
@@ -231,7 +238,10 @@ def _search(
         usual = ordinary_by_way_of_shorter(study, fine)
         early = None
         if usual is not None:
-            early = begun_ordinary(long_study, usual, period, effort, progress, structure, reached)
+            early = begun_ordinary(
+                long_study, usual, period, effort, progress, structure, reached,
+                partial(few_suffice, study, usual, effort, progress),
+            )  # fmt: skip
         if early is not None and early[0].likelihood.discrepancy is not None:
             return early
         seeds += [long_study.fit(f.hypothesis, [f.x], f) for f in early[1]] if early else []

@@ -105,12 +105,14 @@ def begun_ordinary(
     progress: Callable[[str], None],
     structure: Structure,
     reached: list[Study],
+    few_suffice: Callable[[], bool],
 ) -> tuple[Study, list[Fit]] | None:
     """The same at once where ordinary dissipation is part of the answer, and still leaves far more than noise; None elsewhere.
 
     The noise would there have a search among ever stranger sets, each of them far more than significant. As laws are found the
     force shrinks, and more of them show beside it (a graduated search; Blake and Zisserman, Visual Reconstruction (1987)).
-    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys.
+    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys. few_suffice: whether few effects leave
+    nothing but noise there; then noise is the measure of whole runs too.
     """
     usual = everywhere(study, short)
     if usual is None:
@@ -119,7 +121,7 @@ def begun_ordinary(
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = _as_scattered(study)
     after = study.objective_under(rough, usual).residuals([(usual.x, usual.states)])[0][0]
-    if after < LOUD**2 * rough.samples(study.windows):
+    if after < LOUD**2 * rough.samples(study.windows) or few_suffice():
         return None
     return under_model_error(study, [usual, study.empty()], period, effort, progress, structure, reached, early=True)
 

@@ -20,6 +20,9 @@ from harness.diagnose.selection.study import Study
 
 EXPLAINS_NOTHING = 0.5  # share of how much a window's readings vary, that the nominal model leaves on average
 PARTS = 16  # of a short window, as far as samples allow
+ON_COURSE = (
+    0.5  # of what is left above the noise, that a round takes away at least where few effects will take all of it
+)
 
 
 def far_off(study: Study, fitted: Fit) -> bool:
@@ -77,3 +80,34 @@ def ordinary_by_way_of_shorter(study: Study, fine: Study) -> Fit | None:
     )  # fmt: skip
     found = everywhere(apart, apart.empty())
     return None if found is None else everywhere(study, found)
+
+
+def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[str], None]) -> bool:
+    """Whether few effects leave nothing but noise on a study's windows, begun from the nominal model or from ordinary dissipation.
+
+    Where they do not, sets that grow go on taking away a little each, and the search is given up: what is left is no law of few
+    effects, or no law of the catalogue. Neither beginning knows of the other, beside which it might seem hopeless.
+    """
+    progress("few effects that leave only noise")
+    for beginning in (study.empty(), usual):
+        apart = Study(
+            study.problem, study.predictor, study.likelihood, study.candidates, study.windows,
+            fits={beginning.hypothesis.identity: beginning}, first_states=study.first_states, swing=study.swing,
+        )  # fmt: skip
+        found = grow(apart, [beginning], effort, progress, to_begin_with=True, stop=_OffCourse(apart, beginning))
+        study.fits.update({key: fitted for key, fitted in apart.fits.items() if key not in study.fits})
+        if study.only_noise(found[0]):
+            return True
+    return False
+
+
+class _OffCourse:
+    """Whether a search, asked after every round, takes away too little of what is left above the noise."""
+
+    def __init__(self, study: Study, beginning: Fit) -> None:
+        self.study = study
+        self.above = beginning.score - study.samples
+
+    def __call__(self, best: Fit) -> bool:
+        before, self.above = self.above, min(f.score for f in self.study.fits.values()) - self.study.samples
+        return self.above > ON_COURSE * before
