@@ -13,9 +13,11 @@ import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
+from harness.diagnose.problem.hypothesis import dear
 from harness.diagnose.problem.windows import equal_parts
 from harness.diagnose.selection.beam_search import Effort, grow, transfer
 from harness.diagnose.selection.dissipation_starts import everywhere
+from harness.diagnose.selection.score_tests import Score
 from harness.diagnose.selection.study import Study
 
 EXPLAINS_NOTHING = 0.5  # share of how much a window's readings vary, that the nominal model leaves on average
@@ -86,13 +88,16 @@ def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[st
     """Whether few effects leave nothing but noise on a study's windows, begun from the nominal model or from ordinary dissipation.
 
     Where they do not, sets that grow go on taking away a little each, and the search is given up: what is left is no law of few
-    effects, or no law of the catalogue. Neither beginning knows of the other, beside which it might seem hopeless.
+    effects, or no law of the catalogue. Neither beginning knows of the other, beside which it might seem hopeless. What is dear to
+    run is looked for where nothing else suffices, and beside the nominal model alone.
     """
     progress("few effects that leave only noise")
-    for beginning in (study.empty(), usual):
+    nothing, cheap = study.empty(), tuple(c for c in study.candidates if not dear(c))
+    tests: dict[frozenset[str], dict[str, Score | None]] = {}
+    for beginning, candidates in ((nothing, cheap), (usual, cheap), (nothing, study.candidates)):
         apart = Study(
-            study.problem, study.predictor, study.likelihood, study.candidates, study.windows,
-            fits={beginning.hypothesis.identity: beginning}, first_states=study.first_states, swing=study.swing,
+            study.problem, study.predictor, study.likelihood, candidates, study.windows,
+            fits={beginning.hypothesis.identity: beginning}, tests=tests, first_states=study.first_states, swing=study.swing,
         )  # fmt: skip
         found = grow(apart, [beginning], effort, progress, to_begin_with=True, stop=_OffCourse(apart, beginning))
         study.fits.update({key: fitted for key, fitted in apart.fits.items() if key not in study.fits})
