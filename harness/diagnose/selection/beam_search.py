@@ -22,7 +22,7 @@ from harness.diagnose.selection.pruning import pruned
 from harness.diagnose.selection.rewrite import Room, Turn
 from harness.diagnose.selection.rewrites.catalogue import rewritten
 from harness.diagnose.selection.score_tests import Score
-from harness.diagnose.selection.study import FAR, HOPELESS, UNDER_WAY, Study
+from harness.diagnose.selection.study import FAR, HOPELESS, PLAINLY, UNDER_WAY, Study
 
 Progress = Callable[[str], None]
 NEAR = 60.0  # in the criterion
@@ -200,7 +200,10 @@ class Growth:
     def _promising(self, base: Fit, best: float) -> list[Score]:
         """Further effects whose score test promises more than their price."""
         study, members = self.study, len(base.hypothesis.members)
-        found = [s for s in study.likely(base) if s.gain > study.price(s.candidate, members)]
+        # Beside little more than noise, what is dear to run can wait for the study that this one begins.
+        waits = self.to_begin_with and base.score < PLAINLY * study.samples
+        tests = study.among(base, [c for c in study.candidates if not dear(c)]) if waits else study.likely(base)
+        found = [s for s in tests if s.gain > study.price(s.candidate, members)]
         if base.hypothesis.things >= self.effort.largest:
             found = [s for s in found if s.candidate.effect.modifies]
         # What is dear to fit waits until what explains most is there, and its own share of the rest is worth it.
