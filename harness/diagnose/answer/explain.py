@@ -23,7 +23,9 @@ VERDICTS = {
     "partly_explained": "The nominal model leaves the recordings {severity}; {names} {hold} up on data held out, but {rest}.",
     "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
 }
-
+NONE_FOR_CERTAIN = (
+    "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place for certain."
+)
 
 # The same where the time was up before that could be said.
 CUT_SHORT = {
@@ -92,6 +94,9 @@ def summary(
     text = CUT_SHORT.get(conclusion.cut_short, VERDICTS[conclusion.verdict])
     if conclusion.cut_short == UNCRITICISED and not findings:
         text = "The nominal model leaves the recordings {severity}, and nothing has earned its place so far."
+    elif not findings and "{names}" in text:
+        # What is no more than possible is in the table, and no sentence is about it.
+        text = NONE_FOR_CERTAIN
     text = text.format(best=best, severity=size, names=names, hold=hold, rest=rest, held=held)
     if rivals:
         text += " " + " ".join(rivals)
@@ -127,9 +132,7 @@ def _beside_a_force(
             share = share.replace("remove", "removes", 1)
         text = f"The nominal model leaves the recordings {size}; {' and '.join(findings)} {hold} up on data held out{share}."
     else:
-        text = (
-            f"The nominal model leaves the recordings {size}, and nothing in the catalogue earns its place for certain."
-        )
+        text = NONE_FOR_CERTAIN.format(severity=size)
     force = left.largest
     unit = force.unit.replace("*", "·")
     sentences = [
