@@ -1,17 +1,21 @@
 """Peers on real rigs: what each fits to the training recordings, judged as free runs over recordings held out; one table.
 
-``python benchmarks/peers_on_rigs.py [RIG …] [--peers NAME …] [--recordings DIR] [--json FILE] [--window SECONDS]``
+``python benchmarks/peers_on_rigs.py [RIG …] [--peers NAME …] [--recordings DIR] [--json FILE] [--window SECONDS]
+[--limit SECONDS]``
 
 Rigs and their division are those of ``afternoon.py``. Errors are root mean squares [rad or m] over windows as there, from the
 first sample and with the initial state fitted; ``kept`` are the laws that a peer keeps, with 95 % intervals where it has them.
-A peer that is not made for a rig says so. What a file has already is not made again, so that a run that was ended goes on.
+A peer that is not made for a rig says so, and one that takes longer than the limit is ended, which the file says too. What a file
+has already is not made again, so that a run that was ended goes on.
 """
 
 from __future__ import annotations
 
 import json
+import signal
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +35,28 @@ from real_recordings import asked_rigs, judge, piece  # isort: skip
 from real_recordings_free_run import Simulate, native  # isort: skip
 
 Found = tuple[Simulate, dict[str, Any]]
+
+NOTE = "seconds of the clock beside other work"
+
+
+class TooLong(BaseException):
+    """A peer's time is over; no exception of the kind that a peer may catch."""
+
+
+@contextmanager
+def limited(seconds: float | None) -> Iterator[None]:
+    """Raise ``TooLong`` within it after so many seconds of the clock."""
+
+    def over(*_: Any) -> None:
+        raise TooLong
+
+    before = signal.signal(signal.SIGALRM, over)
+    signal.setitimer(signal.ITIMER_REAL, seconds or 0.0)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 class Asked(Case):
@@ -132,15 +158,18 @@ PEERS: Mapping[str, Callable[[Asked], Found]] = {
 }
 
 
-def ask(peer: str, case: Asked) -> dict[str, Any]:
-    """One cell of the table."""
+def ask(peer: str, case: Asked, limit: float | None = None) -> dict[str, Any]:
+    """One cell of the table; limit: of the clock [s], for what is fitted."""
     began, worked = time.perf_counter(), time.process_time()
     try:
-        simulate, told = PEERS[peer](case)
+        with limited(limit):
+            simulate, told = PEERS[peer](case)
         seconds, processor = time.perf_counter() - began, time.process_time() - worked
         errors = judge(simulate, case.system, case.train, case.heldout, case.window, case.left_out)
     except NotForIt as error:
         return {"not_for_it": str(error)}
+    except TooLong:
+        return {"ended_after_s": limit, "processor_seconds": round(time.process_time() - worked, 1)}
     except Exception as error:  # a peer may fail in any way; the table says so
         return {"error": f"{type(error).__name__}: {error}"}
     return {**told, **errors, "seconds": round(seconds, 1), "processor_seconds": round(processor, 1)}
@@ -151,6 +180,7 @@ def main() -> None:
         __doc__ or "",
         peers={"nargs": "+", "choices": PEERS, "default": list(PEERS), "help": "default: all"},
         window=WINDOW,
+        limit={"type": float, "help": "end a peer after so many seconds of the clock; default: never"},
     )
     target = Path(arguments.json) if arguments.json else None
     rows: dict[str, Any] = json.loads(target.read_text(encoding="utf-8"))["rigs"] if target and target.exists() else {}
@@ -161,12 +191,12 @@ def main() -> None:
                 continue
             case = case or Asked(rig, folder, Path(arguments.work), arguments.window)
             row = rows.setdefault(rig, {"unit": case.system.movable_joints[0].position_unit, "window_s": case.window})
-            row[peer] = cell = ask(peer, case)
+            row[peer] = cell = ask(peer, case, arguments.limit)
             held = cell.get("heldout")
             errors = f"{held['first_sample']:.4g} / {held['state_fitted']:.4g} {row['unit']}" if held else str(cell)
             print(f"{rig:22s} {peer:14s} {errors}  {cell.get('seconds', '')}", flush=True)
             if target:
-                table = {"schema": "denoc.peers_on_rigs/1", "rigs": {k: rows[k] for k in sorted(rows)}}
+                table = {"schema": "denoc.peers_on_rigs/1", "note": NOTE, "rigs": {k: rows[k] for k in sorted(rows)}}
                 target.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
 
 

@@ -21,6 +21,15 @@ NAMES = {
 }  # fmt: skip
 
 
+def cell(entry: Mapping[str, Any] | None) -> str:
+    """One peer on one rig."""
+    if entry is None:
+        return "not asked"
+    if "ended_after_s" in entry:
+        return f"ended after {entry['ended_after_s']:.0f} s"
+    return "failed" if "error" in entry else errors(entry)
+
+
 def table(peers: Mapping[str, Mapping[str, Any]], ours: Mapping[str, Mapping[str, Any]]) -> str:
     """Every rig that peers were asked about, and the diagnosis: what it claims, and what predicts best."""
     lines = [
@@ -29,7 +38,7 @@ def table(peers: Mapping[str, Mapping[str, Any]], ours: Mapping[str, Mapping[str
     ]
     for rig in sorted(peers):
         row = ours.get(rig, {})
-        cells = [errors(peers[rig][peer]) if peer in peers[rig] else "not asked" for peer in NAMES]
+        cells = [cell(peers[rig].get(peer)) for peer in NAMES]
         lines.append(f"| {' | '.join([rig, *cells, errors(row.get('denoc')), errors(row.get('predictive'))])} |")
     return "\n".join(lines)
 

@@ -9,7 +9,8 @@ It looks at free swings of one joint alone. Between two turning points the energ
 with the nominal weight and inertia that has closed forms at any amplitude: dry friction takes its torque times the angle swept,
 viscous damping c an elliptic integral, drag over speed squared (4 k / J) (sin a - a cos a) times its coefficient. It claims the law
 that explains the losses best where it lies five of its standard errors from the stated model, lists the laws that explain them as
-well as indistinguishable, and claims nothing of any other case.
+well as indistinguishable, and claims nothing of any other case. What the model states itself is taken off first, in its joints and
+in its ``effect`` list; weight and inertia are known within the stated tolerance, and so is what is reckoned with them.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ ALSO = (
     "load_dependent_friction",
 )  # differ from dry friction within a half-swing alone
 AS_WELL = 9.0  # three standard errors, squared: by how much less another law may explain
+SEVERAL = 2.0  # tolerances: energy goes with mass times length, speed with the root of weight over inertia
 SMALLEST, LARGEST = 0.05, 2.8  # rad: below it is noise, above it the swing hangs at the top
 
 
@@ -53,14 +55,32 @@ def friction_work(a: np.ndarray, stiffness: float, inertia: float) -> np.ndarray
     return np.stack([2.0 * a, viscous, drag], axis=1)
 
 
-def best_law(joint: str, losses: np.ndarray, taken: np.ndarray) -> list[dict[str, Any]]:
-    """One finding or none."""
+def stated_friction(system: harness.System, joint: str) -> np.ndarray | None:
+    """What the model states of each of ``LAWS``, in its joint or as an effect; None where it states anything else."""
+    one = system.joint(joint)
+    stated = np.array([one.friction, one.damping, 0.0])
+    known = dict(LAWS)
+    for effect in system.attachments:
+        if effect.effect not in known:
+            return None
+        stated[list(known).index(effect.effect)] += effect.parameters[known[effect.effect]]
+    return stated
+
+
+def best_law(
+    joint: str, losses: np.ndarray, taken: np.ndarray, stated: np.ndarray, tolerance: float
+) -> list[dict[str, Any]]:
+    """One finding or none, of energy lost beside what is stated; tolerance: of one mass or length, the losses are of several."""
+    known = taken @ stated
+    losses = losses - known
     sizes = np.sum(taken**2, axis=0)
     values = taken.T @ losses / sizes
     left = np.sum((losses[:, None] - taken * values) ** 2, axis=0)
     best = int(np.argmin(left))
     variance = left[best] / (len(losses) - 1)
-    value, std = values[best], np.sqrt(variance / sizes[best])
+    value = values[best]
+    doubt = SEVERAL * tolerance * (abs(value) + taken[:, best] @ known / sizes[best])
+    std = np.hypot(np.sqrt(variance / sizes[best]), doubt)
     if value <= SURE * std:
         return []
     alike = [LAWS[k][0] for k in np.flatnonzero(left - left[best] < AS_WELL * variance) if k != best]
@@ -82,6 +102,9 @@ def claims(folder: Path) -> dict[str, Any]:
         model = harness.Denoc(system)
         inertia = float(model.mass_matrix(np.zeros(1))[0, 0])
         stiffness = abs(float(model.gravity(np.array([0.5 * np.pi]))[0]))
+        stated = stated_friction(system, joint.name)
+        if stated is None:
+            return {"findings": []}
         losses, taken = [], []
         for path in sorted(folder.glob("run*.csv"))[:-1]:
             frame = pd.read_csv(path)
@@ -91,12 +114,10 @@ def claims(folder: Path) -> dict[str, Any]:
             a = half_swings(frame[f"{joint.name}.position"].to_numpy(), max(3, int(0.03 / step)))
             a = a[a < LARGEST]
             before, after = a[:-1], a[1:]
-            lost = stiffness * (np.cos(after) - np.cos(before))
-            shares = friction_work((before + after) / 2.0, stiffness, inertia)
-            losses += list(lost - joint.friction * shares[:, 0] - joint.damping * shares[:, 1])
-            taken += list(shares)
+            losses += list(stiffness * (np.cos(after) - np.cos(before)))
+            taken += list(friction_work((before + after) / 2.0, stiffness, inertia))
         if len(losses) >= 6:
-            findings = best_law(joint.name, np.array(losses), np.array(taken))
+            findings = best_law(joint.name, np.array(losses), np.array(taken), stated, system.tolerance)
     return {"findings": findings, "seconds": round(time.perf_counter() - began, 3)}
 
 

@@ -162,6 +162,47 @@ def test_the_example_sees_friction_of_swings_that_stay_large(tmp_path, viscous: 
         assert value == pytest.approx(2e-3, rel=0.15)
 
 
+def _swings(folder: Path, model: str, dry: float, viscous: float, weight: float = 1.0) -> None:
+    """Free swings of ``MODEL`` by SciPy's DOP853 along J q'' = -m g l sin q - c q' - dry; weight: true over stated."""
+    (folder / "model.toml").write_text(model)
+    rng = np.random.default_rng(6)
+    time = np.arange(0.0, 6.0, 5e-3)
+    for k, angle in enumerate((0.97, 0.67, 0.8), 1):
+
+        def rate(_, y):
+            return [y[1], (-0.981 * weight * np.sin(y[0]) - viscous * y[1] - dry * np.tanh(y[1] / 1e-3)) / 0.024]
+
+        q = solve_ivp(rate, (0.0, 6.0), [angle, 0.0], "DOP853", time, rtol=1e-9, atol=1e-11, max_step=0.01).y[0]
+        table = np.column_stack([time, q + 2e-4 * rng.standard_normal(len(time))])
+        np.savetxt(folder / f"run{k}.csv", table, delimiter=",", header="time,pivot.position", comments="")
+
+
+def test_the_example_takes_off_what_the_model_states(tmp_path) -> None:
+    # Dry friction stated as an effect, as a sealed case may: nothing is missing. Of more than stated the rest is claimed.
+    entrant = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "enter_the_proof.py"))
+    effect = '[[effect]]\nname = "coulomb_friction"\nsite = "pivot"\nparameters = { torque = 4e-3 }\n'
+    _swings(tmp_path, MODEL + effect, 4e-3, 0.0)
+    assert entrant["claims"](tmp_path)["findings"] == []
+    _swings(tmp_path, MODEL + effect, 7e-3, 0.0)
+    (found,) = entrant["claims"](tmp_path)["findings"]
+    assert found["effect"] == "coulomb_friction"
+    low, high = found["parameters"]["torque"]["ci95"]
+    assert low <= 3e-3 <= high
+    # Of what it has no closed form for it says nothing.
+    _swings(tmp_path, MODEL + '[[effect]]\nname = "dahl_friction"\nsite = "pivot"\n'
+            "parameters = { torque = 4e-3, stiffness = 1.0 }\n", 4e-3, 0.0)  # fmt: skip
+    assert entrant["claims"](tmp_path)["findings"] == []
+
+
+@pytest.mark.parametrize("weight", [0.97, 1.03])
+def test_the_example_allows_for_the_stated_tolerance(tmp_path, weight: float) -> None:
+    # Damping as stated, weight off by one and a half of the stated tolerance: the losses seem 3 % off, and nothing is missing.
+    entrant = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "enter_the_proof.py"))
+    stated = "tolerance = 0.02\n" + MODEL.replace('type = "continuous"\n', 'type = "continuous"\ndamping = 4e-3\n')
+    _swings(tmp_path, stated, 0.0, 4e-3, weight)
+    assert entrant["claims"](tmp_path)["findings"] == []
+
+
 def test_the_commands_go_together(proof: Path, tmp_path, capsys) -> None:
     to, kept = tmp_path / "open", str(proof)
 

@@ -5,11 +5,11 @@ Duclusaud, Passault, Padois, Daney, "Extended friction models for the physics si
 ``bam/fit.py`` for the fit. It is for one joint.
 
 - M1 Coulomb and viscous, M2 with Stribeck's effect, M3 load-dependent, M4 both, M5 with loads of motor and arm apart,
-M6 with a quadratic term that acts where the two oppose one another. Where no motor acts M5 and M6 are M4. - Friction
-takes what stops the joint within a step, and no more than its budget; the step is semi-implicit. - Mean absolute error
-of positions over all recordings, by CMA-ES with restarts (theirs, of the package that Optuna's sampler wraps), inertia
-and an offset of the angle free beside the laws. Their bounds are those of servos; here they are the same shares of the
-rig's own torque.
+  M6 with a quadratic term that acts where the two oppose one another. Where no motor acts M5 and M6 are M4.
+- Friction takes what stops the joint within a step, and no more than its budget; the step is semi-implicit.
+- Mean absolute error of positions over all recordings, by CMA-ES with restarts (theirs, of the package that Optuna's
+  sampler wraps), inertia and an offset of the angle free beside the laws. Their bounds are those of servos; here they are
+  the same shares of the rig's own torque.
 
 Beyond what they do: steps of a millisecond at most, first states free (their rigs begin at rest), and steps below M1
 (none, viscous alone, Coulomb alone), without which "nothing is missing" could not be said.

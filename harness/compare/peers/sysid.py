@@ -2,9 +2,9 @@
 
 What it is run on is the same for a proof and for real rigs. Sources, MuJoCo 4.0.0:
 
-- its README and tutorial notebook, ``python/mujoco/sysid/README.md`` and ``sysid.ipynb``; - its source, as installed:
-``mujoco/sysid/_src``; - its maintainers on a user's trouble with ``frictionloss``:
-github.com/google-deepmind/mujoco/issues/3284 and pull request 3287.
+- its README and tutorial notebook, ``python/mujoco/sysid/README.md`` and ``sysid.ipynb``;
+- its source, as installed: ``mujoco/sysid/_src``;
+- its maintainers on a user's trouble with ``frictionloss``: github.com/google-deepmind/mujoco/issues/3284 and pull request 3287.
 
 ``tests/proof/test_sysid_peer.py`` runs its tutorial's first example to its own figure, and recovers a pendulum's
 friction.
@@ -189,7 +189,8 @@ def _rig(system: System, runs: Sequence[Run], step: float) -> _Rig:
 def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dict[str, float]]:
     """What is freed, and its nominal values.
 
-    Damping, quadratic damping and dry friction of every joint, up to what would swallow the whole force at full speed;
+    Damping, quadratic damping and dry friction of every joint, from nothing to half of what would swallow the whole force at full
+    speed ("box constraints enforce physical plausibility", README; no figure is given for friction);
     the encoder's bias (the README's measurement parameters); the centre of mass or armature, since a model is known
     within a tolerance only and a period that is off would have to be made up for by friction; the first state of every
     run, which its examples know exactly and a recording does not.
