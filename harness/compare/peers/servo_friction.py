@@ -11,14 +11,16 @@ Duclusaud, Passault, Padois, Daney, "Extended friction models for the physics si
   sampler wraps), inertia and an offset of the angle free beside the laws. Their bounds are those of servos; here they are
   the same shares of the rig's own torque.
 
-Beyond what they do: steps of a millisecond at most, first states free (their rigs begin at rest), and steps below M1
-(none, viscous alone, Coulomb alone), without which "nothing is missing" could not be said.
+Beyond what they do: steps of a millisecond at most, first states free (their rigs begin at rest), steps below M1
+(none, viscous alone, Coulomb alone), without which "nothing is missing" could not be said, and a second search that
+begins at the best fit of the steps below, of which each is a special case: theirs tries a hundred thousand times, and with
+the three thousand here M3 ended up to 1.7 times above M1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -62,6 +64,8 @@ LADDER: Mapping[str, tuple[str, ...]] = {
     "m5": ("friction_base", "friction_viscous", *_M5),
     "m6": ("friction_base", "friction_viscous", *_M5, "load_friction_motor_quad", "load_friction_external_quad"),
 }
+DIRECTIONAL = ("m5", "m6")  # the loads of motor and arm apart
+MOTOR_FOR = {"load_friction_base": "load_friction_motor", "load_friction_stribeck": "load_friction_motor_stribeck"}
 STEP = 1e-3  # s at most
 EVALUATIONS = 3000  # of a fit from either start; the score has come to rest before
 RESTARTS = 2
@@ -138,6 +142,7 @@ class Servo:
     model: str
     values: Mapping[str, float]
     mae: float
+    first: Array
     heldout: float = float("nan")
 
     def free_run(self, state: Array, time: Array, tau: Array | None) -> Array:
@@ -145,14 +150,15 @@ class Servo:
         p = np.array([self.values[name] for name in NAMES])
         out = np.empty(len(time))
         pushed = np.zeros(len(time)) if tau is None else np.ascontiguousarray(tau[:, 0])
-        directional = self.model in ("m5", "m6")
+        directional = self.model in DIRECTIONAL
         _swing(state[0], state[1], time, pushed, self.arm.inertia, self.arm.cosine, self.arm.sine, p, directional, out)
         return out[:, None]
 
 
-def fit_servo(arm: Arm, runs: Sequence[Run], model: str, *, seed: int = 0) -> Servo:
+def fit_servo(arm: Arm, runs: Sequence[Run], model: str, *, below: Sequence[Servo] = (), seed: int = 0) -> Servo:
     """One step of the ladder fitted to recordings of one joint.
 
+    below: fits of steps that are special cases of it, to the same runs; it is no worse than they are.
     Raises ImportError where the package ``cmaes`` is not installed.
     """
     from cmaes import CMA
@@ -164,7 +170,7 @@ def fit_servo(arm: Arm, runs: Sequence[Run], model: str, *, seed: int = 0) -> Se
     speed = max(float(np.max(np.abs(np.gradient(run.positions[:, 0], run.time)))) for run in runs)
     low = np.array([bounds[name][0] for name in freed] + [-0.05 * spread, -0.1 * speed] * len(runs))
     high = np.array([bounds[name][1] for name in freed] + [0.05 * spread, 0.1 * speed] * len(runs))
-    directional = model in ("m5", "m6")
+    directional = model in DIRECTIONAL
     values = dict.fromkeys(NAMES, 0.0) | {"inertia": 1.0, "alpha": 1.0}
 
     def numbers(z: Array) -> tuple[Array, Array]:
@@ -190,6 +196,15 @@ def fit_servo(arm: Arm, runs: Sequence[Run], model: str, *, seed: int = 0) -> Se
     box = np.tile([0.0, 1.0], (len(low), 1))
     best, least = start, error(start)
     for restart in range(RESTARTS):
+        for known in below if restart else ():
+            own = dict(known.values)
+            if directional and known.model not in DIRECTIONAL:  # there the load of motor and arm is one
+                own |= {MOTOR_FOR[name]: own[name] for name in MOTOR_FOR}
+            z = np.concatenate([[own[name] for name in freed], np.ravel(known.first)])
+            z = np.clip((z - low) / (high - low), 0.0, 1.0)
+            value = error(z)
+            if value < least:
+                best, least = z, value
         search = CMA(mean=np.clip(best, 0.01, 0.99), sigma=(0.1, 0.02)[restart % 2], bounds=box, seed=seed + restart)
         for _ in range(EVALUATIONS // search.population_size):
             told = []
@@ -202,8 +217,8 @@ def fit_servo(arm: Arm, runs: Sequence[Run], model: str, *, seed: int = 0) -> Se
             search.tell(told)
             if search.should_stop():
                 break
-    p, _ = numbers(best)
-    return Servo(arm, model, dict(zip(NAMES, map(float, p), strict=True)), least)
+    p, first = numbers(best)
+    return Servo(arm, model, dict(zip(NAMES, map(float, p), strict=True)), least, first)
 
 
 def climb(arm: Arm, train: Sequence[Run], heldout: Sequence[Run]) -> tuple[Servo, dict[str, float]]:
@@ -213,13 +228,16 @@ def climb(arm: Arm, train: Sequence[Run], heldout: Sequence[Run]) -> tuple[Servo
     Returns it and each step's error held out [rad]. M5 and M6 are left out where no motor acts, as they are M4 there.
     """
     driven = any(run.driven for run in train)
-    steps = [model for model in LADDER if driven or model not in ("m5", "m6")]
-    fits = {model: fit_servo(arm, train, model) for model in steps}
+    steps = [model for model in LADDER if driven or model not in DIRECTIONAL]
+    fits: dict[str, Servo] = {}
+    for model in steps:
+        below = [fit for m, fit in fits.items() if set(LADDER[m]) < set(LADDER[model])]
+        fits[model] = fit_servo(arm, train, model, below=below)
     errors = {model: heldout_error(fits[model].free_run, heldout) for model in steps}
     enough = AS_GOOD * min(errors.values())
     chosen = min((m for m in steps if errors[m] <= enough), key=lambda m: (len(LADDER[m]), errors[m]))
     found = fits[chosen]
-    return Servo(arm, chosen, found.values, found.mae, errors[chosen]), errors
+    return replace(found, heldout=errors[chosen]), errors
 
 
 def _bounds(arm: Arm, runs: Sequence[Run]) -> dict[str, tuple[float, float]]:
