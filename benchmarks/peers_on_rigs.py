@@ -24,7 +24,7 @@ import numpy as np
 from harness.compare.peers.figaroh import fit_figaroh
 from harness.compare.peers.runs import NotForIt, Run, as_run
 from harness.compare.peers.servo_friction import LADDER, climb
-from harness.compare.peers.sysid import WHAT, fit_sysid
+from harness.compare.peers.sysid import REAL, WHAT, fit_sysid
 from harness.compare.peers.torque_regression import fit_regression
 from harness.effects.scale import swings
 from harness.proof.peers.servo_friction import arm_of
@@ -105,12 +105,10 @@ def practitioner(case: Asked) -> Found:
 
 
 def sysid(case: Asked) -> Found:
-    """``mujoco.sysid``; its armature or centre of mass freed, whichever fits better."""
+    """``mujoco.sysid``; its armature, centre of mass or mass freed, whichever fits better."""
     runs = case.runs(case.train)
-    driven = any(r.driven for r in runs)
-    inertial = (("armature",), ("com", "armature")) if driven else (("com",), ("armature",))
     gaps = [case.left_out.get(r.name, ()) for r in case.train]
-    found = fit_sysid(case.system, runs, window=case.window, left_out=gaps, inertial=inertial)
+    found = fit_sysid(case.system, runs, window=case.window, left_out=gaps, inertial=REAL[any(r.driven for r in runs)])
     half = {k: v if np.isfinite(v) else None for k, v in found.half.items()}
     kept = [WHAT[name.split(":")[-1]] for name in found.beyond()]
     return found.free_run, {"kept": kept, "values": dict(found.values), "half95": half}

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 import harness
+from harness.compare.peers.sysid import REAL, fit_sysid
 from harness.diagnose.conditioning.free_motion import free_parts
 from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run
 from harness.diagnose.inverse.pushes import find_pushes
@@ -28,7 +29,6 @@ from harness.diagnose.problem.problem import pose
 from harness.effects import apply, load_user_effects
 from harness.effects.scale import references
 from harness.proof.peers.runs import as_run
-from harness.proof.peers.sysid import fit_sysid
 from harness.recording import Recording, read_recordings
 from harness.report.diagnosis.write import write_diagnosis
 from harness.system import Attachment, System
@@ -248,15 +248,12 @@ def by_sysid(
 ) -> dict[str, Any]:
     """What ``mujoco.sysid`` fits to the same recordings, in the same windows, and how well it predicts.
 
-    A free swing shows only ratios to the inertia, so that its users free centre of mass or armature there, whichever fits better;
-    where a torque is known, armature, and the centre of mass beside it.
+    What is freed of inertia is ``REAL``, whichever fits better.
     """
     runs = [as_run(system, r) for r in train]
-    driven = any(r.driven for r in runs)
-    inertial = (("armature",), ("com", "armature")) if driven else (("com",), ("armature",))
     gaps = [left_out.get(r.name, ()) for r in train]
     began = time.perf_counter()
-    found = fit_sysid(system, runs, window=window, left_out=gaps, inertial=inertial)
+    found = fit_sysid(system, runs, window=window, left_out=gaps, inertial=REAL[any(r.driven for r in runs)])
     seconds = round(time.perf_counter() - began, 1)
     half = {k: v if np.isfinite(v) else None for k, v in found.half.items()}
     return {

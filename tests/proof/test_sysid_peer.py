@@ -146,6 +146,20 @@ def test_what_one_set_of_parameters_wrote_does_not_stay_for_the_next(tmp_path) -
     assert found.values["pivot:armature"] == pytest.approx(0.012, rel=0.02)
 
 
+def test_a_driven_rig_within_its_tolerance_claims_nothing(tmp_path) -> None:
+    # Inertia 4 % above the stated one, weight as stated: a known effort shows both, and a centre of mass alone cannot say it.
+    system, rng = _pendulum(tmp_path), np.random.default_rng(7)
+    run = _swing(0.3, 0.0, rng, 1e-4, 0.1, rotor=0.04 * 0.024)
+    found = fit_sysid(system, [run], held=False, starts=(1e-3,))
+    assert found.rmse == pytest.approx(1e-4, rel=0.1)
+    assert found.beyond(1.5) == []
+    # Mass times distance is the weight; mass (c² 0.2² + 0.004 / 0.5) the inertia of both.
+    mass, com = found.values["pivot:mass"], found.values["pivot:com"]
+    assert mass * com == pytest.approx(1.0, abs=2e-3)
+    assert mass * (0.02 * com**2 + 0.004) == pytest.approx(1.04 * 0.024, rel=3e-3)
+    assert fit_sysid(system, [run], held=False, starts=(1e-3,), inertial=(("com",),)).rmse > 5e-4
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True])
 def test_efforts_act_as_they_were_recorded(tmp_path, held: bool) -> None:

@@ -45,6 +45,15 @@ OFF_BOUND = 1e-4  # of a range: what pieces put at nothing goes on from there
 CHUNK = 0.5
 FIRST_ITERATIONS = 10  # from each start
 ITERATIONS = 60  # from the best of them
+# What is known within a tolerance. A free swing shows inertia over weight alone, which the centre of mass moves; a known effort
+# shows both, and one number cannot say two.
+FREE: tuple[tuple[str, ...], ...] = (("com",),)
+DRIVEN: tuple[tuple[str, ...], ...] = (("com",), ("com", "mass"))
+# The same of real rigs, of which many state no rotor; by whether they are driven.
+REAL: Mapping[bool, tuple[tuple[str, ...], ...]] = {
+    False: (("com",), ("armature",)),
+    True: (("armature",), ("com", "armature"), ("com", "mass")),
+}
 ALPHA = 0.05  # of ``calculate_intervals``, and of its report
 WHAT = {"viscous": "viscous_damping", "drag": "quadratic_drag", "dry": "coulomb_friction", "bias": "sensor_offset"}
 
@@ -53,7 +62,7 @@ WHAT = {"viscous": "viscous_damping", "drag": "quadratic_drag", "dry": "coulomb_
 class Sysid:
     """What ``mujoco.sysid`` found.
 
-    values, half: by ``joint:parameter`` (viscous, drag, dry, bias, com, armature), estimate and half its 95 % interval,
+    values, half: by ``joint:parameter`` (viscous, drag, dry, bias, com, mass, armature), estimate and half its 95 % interval,
     SI; ``half`` is infinite where the data do not say. nominal: where the published model is. objective: half the sum
     of squares that is left, residuals in units of the channel's spread. rmse: positions of the free runs fitted [rad or
     m].
@@ -191,7 +200,7 @@ def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dic
 
     Damping, quadratic damping and dry friction of every joint, from nothing to half of what would swallow the whole force at full
     speed ("box constraints enforce physical plausibility", README; no figure is given for friction);
-    the encoder's bias (the README's measurement parameters); the centre of mass or armature, since a model is known
+    the encoder's bias (the README's measurement parameters); centre of mass, mass or armature, since a model is known
     within a tolerance only and a period that is off would have to be made up for by friction; the first state of every
     run, which its examples know exactly and a recording does not.
     """
@@ -218,6 +227,13 @@ def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dic
         def centre(s: Any, p: Any, body: str = link.name, com: Array = link.com) -> None:
             s.body(body).ipos[:] = com * float(np.ravel(p.value)[0])
 
+        def weigh(s: Any, p: Any, body: str = link.name, mass: float = link.mass) -> None:
+            # As its ``body_inertia_param`` of the kind Mass does, the inertia in proportion.
+            factor, at = float(np.ravel(p.value)[0]), s.body(body)
+            at.mass = mass * factor
+            at.inertia[:] *= factor
+            at.fullinertia[:] *= factor
+
         most = {"viscous": rig.pull[k] / rig.fastest[k], "drag": rig.pull[k] / rig.fastest[k] ** 2, "dry": rig.pull[k]}
         stated = {"viscous": joint.damping, "drag": 0.0, "dry": joint.friction}
         for what, modifier in (("viscous", damp), ("drag", drag), ("dry", rub)):
@@ -229,6 +245,9 @@ def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dic
         if "com" in inertial and np.any(link.com):
             parameters.add(sysid.Parameter(f"{name}:com", 1.0, 0.7, 1.4, modifier=centre))
             nominal[f"{name}:com"] = 1.0
+        if "mass" in inertial:
+            parameters.add(sysid.Parameter(f"{name}:mass", 1.0, 0.7, 1.4, modifier=weigh))
+            nominal[f"{name}:mass"] = 1.0
         if "armature" in inertial:
             top = joint.armature + 2.0 * float(rig.inertia[k])
             parameters.add(sysid.Parameter(f"{name}:armature", joint.armature, 0.0, top, modifier=rotor))
@@ -395,14 +414,15 @@ def fit_sysid(
     window: float | None = None,
     left_out: Sequence[Sequence[tuple[float, float]]] = (),
     held: bool | None = None,
-    inertial: Sequence[Sequence[str]] = (("com",),),
+    inertial: Sequence[Sequence[str]] | None = None,
     starts: Sequence[float | None] = STARTS,
 ) -> Sysid:
     """A rig's dissipation fitted by ``mujoco.sysid`` to free runs over the recordings, or over windows of them.
 
-    window [s]; left_out: stretches of each recording [s]. held: whether efforts stay from sample to sample; None:
-    whichever fits better. inertial: sets out of ``com`` and ``armature``, tried in turn; the best fit is kept. starts:
-    see ``STARTS``; from a single one, nothing else is tried. Raises ImportError where the package is not installed.
+    window [s]; left_out: stretches of each recording [s]. held: whether efforts stay from sample to sample; None: whichever
+    fits better. inertial: sets out of ``com``, ``mass`` and ``armature``, tried in turn; the best fit is kept; None: ``FREE`` or
+    ``DRIVEN``. starts: see ``STARTS``; from a single one, nothing else is tried. Raises ImportError where the package is not
+    installed.
     """
     from absl import logging
     from mujoco import sysid
@@ -418,6 +438,7 @@ def fit_sysid(
     step = interval / max(1, int(np.ceil(interval / STEP - 1e-6)))
     rig = _rig(system, runs, step)
     driven = any(r.driven for r in runs)
+    inertial = inertial or (DRIVEN if driven else FREE)
     best: tuple[float, Any, dict[str, float], Any, bool] | None = None
     for way in [bool(held)] if held is not None or not driven else [False, True]:
         residual, in_pieces = (_residual(rig, some, step, way) for some in (runs, pieces))
