@@ -9,7 +9,7 @@ from harness.cases.checks.batch import BATCHES, BatchAgreement
 from harness.cases.checks.batch_straight import BatchStraight
 from harness.cases.users import state_checks
 from harness.system import System, random_chain, random_tree
-from harness.system.random_joints import free_of_a_link, in_space, spinning_freely
+from harness.system.random_joints import floating_tree, free_of_a_link, in_space, spinning_freely
 
 ENGINES = ("denoc", "pinocchio", "mujoco")
 
@@ -62,6 +62,7 @@ CASES = (
         lambda: spinning_freely(in_space()),
         1e-11,
     ),
+    _batch("floating", "What floats, with hinges and slides alone on it, many states at once", floating_tree, 1e-11),
     _batch("loose", "A free joint between two links that move, many states at once", free_of_a_link, 1e-11),
     _batch("long", "Seventy joints, many states at once", partial(random_chain, 70, seed=51, prismatic=0.1), 1e-9),
     Case(

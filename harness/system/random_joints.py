@@ -69,6 +69,22 @@ def following(seed: int = 2) -> System:
     return System("following", joints, tuple(link(name, rng) for name in "abcde"))
 
 
+def floating_tree(seed: int = 14) -> System:
+    """A damped free body, placed askew, with branches of hinges and slides, springs and armature among them."""
+    rng = np.random.default_rng(seed)
+    hinge, slide = JointType.REVOLUTE, JointType.PRISMATIC
+    joints = (
+        joint("root", JointType.FREE, "base", "a", rng, damping=0.3),
+        joint("hip", hinge, "a", "b", rng, armature=0.05, damping=0.1),
+        joint("knee", hinge, "b", "c", rng, stiffness=3.0, rest_position=0.2),
+        joint("shoulder", slide, "a", "d", rng, armature=0.2),
+        joint("mount", JointType.FIXED, "a", "e", rng),
+        joint("elbow", hinge, "e", "f", rng),
+        joint("grip", slide, "d", "g", rng, damping=0.2),
+    )
+    return System("floating tree", joints, tuple(link(name, rng) for name in "abcdefg"))
+
+
 def free_of_a_link(seed: int = 12) -> System:
     """A free joint between two moving links, which MuJoCo's own free joint is not."""
     rng = np.random.default_rng(seed)

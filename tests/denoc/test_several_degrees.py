@@ -16,6 +16,7 @@ from harness.errors import InputError, UnsupportedError
 from harness.system import Joint, JointType, Link, Mimic, System, load, write
 from harness.system.description import constant
 from harness.system.random_joints import (
+    floating_tree,
     following,
     free_of_a_link,
     in_space,
@@ -66,7 +67,16 @@ def hanging_ball() -> System:
     return System("hanging", joints, (link("a", rng), link("b", rng)))
 
 
-@pytest.mark.parametrize("build", [in_space, spun_freely, free_of_a_link, hanging_ball, following])
+def askew() -> System:
+    """What floats from a place that is turned, with a ball on it."""
+    turned = constant(from_quaternion(np.array([0.6, 0.2, -0.5, 0.3])))
+    joints = (replace(spun_freely().joints[0], rotation=turned), *spun_freely().joints[1:])
+    return replace(spun_freely(), joints=joints)
+
+
+@pytest.mark.parametrize(
+    "build", [in_space, spun_freely, free_of_a_link, hanging_ball, following, floating_tree, askew]
+)
 def test_many_states_at_once_are_one_after_another(build: Build) -> None:
     system, rng = build(), np.random.default_rng(22)
     model = Denoc(system)
@@ -88,6 +98,19 @@ def test_many_states_at_once_are_one_after_another(build: Build) -> None:
         out = np.full_like(expected, np.nan)
         assert many(q, *others, out=out) is out
         np.testing.assert_array_equal(out, found)
+
+
+@pytest.mark.parametrize("build", [floating_tree, askew])
+def test_what_floats_from_a_turned_place_falls_by_gravity_alone(build: Build) -> None:
+    """At rest, without forces and springs, all of it falls by g, which its joint sees in the axes that it is placed in."""
+    system = build()
+    system = replace(system, joints=tuple(replace(one, stiffness=0.0) for one in system.joints))
+    model, rng = Denoc(system), np.random.default_rng(24)
+    q = np.array([random_position(system, rng) for _ in range(11)])
+    found = model.forward_dynamics_batch(q, np.zeros((11, model.n)))
+    fall = np.zeros(model.n)
+    fall[:3] = np.asarray(system.joints[0].rotation).T @ np.asarray(system.gravity)
+    np.testing.assert_allclose(found, np.tile(fall, (11, 1)), atol=1e-11)
 
 
 @BOTH

@@ -81,6 +81,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     "BatchModel.forward_dynamics": ("batch_tree/forward_dynamics_batch/*",),
     "BatchModel.inverse_dynamics": ("batch_tree/inverse_dynamics_batch/*",),
     "BatchModel.mass_matrix": ("batch_tree/mass_matrix_batch/*", "batch_hinges/mass_matrix_batch/*"),
+    "BatchModel.floating_dynamics": ("batch_floating/forward_dynamics_batch/*",),
     "SpaceBatch.forward_dynamics": ("batch_in_space/forward_dynamics_batch/*", "batch_loose/forward_dynamics_batch/*"),
     "SpaceBatch.inverse_dynamics": ("batch_in_space/inverse_dynamics_batch/*", "batch_loose/inverse_dynamics_batch/*"),
     "SpaceBatch.mass_matrix": ("batch_in_space/mass_matrix_batch/*", "batch_loose/mass_matrix_batch/*"),

@@ -16,6 +16,7 @@ from harness.engines import registry
 from harness.errors import EngineUnavailableError, UnsupportedError, missing_package
 from harness.system import System
 from harness.system.load import load
+from harness.system.lowering import freed
 from harness.system.random_systems import random_chain
 
 Array = NDArray[np.float64]
@@ -58,14 +59,14 @@ def states(n: int, count: int) -> States:
 
 
 def robots() -> Iterator[tuple[str, System]]:
-    """Real robots by file name; none if example-robot-data is not installed."""
+    """Real robots by file name, joints that mimic others independent; none if example-robot-data is not installed."""
     try:
         files = metadata.files("example-robot-data") or []
     except metadata.PackageNotFoundError:
         return
     for file in sorted(files, key=str):
         if file.name in ROBOTS:
-            yield file.name, load(Path(str(file.locate())))
+            yield file.name, freed(load(Path(str(file.locate()))))
 
 
 def native(system: System) -> Any:

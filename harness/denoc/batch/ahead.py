@@ -20,9 +20,10 @@ def batches() -> None:
 
 def in_space() -> None:
     """What ``SpaceBatch`` converts states with."""
+    signature.compile_for(dynamics.floating_dynamics, 1, 1, TABLE, *[VECTOR] * 8)
     signature.compile_for(turns.to_turns, TABLE, WHOLE, *[VECTOR] * 2, *[MATRIX] * 5, VECTOR)
     signature.compile_for(turns.forces_to_turns, TABLE, VECTOR, *[MATRIX] * 4)
-    signature.compile_for(turns.accelerations_from_turns, TABLE, VECTOR, *[MATRIX] * 3)
-    signature.compile_for(turns.accelerations_to_turns, TABLE, VECTOR, *[MATRIX] * 4)
+    signature.compile_for(turns.accelerations_from_turns, TABLE, *[MATRIX] * 4)
+    signature.compile_for(turns.accelerations_to_turns, TABLE, *[MATRIX] * 5)
     signature.compile_for(turns.forces_from_turns, TABLE, VECTOR, *[MATRIX] * 3)
     signature.compile_for(turns.masses_from_turns, TABLE, MATRIX, CUBE)

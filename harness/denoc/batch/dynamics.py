@@ -11,6 +11,7 @@ from typing import Any
 
 from numba import njit
 
+from harness.denoc.batch import trunk as trunks
 from harness.denoc.compiling.pipeline import Kernel
 from harness.denoc.lanes.spatial import (
     bias_wrench,
@@ -95,28 +96,99 @@ def wrench_to_parent(
     return nx, ny, nz, fx, fy, fz
 
 
-@batch_kernel
-def forward_dynamics(
+@in_place
+def carried(c: Any, k: int, takes: int, accumulators: Any, twist: Any) -> Any:
+    """Articulated inertia and bias wrench of a body with what it carries, which waits in the accumulator ``takes`` (-1: none)."""
+    wx, wy, wz, vx, vy, vz = twist
+    m = c[k + MASS]
+    hx = c[k + FIRST]
+    hy = c[k + FIRST + 1]
+    hz = c[k + FIRST + 2]
+    ixx = c[k + SECOND]
+    iyy = c[k + SECOND + 1]
+    izz = c[k + SECOND + 2]
+    ixy = c[k + SECOND + 3]
+    ixz = c[k + SECOND + 4]
+    iyz = c[k + SECOND + 5]
+    px, py, pz, fx, fy, fz = bias_wrench(m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz, wx, wy, wz, vx, vy, vz)
+    if takes >= 0:
+        a = takes * ACCUMULATOR * 8
+        axx = load(accumulators, a) + ixx
+        ayy = load(accumulators, a + 8) + iyy
+        azz = load(accumulators, a + 16) + izz
+        axy = load(accumulators, a + 24) + ixy
+        axz = load(accumulators, a + 32) + ixz
+        ayz = load(accumulators, a + 40) + iyz
+        bxx = load(accumulators, a + 48)
+        bxy = load(accumulators, a + 56) - hz
+        bxz = load(accumulators, a + 64) + hy
+        byx = load(accumulators, a + 72) + hz
+        byy = load(accumulators, a + 80)
+        byz = load(accumulators, a + 88) - hx
+        bzx = load(accumulators, a + 96) - hy
+        bzy = load(accumulators, a + 104) + hx
+        bzz = load(accumulators, a + 112)
+        mxx = load(accumulators, a + 120) + m
+        myy = load(accumulators, a + 128) + m
+        mzz = load(accumulators, a + 136) + m
+        mxy, mxz, myz = load_run(accumulators, a + 144, 3)
+        px = px + load(accumulators, a + 168)
+        py = py + load(accumulators, a + 176)
+        pz = pz + load(accumulators, a + 184)
+        fx = fx + load(accumulators, a + 192)
+        fy = fy + load(accumulators, a + 200)
+        fz = fz + load(accumulators, a + 208)
+    else:
+        zero = spread(0.0)
+        axx, ayy, azz, axy, axz, ayz = (
+            spread(ixx), spread(iyy), spread(izz), spread(ixy), spread(ixz), spread(iyz),
+        )  # fmt: skip
+        bxx, bxy, bxz = zero, spread(-hz), spread(hy)
+        byx, byy, byz = spread(hz), zero, spread(-hx)
+        bzx, bzy, bzz = spread(-hy), spread(hx), zero
+        mxx, myy, mzz, mxy, mxz, myz = spread(m), spread(m), spread(m), zero, zero, zero
+    return (
+        (axx, ayy, azz, axy, axz, ayz),
+        (bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz),
+        (mxx, myy, mzz, mxy, mxz, myz),
+        (px, py, pz, fx, fy, fz),
+    )
+
+
+@in_place
+def _sweeps(
     first: int,
     last: int,
     tree: Any,
     c: Any,
     ws: Any,
     accumulators: Any,
-    gravity: Any,
+    base_motion: Any,
     q: Any,
     qd: Any,
     tau: Any,
     out: Any,
+    begin: int,
+    more: int,
 ) -> None:
-    """Accelerations of the states in rows first, first + 8, … below last, flat arrays of (B, n); eight rows from each."""
+    """Forward dynamics of the bodies from ``begin`` on; more: by how many a row of positions is longer than one of velocities.
+
+    base_motion: gravity, or where ``begin`` is not 0 the numbers of a trunk (``batch.trunk``). Both are constants where this is
+    taken in, so that a tree without a trunk has no code for one.
+    """
     n = tree.shape[0]
     for row in range(first, last, 8):
         base = row * n
-        for i in range(n):
+        at = row * (n + more) + more
+        if begin != 0:
+            b = (begin - 1) * BODY * 8
+            wx, wy, wz, vx, vy, vz = trunks.motion(base, n, base_motion, ws, 0, q, qd)
+            store_run(ws, b + OMEGA * 8, (wx, wy, wz))
+            store_run(ws, b + VELOCITY * 8, (vx, vy, vz))
+        for i in range(begin, n):
             b = i * BODY * 8
             k = i * CONSTANTS
-            position = gather(q, base + i, n)
+            position = gather(q, at + i, n + more)
             rate = gather(qd, base + i, n)
             prismatic = tree[i, PRISMATIC]
             cosine, sine = turn_of(c, k, position, prismatic)
@@ -148,63 +220,21 @@ def forward_dynamics(
             store(ws, b + RATE * 8, rate)
             store_run(ws, b + OMEGA * 8, (wx, wy, wz))
             store_run(ws, b + VELOCITY * 8, (vx, vy, vz))
-        for i in range(n - 1, -1, -1):
+        for i in range(n - 1, begin - 1, -1):
             b = i * BODY * 8
             k = i * CONSTANTS
             prismatic = tree[i, PRISMATIC]
             rate = load(ws, b + RATE * 8)
             wx, wy, wz = load_run(ws, b + OMEGA * 8, 3)
             vx, vy, vz = load_run(ws, b + VELOCITY * 8, 3)
-            m = c[k + MASS]
-            hx = c[k + FIRST]
-            hy = c[k + FIRST + 1]
-            hz = c[k + FIRST + 2]
-            ixx = c[k + SECOND]
-            iyy = c[k + SECOND + 1]
-            izz = c[k + SECOND + 2]
-            ixy = c[k + SECOND + 3]
-            ixz = c[k + SECOND + 4]
-            iyz = c[k + SECOND + 5]
-            px, py, pz, fx, fy, fz = bias_wrench(m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz, wx, wy, wz, vx, vy, vz)
-            if tree[i, TAKES] >= 0:
-                a = tree[i, TAKES] * ACCUMULATOR * 8
-                axx = load(accumulators, a) + ixx
-                ayy = load(accumulators, a + 8) + iyy
-                azz = load(accumulators, a + 16) + izz
-                axy = load(accumulators, a + 24) + ixy
-                axz = load(accumulators, a + 32) + ixz
-                ayz = load(accumulators, a + 40) + iyz
-                bxx = load(accumulators, a + 48)
-                bxy = load(accumulators, a + 56) - hz
-                bxz = load(accumulators, a + 64) + hy
-                byx = load(accumulators, a + 72) + hz
-                byy = load(accumulators, a + 80)
-                byz = load(accumulators, a + 88) - hx
-                bzx = load(accumulators, a + 96) - hy
-                bzy = load(accumulators, a + 104) + hx
-                bzz = load(accumulators, a + 112)
-                mxx = load(accumulators, a + 120) + m
-                myy = load(accumulators, a + 128) + m
-                mzz = load(accumulators, a + 136) + m
-                mxy, mxz, myz = load_run(accumulators, a + 144, 3)
-                px = px + load(accumulators, a + 168)
-                py = py + load(accumulators, a + 176)
-                pz = pz + load(accumulators, a + 184)
-                fx = fx + load(accumulators, a + 192)
-                fy = fy + load(accumulators, a + 200)
-                fz = fz + load(accumulators, a + 208)
-            else:
-                zero = spread(0.0)
-                axx, ayy, azz, axy, axz, ayz = (
-                    spread(ixx), spread(iyy), spread(izz), spread(ixy), spread(ixz), spread(iyz),
-                )  # fmt: skip
-                bxx, bxy, bxz = zero, spread(-hz), spread(hy)
-                byx, byy, byz = spread(hz), zero, spread(-hx)
-                bzx, bzy, bzz = spread(-hy), spread(hx), zero
-                mxx, myy, mzz, mxy, mxz, myz = spread(m), spread(m), spread(m), zero, zero, zero
+            angular, mixed, linear, bias = carried(c, k, tree[i, TAKES], accumulators, (wx, wy, wz, vx, vy, vz))
+            axx, ayy, azz, axy, axz, ayz = angular
+            bxx, bxy, bxz, byx, byy, byz, bzx, bzy, bzz = mixed
+            mxx, myy, mzz, mxy, mxz, myz = linear
+            px, py, pz, fx, fy, fz = bias
             force = gather(tau, base + i, n) - c[k + DAMPING] * rate
             if c[k + STIFFNESS] != 0.0:
-                force = force - c[k + STIFFNESS] * (gather(q, base + i, n) - c[k + REST])
+                force = force - c[k + STIFFNESS] * (gather(q, at + i, n + more) - c[k + REST])
             if prismatic == 0:
                 column = (axz, ayz, azz, bzx, bzy, bzz)
                 inverse = 1.0 / (azz + c[k + ARMATURE])
@@ -280,7 +310,23 @@ def forward_dynamics(
                 store_run(accumulators, a + 48, mixed)
                 store_run(accumulators, a + 120, linear)
                 store_run(accumulators, a + 168, bias)
-        for i in range(n):
+        if begin != 0:
+            i = begin - 1
+            b = i * BODY * 8
+            wx, wy, wz = load_run(ws, b + OMEGA * 8, 3)
+            vx, vy, vz = load_run(ws, b + VELOCITY * 8, 3)
+            twist = (wx, wy, wz, vx, vy, vz)
+            angular, mixed, linear, bias = carried(c, i * CONSTANTS, tree[i, TAKES], accumulators, twist)
+            push = trunks.wrench(base, n, base_motion, ws, 0, tau, twist)
+            left = (
+                push[0] - bias[0], push[1] - bias[1], push[2] - bias[2],
+                push[3] - bias[3], push[4] - bias[4], push[5] - bias[5],
+            )  # fmt: skip
+            found = trunks.acceleration(angular, mixed, linear, left)
+            trunks.write(base, n, base_motion, ws, 0, twist, found, out)
+            store_run(ws, b + OMEGA * 8, (found[0], found[1], found[2]))
+            store_run(ws, b + VELOCITY * 8, (found[3], found[4], found[5]))
+        for i in range(begin, n):
             b = i * BODY * 8
             k = i * CONSTANTS
             prismatic = tree[i, PRISMATIC]
@@ -292,7 +338,7 @@ def forward_dynamics(
             else:
                 zero = spread(0.0)
                 wx, wy, wz = zero, zero, zero
-                vx, vy, vz = spread(-gravity[0]), spread(-gravity[1]), spread(-gravity[2])
+                vx, vy, vz = spread(-base_motion[0]), spread(-base_motion[1]), spread(-base_motion[2])
             if tree[i, PREFIX] != 0:
                 wx, wy = turn_forward(c[k + GAMMA], c[k + GAMMA + 1], wx, wy)
                 vx, vy = turn_forward(c[k + GAMMA], c[k + GAMMA + 1], vx, vy)
@@ -333,6 +379,42 @@ def forward_dynamics(
                 vz = vz + qdd
             store_run(ws, b + OMEGA * 8, (wx, wy, wz))
             store_run(ws, b + VELOCITY * 8, (vx, vy, vz))
+
+
+@batch_kernel
+def forward_dynamics(
+    first: int,
+    last: int,
+    tree: Any,
+    c: Any,
+    ws: Any,
+    accumulators: Any,
+    gravity: Any,
+    q: Any,
+    qd: Any,
+    tau: Any,
+    out: Any,
+) -> None:
+    """Accelerations of the states in rows first, first + 8, … below last, flat arrays of (B, n); eight rows from each."""
+    _sweeps(first, last, tree, c, ws, accumulators, gravity, q, qd, tau, out, 0, 0)
+
+
+@batch_kernel
+def floating_dynamics(
+    first: int,
+    last: int,
+    tree: Any,
+    c: Any,
+    ws: Any,
+    accumulators: Any,
+    trunk: Any,
+    q: Any,
+    qd: Any,
+    tau: Any,
+    out: Any,
+) -> None:
+    """The same of what hangs on a trunk (``batch.trunk``): q is a flat array of (B, n + 1)."""
+    _sweeps(first, last, tree, c, ws, accumulators, trunk, q, qd, tau, out, trunks.BODIES, 1)
 
 
 # Workspace of inverse dynamics: turn (or q), spin, its rate, acceleration of the origin; then moment and force.

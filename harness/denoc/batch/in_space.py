@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.denoc.batch import dynamics as sweeps
+from harness.denoc.batch import trunk as trunks
 from harness.denoc.batch import turns as kernels
 from harness.denoc.batch.model import BatchModel
-from harness.system import JointType, System
+from harness.system import Joint, JointType, System
 from harness.system.description import constant
 from harness.system.lowering import Lowered
 
@@ -36,14 +38,31 @@ class SpaceBatch:
         floats = all(joint.type is JointType.FREE for joint in system.joints if joint.parent == system.base)
         gravity = constant([0.0, 0.0, 0.0]) if floats else system.gravity
         self.inner = BatchModel(replace(lowered.system, joints=tuple(joints), gravity=gravity))
-        self._gravity = np.array(system.gravity)
         self.serial = self.inner.serial
         roots = [floats and ball.parent == system.base for ball in balls]
         self._balls: Integers = np.array(
             [[at, first, root] for (at, first), root in zip(lowered.balls, roots, strict=True)], dtype=np.int64
         )
         self._damping = np.array([joint.damping for joint in balls])
+        # Of each ball in the axes that it is placed in, which a floating one moves in.
+        self._gravity = np.array([np.asarray(joint.rotation).T @ np.array(system.gravity) for joint in balls])
         self._take, self._factor, self._shift = lowered.take, lowered.factor.copy(), lowered.shift.copy()
+        self._trunk = self._as_trunk(balls[0], lowered) if floats and len(balls) == 1 else None
+
+    def _as_trunk(self, joint: Joint, lowered: Lowered) -> Array | None:
+        """Numbers of the trunk (``batch.trunk``) if all else hangs on it by joints whose positions are as they stand; else None."""
+        tree, constants = self.inner.bodies
+        behind = np.arange(trunks.BODIES, self.inner.n)
+        hangs = tree[: trunks.BODIES, sweeps.PARENT].tolist() == list(range(-1, trunks.BODIES - 1))
+        hangs = hangs and bool((tree[trunks.BODIES :, sweeps.PARENT] >= trunks.BODIES - 1).all())
+        plain = (lowered.take[behind] == behind + 1) & (lowered.factor[behind] == 1.0) & (lowered.shift[behind] == 0.0)
+        if not (hangs and plain.all()):
+            return None
+        # The trunk's body stands in its link about z, the last of the turns that it is lowered to.
+        turn = np.asarray(joint.rotation).T
+        for row in constants[: trunks.BODIES]:
+            turn = turn @ _about(2, row, sweeps.GAMMA) @ _about(0, row, sweeps.ALPHA) @ _about(2, row, sweeps.DELTA)
+        return np.array([*self._gravity[0], turn[0, 0], turn[1, 0], joint.damping])
 
     @staticmethod
     def takes(system: System, lowered: Lowered) -> bool:
@@ -56,6 +75,8 @@ class SpaceBatch:
         self, Q: Array, Qd: Array, Tau: Array, out: Array, by_row: Callable[[Array, Array, Array, Array], object]
     ) -> Array:
         """Accelerations (B, n), written to ``out``."""
+        if self._trunk is not None:
+            return self.inner.floating_dynamics(self._trunk, Q, Qd, Tau, out)
         for rows, local, rates, kept, near in self._stretches(Q, Qd):
             forces = np.empty_like(local)
             kernels.forces_to_turns(self._balls, self._damping, Qd[rows], Tau[rows], kept, forces)
@@ -105,3 +126,9 @@ class SpaceBatch:
             found = np.empty((len(which), *out.shape[1:]))
             by_row(*(np.ascontiguousarray(array[which]) for array in arrays), found)
             out[which] = found
+
+
+def _about(axis: int, row: Array, at: int) -> Array:
+    """Rotation about a body's x (0) or z (2), cosine and sine from its constants."""
+    c, s = row[at : at + 2]
+    return np.array([[1.0, 0, 0], [0, c, -s], [0, s, c]] if axis == 0 else [[c, -s, 0], [s, c, 0], [0, 0, 1.0]])

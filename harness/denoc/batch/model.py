@@ -67,6 +67,11 @@ class BatchModel:
         other._masses = other._carried()
         return other
 
+    @property
+    def bodies(self) -> tuple[Any, Array]:
+        """Integers and constants of the bodies, a row each, as ``batch.dynamics`` reads them."""
+        return self._tree, self._constants.reshape(self.n, -1)
+
     def _carried(self) -> Array:
         """Mass of every body with what it carries [kg], shape (n,)."""
         masses = self._constants.reshape(self.n, -1)[:, 9].copy()
@@ -86,13 +91,22 @@ class BatchModel:
         """
         q, qd = self._states("Q", Q), self._states("Qd", Qd)
         tau = np.zeros_like(q) if Tau is None else self._states("Tau", Tau)
+        return self._accelerations(kernels.forward_dynamics, self._gravity, out, q, qd, tau)
+
+    def floating_dynamics(self, trunk: Array, Q: Array, Qd: Array, Tau: Array, out: Array) -> Array:
+        """The same of what hangs on a trunk, the first six joints as one, positions (B, n + 1); trunk: as in ``batch.trunk``."""
+        qd, tau = self._states("Qd", Qd), self._states("Tau", Tau)
+        q = Q if Q.flags.writeable else Q.copy()
+        return self._accelerations(kernels.floating_dynamics, trunk, out, q, qd, tau)
+
+    def _accelerations(self, sweeps: Callable[..., None], own: Array, out: Array | None, *states: Array) -> Array:
         bodies = self.n * kernels.BODY * _EIGHT
 
         def kernel(first: int, last: int, tree: Any, c: Array, ws: Array, *others: Array) -> None:
-            kernels.forward_dynamics(first, last, tree, c, ws[:bodies], ws[bodies:], *others)
+            sweeps(first, last, tree, c, ws[:bodies], ws[bodies:], *others)
 
         size = bodies + max(1, self._accumulators) * kernels.ACCUMULATOR * _EIGHT
-        return self._spread(kernel, size, self._gravity, (self.n,), out, q, qd, tau)
+        return self._spread(kernel, size, own, (self.n,), out, *states)
 
     def inverse_dynamics(self, Q: ArrayLike, Qd: ArrayLike, Qdd: ArrayLike, *, out: Array | None = None) -> Array:
         """Generalized forces that make the accelerations Qdd, shape (B, n); out as in ``forward_dynamics``."""

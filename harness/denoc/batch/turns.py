@@ -160,7 +160,7 @@ def forces_to_turns(balls: Any, damping: Any, v: Any, tau: Any, kept: Any, force
 
 @compiled
 def accelerations_from_turns(balls: Any, gravity: Any, rates: Any, kept: Any, out: Any) -> None:
-    """Lowered accelerations (B, n) made those of the velocities, in place; gravity: of what floats."""
+    """Lowered accelerations (B, n) made those of the velocities, in place; gravity: of each ball in the axes that it moves in."""
     for r in range(out.shape[0]):
         for j in range(balls.shape[0]):
             k, t, floats = balls[j, FIRST], TURN * j, balls[j, FLOATS]
@@ -170,7 +170,7 @@ def accelerations_from_turns(balls: Any, gravity: Any, rates: Any, kept: Any, ou
             out[r, k], out[r, k + 1], out[r, k + 2] = a + x, b + y, c + z
             if floats != 0:
                 x, y, z = turned(kept, r, t, out[r, k - 3], out[r, k - 2], out[r, k - 1])
-                out[r, k - 3], out[r, k - 2], out[r, k - 1] = x + gravity[0], y + gravity[1], z + gravity[2]
+                out[r, k - 3], out[r, k - 2], out[r, k - 1] = x + gravity[j, 0], y + gravity[j, 1], z + gravity[j, 2]
 
 
 @compiled
@@ -188,7 +188,12 @@ def accelerations_to_turns(balls: Any, gravity: Any, qdd: Any, rates: Any, kept:
             )
             if floats != 0:
                 asked[r, k - 3], asked[r, k - 2], asked[r, k - 1] = turned_back(
-                    kept, r, t, qdd[r, k - 3] - gravity[0], qdd[r, k - 2] - gravity[1], qdd[r, k - 1] - gravity[2]
+                    kept,
+                    r,
+                    t,
+                    qdd[r, k - 3] - gravity[j, 0],
+                    qdd[r, k - 2] - gravity[j, 1],
+                    qdd[r, k - 1] - gravity[j, 2],
                 )
 
 

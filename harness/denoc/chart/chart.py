@@ -56,10 +56,11 @@ class Chart:
     def refuse_zero(self, Q: Array) -> None:
         """Raise InputError naming the joint where a row of Q (B, nq) holds a quaternion of no length."""
         for at, coordinate in self.lowered.balls:
-            lengths = np.linalg.norm(Q[:, at : at + 4], axis=1)
-            if (lengths < _SHORTEST).any():
+            # A tenth of the time that ``norm`` takes for many short rows.
+            squares = np.einsum("ij,ij->i", Q[:, at : at + 4], Q[:, at : at + 4])
+            if (squares < _SHORTEST**2).any():
                 joint = self.lowered.system.coordinate_names[coordinate].rpartition(".")[0]
-                row = f"row {int(np.argmin(lengths))}: " if len(Q) > 1 else ""
+                row = f"row {int(np.argmin(squares))}: " if len(Q) > 1 else ""
                 raise InputError(
                     f"{row}the quaternion of joint {joint!r}, q[{at}] to q[{at + 3}], has length zero",
                     mend="give w, x, y, z; no rotation is 1, 0, 0, 0",

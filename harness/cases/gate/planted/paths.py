@@ -34,6 +34,13 @@ METHODS = (
         ("masses of angles, not of spins", "kernels.masses_from_turns(self._balls, kept, out[rows])", "pass", "mass_matrix_batch"),
     ),
     *of_file(
+        "batch/trunk.py", "batch_floating",
+        ("a trunk whose joint resists less", "d = trunk[RESISTING]", "d = 0.99 * trunk[RESISTING]", "forward_dynamics_batch"),
+        ("a trunk's axes carried along", "x, y, z = x + (wy * vz - wz * vy), y + (wz * vx - wx * vz), z + (wx * vy - wy * vx)\n", "\n",
+         "forward_dynamics_batch"),
+        ("a pivot of the trunk not less by another", "d2 = 1.0 / ayy", "d2 = 1.001 / ayy", "forward_dynamics_batch"),
+    ),
+    *of_file(
         "loops/closed.py", "four_bar",
         ("forces that are not the least", "forces = np.linalg.lstsq(complement @ directions, complement @ needed, rcond=1e-9)[0]",
          "forces = 1.001 * np.linalg.lstsq(complement @ directions, complement @ needed, rcond=1e-9)[0]", "four_bar"),
