@@ -15,7 +15,9 @@ def diagnose_engine(
     allow: tuple[str, ...],
     out: Path | None,
     json_file: str | None,
+    *,
     strict: bool,
+    floating: bool = False,
 ) -> int:
     """Which terms of an engine's equation of motion a recording asks to be mended; 1 under ``strict`` if there are any."""
     from harness.cases.case import NATIVE
@@ -35,7 +37,7 @@ def diagnose_engine(
             f"{NATIVE} is what other engines are held against",
             mend=f"leave out --engine: diagnose asks the same of {NATIVE}",
         )
-    system = load(model, allow=allow)
+    system = load(model, allow=allow, floating=floating)
     doubted = registry.engine(engine)
     doubted.version()
     reason = doubted.refuses(system)

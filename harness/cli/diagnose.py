@@ -59,6 +59,7 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     "--holdout", metavar="FILE", help="Judge on this recording; default: the last one, or the last 30 % of one."
 )
 @allow_option
+@click.option("--floating", is_flag=True, help="Let the root links of URDF models float on a free joint, root_joint.")
 @click.option(
     "--tolerance", type=float, metavar="X", help="Relative 1σ of nominal masses, lengths, inertias, stiffnesses."
 )
@@ -109,6 +110,7 @@ def diagnose(
     mapping: tuple[str, ...],
     holdout: str | None,
     allow: tuple[str, ...],
+    floating: bool,
     tolerance: float | None,
     fit_effort: bool,
     effects_files: tuple[str, ...],
@@ -132,6 +134,7 @@ def diagnose(
       denoc diagnose empty.csv 1kg.csv 2kg.csv --model empty.urdf --model 1kg.urdf --model 2kg.urdf
       denoc diagnose run*.csv --compare toolbox_a.urdf toolbox_b.urdf --out compared
       denoc diagnose run*.csv --transfer published.urdf
+      denoc diagnose throw*.csv --model quadruped.urdf --floating
       denoc diagnose ancf.csv --model examples/paper/one_mode.toml --engine as_printed
       denoc diagnose --fleet recordings --model rig.urdf --out fleet --dask tcp://head:8786
 
@@ -156,7 +159,7 @@ def diagnose(
         return diagnose_all(
             fleet, models[0] if models else None, out or Path("denoc-fleet"), json_file, strict=strict, mapping=mapping,
             tolerance=tolerance, fit_effort=fit_effort, effects=effects_files, time_limit=time_limit, actuators=actuators,
-            limits=limits, allow=allow, workers=workers, dask=dask,
+            limits=limits, allow=allow, floating=floating, workers=workers, dask=dask,
         )  # fmt: skip
     _refuse({"--workers": workers, "--dask": dask}, "is for --fleet", "leave it out: one diagnosis runs in one process")
     if not recordings:
@@ -170,10 +173,13 @@ def diagnose(
         _refuse(others, "does not go with --engine", "leave it out: nothing is fitted to the model")
         if len(models) != 1:
             raise InputError("--engine is doubted beside one --model", mend="give the model that the recordings are of")
-        return diagnose_engine(recordings, models[0], engine, mapping, allow, out, json_file, strict)
+        return diagnose_engine(
+            recordings, models[0], engine, mapping, allow, out, json_file, strict=strict, floating=floating
+        )
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
     from harness.diagnose.problem.deadline import Deadline
+    from harness.engines.readers.register import root_of
     from harness.report.json_text import json_text
     from harness.system import load
 
@@ -184,12 +190,19 @@ def diagnose(
         asked_of_a_search = {"--tolerance": tolerance, "--fit-effort": fit_effort or None, "--effects": effects_files or None,
                              "--strict": strict or None}  # fmt: skip
         _refuse(asked_of_a_search, "is for a diagnosis, which needs a --model", "give --model, or leave it away")
+    # The other formats say themselves what floats.
+    named = [*models, *(compare or ()), *([published] if published else [])]
+    urdf = [m for m in named if floating and root_of(Path(m)) == "robot"]
+
+    def read(model: str) -> System:
+        return load(model, physical=False, allow=allow, floating=floating and (model in urdf or not urdf))
+
     ahead.start(ahead.DIAGNOSE)
     if time_limit is None and sys.stderr.isatty():
         time_limit = USUAL_LIMIT
     document: dict[str, Any] | None = None
     if models:
-        systems = [load(m, physical=False, allow=allow) for m in models]
+        systems = [read(m) for m in models]
         document = _searched(
             recordings, systems, mapping=mapping, holdout=holdout, tolerance=tolerance,
             fit_effort=fit_effort, effects=effects_files, deadline=Deadline(time_limit), out=out, json_file=json_file,
@@ -199,7 +212,7 @@ def diagnose(
         deadline = Deadline(time_limit)
         with progress("compare") as step, answers_to_interrupt(deadline.interrupt):
             found = held_against(
-                recordings, compare, published, lambda m: load(m, physical=False, allow=allow), holdout=holdout, mapping=mapping,
+                recordings, compare, published, read, holdout=holdout, mapping=mapping,
                 step=step, deadline=deadline,
             )  # fmt: skip
         plain = tell(found, out, json_file)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.diagnose.diagnose import diagnose
+from harness.engines.readers.register import root_of
 from harness.errors import InputError, one_line, unforeseen
 from harness.fleet.kept import keep
 from harness.fleet.question import Question
@@ -62,8 +63,11 @@ def _diagnosed(unit: Unit, question: Question) -> dict[str, Any]:
         )
     if not unit.recordings:
         raise InputError("holds no recording", source=unit.name, mend="put recordings there, such as run1.csv")
+    # Units with files of other formats say themselves what floats.
+    floating = question.floating and (model == question.model or root_of(Path(model)) == "robot")
+    system = load(model, physical=False, allow=question.allow, floating=floating)
     return diagnose(
-        list(unit.recordings), load(model, physical=False, allow=question.allow), mapping=question.mapping,
+        list(unit.recordings), system, mapping=question.mapping,
         tolerance=question.tolerance, fit_effort=question.fit_effort, effects=question.effects,
         time_limit=question.time_limit, actuators=question.actuators, limits=question.limits,
     ).to_json()  # fmt: skip

@@ -23,6 +23,7 @@ class Question:
     actuators: bool = True
     limits: bool = True
     allow: tuple[str, ...] = ()
+    floating: bool = False
 
     def plain(self) -> dict[str, Any]:
         """What must be the same for answers to stand in one table; files by their content."""
@@ -35,6 +36,7 @@ class Question:
             "time_limit": self.time_limit,
             "actuators": self.actuators,
             "limits": self.limits,
+            "floating": self.floating,
         }
 
 

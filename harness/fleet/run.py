@@ -32,6 +32,7 @@ def diagnose_fleet(
     actuators: bool = True,
     limits: bool = True,
     allow: Sequence[str | Path] = (),
+    floating: bool = False,
     workers: int | None = None,
     dask: str | None = None,
     progress: Progress | None = None,
@@ -42,7 +43,7 @@ def diagnose_fleet(
     units without one of their own. out: folder that keeps one answer a unit; the same call goes on behind what is done there.
     workers: processes on this machine, default all cores. dask: address of a scheduler, whose workers read ``folder`` and
     write ``out`` under the same paths. time_limit: for each unit [s]. progress: called with (done, total, verdict of a unit).
-    Others as in ``diagnose``.
+    floating: let the roots of URDF models float on a free joint. Others as in ``diagnose``.
     Raises InputError for a folder without units, options that differ from those of the answers kept, and a cluster that is gone.
     """
     home, kept = Path(folder), Path(out).resolve()
@@ -53,7 +54,7 @@ def diagnose_fleet(
     question = Question(
         None if model is None else str(Path(model).resolve()), tuple(mapping), tolerance, fit_effort,
         tuple(str(Path(file).resolve()) for file in effects), time_limit, actuators, limits,
-        tuple(str(Path(place).resolve()) for place in allow),
+        tuple(str(Path(place).resolve()) for place in allow), floating,
     )  # fmt: skip
     begin(kept, question)
     left = [unit for unit in units if not done(kept, unit)]

@@ -235,11 +235,19 @@ def resolve(
         names_ = ", ".join(repr(h) for h, _ in ignored[:6]) or "none"
         raise InputError(
             f"no column besides time is known; found {names_}",
-            mend="name it <joint>.position, … or map it: --map 'theta=<joint>.position[deg]'",
+            mend=_of_no_motion(headers, system),
             source=source,
         )
     found.sort(key=lambda column: column.quantity != "time")
     return Found(tuple(found), tuple(ignored))
+
+
+def _of_no_motion(headers: Sequence[str], system: System | None) -> str:
+    """The mend where no column is known."""
+    poses = [name for name in (split_unit(header)[0] for header in headers) if name.endswith(".pose.qw")]
+    if poses and system is not None and not any(joint.turns_in_space for joint in system.joints):
+        return f"{poses[0]!r} is of a body that floats, and nothing here does: a URDF's root does with --floating"
+    return "name it <joint>.position, … or map it: --map 'theta=<joint>.position[deg]'"
 
 
 def _twice(column: Column, before: str, header: str, source: Path) -> InputError:

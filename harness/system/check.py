@@ -217,7 +217,7 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
     if not system.coordinate_names:
         raise InputError(
             "nothing can move: there is no movable joint and no flexible link",
-            mend="add a revolute, continuous or prismatic joint",
+            mend="add a revolute, continuous or prismatic joint, or let the root of a URDF float by --floating",
             source=system.source,
         )
     found = idle_joint(system)

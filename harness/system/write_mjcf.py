@@ -10,6 +10,7 @@ from lxml import etree
 
 from harness.errors import UnsupportedError
 from harness.system.description import Array, Joint, JointType, Link, System
+from harness.system.gimbals import without_gimbals
 from harness.system.lowering import chained
 from harness.system.rotation import quaternion
 from harness.system.soft_constraints import friction_solver, limit_solver, limits, soft_friction, soft_stops
@@ -28,8 +29,8 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
     Mimics are linear equalities, which MuJoCo holds softly. A free joint's positions are in the world: it hangs on the base.
     Raises UnsupportedError where a massless link branches, or a link floats from another, which MuJoCo cannot hold.
     """
+    left_out = without_gimbals(system, "MJCF")
     system = chained(system, keep=(JointType.FREE, JointType.BALL))
-    left_out = []
     if system.tolerance != 0.01:
         left_out.append(f"tolerance {system.tolerance:g}")
     root = etree.Element("mujoco", model=system.name)

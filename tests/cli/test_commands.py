@@ -66,6 +66,26 @@ def test_whatever_reads_a_model_may_be_allowed_its_meshes(run, verb):
     assert ("--allow-path" in out) == reads
 
 
+def test_a_recorded_pose_asks_for_a_root_that_floats(run, tmp_path):
+    log = tmp_path / "thrown.csv"
+    names = ",".join(f"root_joint.pose.{name}" for name in ("x", "y", "z", "qw", "qx", "qy", "qz"))
+    log.write_text(f"time,{names}\n" + "".join(f"{k / 100},0,0,{1 - k * k * 4.9e-4},1,0,0,0\n" for k in range(40)))
+    refused(run("diagnose", str(log), "--model", PENDULUM), "'root_joint.pose.qw'", "--floating")
+    alone = tmp_path / "alone.urdf"
+    alone.write_text(
+        '<robot name="a"><link name="l"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
+    )
+    refused(run("diagnose", str(log), "--model", str(alone)), "nothing can move", "--floating")
+    thrown = str(ROOT / "models" / "mjcf" / "floating" / "thrown_box.xml")
+    refused(run("diagnose", str(log), "--model", thrown, "--floating"), "the file is no URDF", "type free")
+    # Now it floats, and what is asked for is more of its pose.
+    log.write_text("time,l.pose.x\n" + "".join(f"{k / 100},{k * k}\n" for k in range(40)))
+    refused(
+        run("diagnose", str(log), "--model", str(alone), "--floating"), "has no qw of the pose of joint 'root_joint'"
+    )
+
+
 def test_a_mesh_elsewhere_is_read_where_it_is_allowed(run, tmp_path):
     """A tetrahedron of 10 cm edges along the axes, density 1000: 1000 · 0.1³ / 6 kg."""
     (tmp_path / "meshes").mkdir()

@@ -27,11 +27,11 @@ def hanging(damping: float, noise: float = 5e-4) -> list[Recording]:
     return out
 
 
-def thrown(damping: float, noise: float = 5e-4) -> list[Recording]:
+def thrown(damping: float, noise: float = 5e-4, text: str = BOX, joint: str = "root") -> list[Recording]:
     out = []
     for k, (v, w) in enumerate((((0.5, 1.0, 6.0), (1.0, 5.0, 2.0)), ((-1.0, 0.4, 7.0), (6.0, -1.0, 3.0)))):
-        time, found = motion(BOX.format(damping=damping), (), (*v, *w), 2.0)
-        columns = {("root", f"pose.{name}"): found[:, j] for j, name in enumerate(("x", "y", "z", *QUATERNION))}
+        time, found = motion(text.format(damping=damping), (), (*v, *w), 2.0)
+        columns = {(joint, f"pose.{name}"): found[:, j] for j, name in enumerate(("x", "y", "z", *QUATERNION))}
         out.append(recording(f"run{k}", time, columns, noise, k))
     return out
 
@@ -55,6 +55,24 @@ def test_a_thrown_body_is_damped_in_both_its_motions(tmp_path: Path) -> None:
     for site, unit in (("root.turn", "N*m*s/rad"), ("root.shift", "N*s/m")):
         assert told[site]["ci95"][0] <= 0.03 <= told[site]["ci95"][1]
         assert told[site]["unit"] == unit
+
+
+@pytest.mark.slow
+def test_the_root_of_a_urdf_is_damped_where_it_floats(tmp_path: Path) -> None:
+    """MuJoCo has the same body from numbers of its own file; the URDF says nothing of a joint."""
+    text = """<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disable"/></option><worldbody>
+    <body name="trunk"><joint name="root" type="free" damping="{damping}"/>
+    <inertial pos="0.02 0.01 0" mass="2.3" fullinertia="0.03 0.02 0.04 0.001 0 0"/></body></worldbody></mujoco>"""
+    file = tmp_path / "trunk.urdf"
+    file.write_text(
+        """<robot name="trunk"><link name="root"><inertial><origin xyz="0.02 0.01 0"/><mass value="2.3"/>
+        <inertia ixx="0.03" iyy="0.02" izz="0.04" ixy="0.001" ixz="0" iyz="0"/></inertial></link></robot>"""
+    )
+    found = diagnose(thrown(0.03, text=text, joint="root_joint"), load(file, floating=True), only=LAWS)
+    told = {f["site"]: f["parameters"]["coefficient"]["ci95"] for f in found.findings}
+    assert {f["effect"] for f in found.findings} == {"viscous_damping"}
+    assert told.keys() == {"root_joint.turn", "root_joint.shift"}
+    assert all(low <= 0.03 <= high for low, high in told.values())
 
 
 @pytest.mark.slow
@@ -85,6 +103,17 @@ def test_a_chart_is_written_and_read_again(tmp_path: Path) -> None:
     (gimbal,) = again.gimbals
     assert (gimbal.name, gimbal.damping, gimbal.slides) == ("ball", 0.02, False)
     assert gimbal.coordinates == ("ball.rx", "ball.ry", "ball.rz")
+
+
+@pytest.mark.parametrize(("ending", "form"), [(".urdf", "URDF"), (".xml", "MJCF")])
+def test_what_resists_a_chart_as_a_whole_is_written_as_toml_alone(tmp_path: Path, ending: str, form: str) -> None:
+    """Damping of each angle is another law than damping of the angular velocity, and no damping is none."""
+    resisting, _ = in_charts(load(model_file(tmp_path, BALL.format(damping=0.02))), hanging(0.0))
+    with pytest.raises(UnsupportedError, match=rf"gimbal 'ball' has damping 0.02 against .* which {form} cannot say"):
+        write(resisting, tmp_path / f"charted{ending}")
+    assert not (tmp_path / f"charted{ending}").exists()
+    smooth, _ = in_charts(load(model_file(tmp_path, BALL.format(damping=0.0))), hanging(0.0))
+    assert "gimbal 'ball': that ball.rx, ball.ry, ball.rz belong together" in write(smooth, tmp_path / f"of{ending}")
 
 
 def test_a_quaternion_without_length_is_refused(tmp_path: Path) -> None:
