@@ -60,8 +60,17 @@ def system(stiffening: bool = True, planes: int = 2) -> System:
         payload_inertia=tensor,
         geometric_stiffening=stiffening,
     )
+    # It twists too: what twist does to a beam that turns about a fixed axis alone no joint feels.
     second = _beam(
-        (0.0, 0.28, -0.96), (1.0, 0.0, 0.0), modes=1, length=0.3, bending2=planes == 2, geometric_stiffening=stiffening
+        (0.0, 0.28, -0.96),
+        (1.0, 0.0, 0.0),
+        modes=1,
+        length=0.3,
+        bending2=planes == 2,
+        torsion_modes=planes - 1,
+        torsional_stiffness=2.0,
+        polar_inertia=3e-4,
+        geometric_stiffening=stiffening,
     )
     turned = constant(from_rpy(constant([0.4, -0.3, 0.7])))
     tip = 0.5 * np.array([0.6, 0.0, 0.8])

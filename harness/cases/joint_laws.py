@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.cases.case import NATIVE, Bench, Case, Row, Series
+from harness.cases.case import NATIVE, Array, Bench, Case, Row, Series
 from harness.cases.checks import Measured
 from harness.cases.joint_law_truths import LAWS, Law
 from harness.cases.rotor import INERTIA, system
@@ -41,22 +41,36 @@ def _row(bench: Bench, law: Law, model: LaneModel, planar: bool) -> Row:
     found = model.simulate(row, np.array(law.start[:1]), np.array(law.start[1:]), time, tau=tau, hold="zero")[0][
         0, :, 0
     ]
-    apart = np.abs(found - law.truth(time))
-    worst = int(np.argmax(apart)) if np.isfinite(apart).all() else int(np.argmin(np.isfinite(apart)))
-    place = None
-    if not apart.max() <= law.allowed:
-        left = int(np.argmax(~(apart <= law.allowed)))
-        place = {"time": float(time[left]), "joint": "hub"}
-    return bench.row(
+    return _told(
+        bench,
         f"{law.name}_{'planar' if planar else 'spatial'}",
-        (NATIVE, "analytic"),
-        float(apart[worst]),
-        law.allowed,
+        f"the law {law.name.replace('_', ' ')}",
+        "hub",
+        time,
+        np.abs(found - law.truth(time)),
+        allowed=law.allowed,
         unit="rad",
         why=law.why,
-        note="" if place is None else f"the law {law.name.replace('_', ' ')} at hub",
-        first_divergence=place,
         source=law.source,
+    )
+
+
+def _told(
+    bench: Bench, quantity: str, law: str, joint: str, time: Array, apart: Array, *, allowed: float = 1e-8, **said: str
+) -> Row:
+    """A row of a motion's difference [rad or m], shape (T,), that says when it left the line, in what law and at what joint."""
+    worst = int(np.argmax(apart)) if np.isfinite(apart).all() else int(np.argmin(np.isfinite(apart)))
+    place: dict[str, object] | None = None
+    if not apart.max() <= allowed:
+        place = {"time": float(time[int(np.argmax(~(apart <= allowed)))]), "joint": joint}
+    return bench.row(
+        quantity,
+        (NATIVE, "analytic"),
+        float(apart[worst]),
+        allowed,
+        note="" if place is None else f"{law} at {joint}",
+        first_divergence=place,
+        **said,
     )
 
 
@@ -84,11 +98,13 @@ def bearing(bench: Bench) -> Iterable[Row | Series]:
         row = model.row()
         row[model.slot("axle", "mu_radius")] = mu_radius
         found = model.simulate(row, np.zeros(1), np.array([speed]), time)[0][0, :, 0]
-        yield bench.row(
+        yield _told(
+            bench,
             f"load_friction_{'planar' if planar else 'spatial'}",
-            (NATIVE, "analytic"),
-            float(np.abs(found - true).max()),
-            1e-8,
+            "friction by load",
+            "axle",
+            time,
+            np.abs(found - true),
             unit="rad",
             why="1e-11 a step; the stop is located in time",
             source="J ω' = −μ r m g until rest, then stuck",
@@ -109,11 +125,13 @@ def shaken(bench: Bench) -> Iterable[Row | Series]:
         for name, value in (("amplitude", amplitude), ("frequency", frequency), ("phase", phase)):
             row[model.slot("base", f"excitation_{name}")] = value
         found = model.simulate(row, np.zeros(1), np.zeros(1), time)[0][0, :, 0]
-        yield bench.row(
+        yield _told(
+            bench,
             f"base_excitation_{'planar' if planar else 'spatial'}",
-            (NATIVE, "analytic"),
-            float(np.abs(found - true).max()),
-            1e-8,
+            "shaking of the base",
+            "rail",
+            time,
+            np.abs(found - true),
             unit="m",
             why="1e-11 a step",
             source="x'' = −a sin(2π f t + φ) in the base's frame",
@@ -128,14 +146,36 @@ def breaking_loose(bench: Bench) -> Iterable[Row | Series]:
     friction = law.slots["coulomb_torque"]
     native = Denoc(bench.system.replace_joint(replace(bench.system.joint("hub"), friction=friction)))
     run = native.simulate([law.start[0]], [0.0], time, tau=law.torque(time)[:, None])
-    yield bench.row(
+    yield _told(
+        bench,
         "break_loose",
-        (NATIVE, "analytic"),
-        float(np.abs(run.position[:, 0] - law.truth(time)).max()),
-        1e-8,
+        "dry friction that holds",
+        "hub",
+        time,
+        np.abs(run.position[:, 0] - law.truth(time)),
         unit="rad",
         why="where it breaks loose and where it stops are located in time",
         source=law.source,
+    )
+
+
+def breaking_loose_between(bench: Bench) -> Iterable[Row | Series]:
+    """The same where the push rises between two samples, and the step has to find where it is too hard."""
+    friction, rise = 0.02, 0.05
+    native = Denoc(bench.system.replace_joint(replace(bench.system.joint("hub"), friction=friction)))
+    time = np.array([0.0, 1.0])
+    run = native.simulate([0.0], [0.0], time, tau=rise * time[:, None], hold="linear")
+    sliding = np.maximum(time - friction / rise, 0.0)
+    yield _told(
+        bench,
+        "break_loose_between",
+        "dry friction that holds",
+        "hub",
+        time,
+        np.abs(run.position[:, 0] - rise / INERTIA * sliding**3 / 6.0),
+        unit="rad",
+        why="where it breaks loose is located in time",
+        source="J ω' = r t − f from t = f / r",
     )
 
 
@@ -150,6 +190,7 @@ CASE = Case(
         Measured("load_friction", bearing),
         Measured("base_excitation", shaken),
         Measured("break_loose", breaking_loose),
+        Measured("break_loose_between", breaking_loose_between),
     ),
     group="lanes",
     engines=(NATIVE,),

@@ -89,7 +89,7 @@ def take_apart(model: EngineModel, q: Array, qd: Array, tau: Array) -> Parts:
     """The terms of the dynamics of an engine at B states, each shape (B, n)."""
     mass, gravity, bias, moving, held, acceleration = [], [], [], [], [], []
     for k in range(len(q)):
-        still = np.zeros_like(q[k])
+        still = np.zeros_like(qd[k])
         mass.append(model.mass_matrix(q[k]))
         gravity.append(model.gravity(q[k]))
         bias.append(model.bias(q[k], qd[k]))
@@ -174,7 +174,7 @@ def at_joint(
     The force is quadratic, so that it is taken apart by moving two joints at a time: where it acts says little, since
     all joints below carry it. force: of a model at q and qd, with the Coriolis force in it.
     """
-    n = len(q)
+    n = len(reference.names)
     still = np.zeros(n)
 
     def velocity_force(model: EngineModel, qd: Array) -> Array:

@@ -78,7 +78,7 @@ class LaneAgreement:
     def _blame(self, bench: Bench, name: str, q: np.ndarray, qd: np.ndarray) -> str:
         """Where the native equations of one mechanism are right, it is the lanes'."""
         chosen = np.unique(np.linspace(0, len(q) - 1, 8).round().astype(int))
-        said = "" if name == NATIVE else blame(bench, name, q[chosen], qd[chosen], np.zeros_like(q[chosen]))
+        said = "" if name == NATIVE else blame(bench, name, q[chosen], qd[chosen], np.zeros_like(qd[chosen]))
         if said and "agree" not in said:
             return said
         return f"the equations of one mechanism agree, so it is the lanes ({'planar' if self.planar else 'spatial'})"

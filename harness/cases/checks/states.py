@@ -175,11 +175,11 @@ def _explained(bench: Bench, name: str, q: Array, qd: Array, tau: Array) -> list
 
     rng = np.random.default_rng(bench.seed)
     # As many states as four times the largest group has numbers.
-    count = max(3, -(-24 // q.shape[1]))
+    count = max(3, -(-24 // qd.shape[1]))
     q, qd = q[:count], qd[:count]
     # Accelerations that have nothing to do with the forces, and velocities too where all are at rest.
-    accelerations = rng.standard_normal(q.shape)
-    moving = qd if np.abs(qd).max() > 0.1 else rng.standard_normal(q.shape)
+    accelerations = rng.standard_normal(qd.shape)
+    moving = qd if np.abs(qd).max() > 0.1 else rng.standard_normal(qd.shape)
     try:
         found = explain(engine(name).build, bench.system, bench.models[NATIVE], q, moving, accelerations)
     except (InputError, EngineError, EngineUnavailableError, np.linalg.LinAlgError):

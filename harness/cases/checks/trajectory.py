@@ -9,7 +9,8 @@ import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
 from harness.cases.checks.states import blamed
-from harness.compare.divergence_shape import by_steps, shape_of
+from harness.compare.divergence_shape import by_steps, growth, shape_of
+from harness.compare.kinematics import astray
 from harness.engines.denoc_native import NativeModel
 from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
@@ -17,6 +18,8 @@ from harness.system import System, Trajectory
 from harness.system.closure import closed_position, closed_velocity, opening, stated_position, worst
 from harness.system.lowering import neutral_position
 
+# Samples this close [s] tell whether positions follow velocities.
+CLOSE = 2e-3
 # Engines that choose their steps by tolerance; a step asked for is meant for the others.
 ADAPTIVE = ("denoc", "pinocchio", "analytic")
 
@@ -85,6 +88,8 @@ class TrajectoryAgreement:
             divergence = {"time": float(time[first]), "signal": worst}
             if shape := shape_of(time, ours[worst], theirs[worst]):
                 divergence["shape"] = shape
+            if shape == "exponential" and (rate := growth(time, theirs[worst] - ours[worst])) is not None:
+                divergence["growth"] = rate
         note = f"over {self.duration:g} s"
         if divergence is not None and bench.models[name].names == bench.models[NATIVE].names:
             said, place = self._blame(bench, name, first)
@@ -135,7 +140,21 @@ class TrajectoryAgreement:
         q, qd = run.position[chosen], run.velocity[chosen]
         if not (np.isfinite(q).all() and np.isfinite(qd).all()):
             return "", {}
-        return blamed(bench, name, q, qd, np.zeros_like(qd))
+        said, place = blamed(bench, name, q, qd, np.zeros_like(qd))
+        return self._integrated(bench, name, q0, qd0) if said.endswith("so it is the integration") else (said, place)
+
+    def _integrated(self, bench: Bench, name: str, q0: Array, qd0: Array) -> tuple[str, dict[str, object]]:
+        """Where the equations are one, and the motion is not: whether positions go where velocities say, from the start."""
+        said = "the accelerations agree, so it is the integration"
+        time = np.linspace(0.0, min(self.duration, CLOSE * 20), 21)
+        for engine in (NATIVE, name):
+            run = bench.models[engine].simulate(q0, qd0, time, step=step_of(engine, self.step))
+            found = astray(bench.system, run)
+            if found is not None:
+                coordinate, share = found
+                words = f"{said}: in {engine} the positions of {coordinate} go {share:.3g} times as fast as its velocity says"
+                return words, {"term": "position_rates", "at": coordinate}
+        return said, {}
 
     def _lines(self, bench: Bench, name: str, time: Array, signal: dict[str, Array]) -> Iterable[Series]:
         for key, values in signal.items():

@@ -77,7 +77,10 @@ PATHS: dict[str, tuple[str, ...]] = {
         "batch_flexible/mass_matrix_batch_straight/*",
         "bent_in_space/mass_matrix_batch_bent/*",
     ),
-    "Denoc.accelerations": ("batch_chain/forward_dynamics_batch/*",),
+    "Denoc.accelerations": (
+        "batch_flexible/forward_dynamics_batch_straight/*",
+        "bent_in_space/forward_dynamics_batch_bent/*",
+    ),
     "BatchModel.forward_dynamics": ("batch_tree/forward_dynamics_batch/*",),
     "BatchModel.inverse_dynamics": ("batch_tree/inverse_dynamics_batch/*",),
     "BatchModel.mass_matrix": ("batch_tree/mass_matrix_batch/*", "batch_hinges/mass_matrix_batch/*"),
@@ -91,12 +94,12 @@ PATHS: dict[str, tuple[str, ...]] = {
     "Closed.simulate": ("four_bar*/*motion/*", "andrews_squeezer/positions_at_end/*", "*/loops_kept/*"),
     # Runs.
     "Denoc.simulate": ("*/trajectory/*", "integrators/*"),
-    "method dop853": ("integrators/dop853_error/*", "integrators/event_time/*"),
+    "method dop853": ("integrators/dop853_error/*", "integrators/events_error/*", "integrators/event_time/*"),
     "method rk4": ("integrators/rk4_error/*", "integrators/rk4_order/*"),
     "method gauss": ("integrators/gauss_error/*", "integrators/gauss_order/*"),
     "forces zero": ("integrators/force_zero_*",),
     "forces linear": ("integrators/force_linear_*",),
-    "dry friction": ("rotor/dry_friction_stop/*", "joint_laws/break_loose/*"),
+    "dry friction": ("rotor/dry_friction_stop/*", "joint_laws/break_loose/*", "joint_laws/break_loose_between/*"),
     "LaneModel.simulate": ("lanes_*/lanes_adaptive_*", "joint_laws/*"),
     "LaneModel.row": ("lanes_*/lanes_adaptive_*",),
     "LaneModel.parts": (
@@ -112,7 +115,12 @@ PATHS: dict[str, tuple[str, ...]] = {
     # What is compiled apart.
     "kernel rigid": ("chain_2/acceleration/*", "tree_20/acceleration/*"),
     "kernel rigid_others": ("tree_20/mass_matrix/*", "tree_20/energy/*"),
-    "kernel loops": ("four_bar/acceleration/*", "bricard/acceleration/*", "andrews_squeezer/positions_at_end/*"),
+    "kernel loops": (
+        "four_bar/acceleration/*",
+        "bricard/acceleration/*",
+        "bricard/acceleration_by_columns/*",
+        "andrews_squeezer/positions_at_end/*",
+    ),
     "kernel chain": ("hinges_4/acceleration/*", "hinges_5/acceleration/*", "hinges_8/acceleration/*"),
     "kernel flexible": ("flexible_pendulum/*", "two_flexible_links/*", "bent_in_space/acceleration_bent/*"),
     "kernel flexible_others": (

@@ -15,7 +15,7 @@ from typing import Any
 from harness.denoc.compiling.compiled import allocating, internal
 from harness.denoc.loops import places as at_
 from harness.denoc.loops.conditions import accelerate_frames, evaluate, place_frames
-from harness.denoc.loops.elimination import cholesky, dot, solve_lower, solve_upper
+from harness.denoc.loops.elimination import cholesky, dot, group_end, solve_lower, solve_upper
 from harness.denoc.loops.tables import (
     ACCELERATION,
     CONDITIONS,
@@ -42,6 +42,8 @@ Vector = Any
 _LARGE = 1e8
 # Entries of the mass matrix from here on are joints that dry friction locks.
 _LOCKED = 1e20
+# Square of a row over that of the longest of its kind up to which it says nothing.
+_VANISHED = 1e-12
 
 
 @allocating
@@ -131,17 +133,25 @@ def factor(places: Places, x: Numbers) -> int:
         if own < _LOCKED:
             scale = max(scale, own)
         x[extra + i] = 0.0
-    for k in range(places[CONDITIONS]):
-        j = at_.row(places, k)
-        jacobian_row(places, x, k, j)
-        length = dot(x, j, j, n)
-        if length == 0.0:
-            continue
-        weight = scale / length
-        for i in range(n):
-            x[extra + i] -= weight * x[j + i] * x[at_.state(places, k) + ACCELERATION]
-            for l in range(n):
-                x[matrix + i * n + l] += weight * x[j + i] * x[j + l]
+    first = 0
+    while first < places[CONDITIONS]:
+        last = group_end(places, first)
+        longest = 0.0
+        for k in range(first, last):
+            jacobian_row(places, x, k, at_.row(places, k))
+            longest = max(longest, dot(x, at_.row(places, k), at_.row(places, k), n))
+        for k in range(first, last):
+            j = at_.row(places, k)
+            length = dot(x, j, j, n)
+            # A row that vanishes at a singular position is rounding: made long, it would hold what nothing holds.
+            if length <= _VANISHED * longest:
+                continue
+            weight = scale / length
+            for i in range(n):
+                x[extra + i] -= weight * x[j + i] * x[at_.state(places, k) + ACCELERATION]
+                for l in range(n):
+                    x[matrix + i * n + l] += weight * x[j + i] * x[j + l]
+        first = last
     return cholesky(x, matrix, n)
 
 

@@ -60,6 +60,19 @@ def shortest(places: Places, x: Numbers, out: int, least: float) -> int:
 
 
 @internal
+def group_end(places: Places, first: int) -> int:
+    """Behind the last of the conditions that are of one loop and one kind with ``first``, so that their rows can be compared."""
+    here, last = condition(places, first), first + 1
+    while (
+        last < places[CONDITIONS]
+        and places[condition(places, last) + KIND] == places[here + KIND]
+        and places[condition(places, last) + OF] == places[here + OF]
+    ):
+        last += 1
+    return last
+
+
+@internal
 def _scale(places: Places, x: Numbers) -> None:
     """Make the longest row of the shifts, and of the turns, of every loop as long as one.
 
@@ -68,14 +81,7 @@ def _scale(places: Places, x: Numbers) -> None:
     c, n = places[CONDITIONS], places[N]
     first = 0
     while first < c:
-        here = condition(places, first)
-        last = first + 1
-        while (
-            last < c
-            and places[condition(places, last) + KIND] == places[here + KIND]
-            and places[condition(places, last) + OF] == places[here + OF]
-        ):
-            last += 1
+        last = group_end(places, first)
         longest = 0.0
         for k in range(first, last):
             longest = max(longest, dot(x, row(places, k), row(places, k), n))

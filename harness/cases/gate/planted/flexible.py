@@ -113,7 +113,7 @@ FINITE_ELEMENTS = (
         ("cables a hundredth too heavy", "massPerLength=beam.mass / beam.length,", "massPerLength=1.01 * beam.mass / beam.length,",
          "frequency; exudyn_ancf; mass"),
         ("half of the hub", "hub, loss = link.joint.armature, link.joint.damping", "hub, loss = 0.5 * link.joint.armature, link.joint.damping",
-         "frequency; exudyn_ancf; hub"),
+         "frequency; exudyn_ancf; armature of joint 'pivot'"),
     ),
     *of_file(
         "exudyn_ancf.py", "beam_paths",

@@ -49,6 +49,9 @@ STEPPERS = (
         "lanes/exponential.py", "lanes_flexible_pendulum",
         ("a weight of the differences wrong", "terms = [phi[1], phi[2], phi[3] + phi[2] / 2,", "terms = [phi[1], phi[2], phi[3] + phi[2] / 3,",
          "lanes_exponential"),
+    ),
+    *of_file(
+        "lanes/exponential.py", "lanes_long_steps",
         ("what carries a step on squared once less", "phi[0] @ phi[k] + sum(", "phi[0] @ (0.999 * phi[k]) + sum(", "lanes_exponential"),
     ),
     *of_file(
@@ -57,9 +60,9 @@ STEPPERS = (
          "force_linear_lanes_adaptive"),
     ),
     *of_file(
-        "engines/march.py", "rigid_pendulum",
+        "engines/march.py", "joint_springs",
         ("other engines' steps with a weight wrong", "state = state + h / 6.0 * (a + 2.0 * (b + c) + d)",
-         "state = state + h / 6.0 * (a + 2.0 * (b + 1.001 * c) + d)", "trajectory"),
+         "state = state + h / 6.0 * (a + 2.0 * (b + 1.001 * c) + d)", "spring_swing; pinocchio"),
     ),
 )  # fmt: skip
 
@@ -94,11 +97,11 @@ IN_SPACE = (
 
 LOOPS = (
     *of_file(
-        "loops/columns.py", "four_bar",
+        "loops/columns.py", "bricard",
         ("couplings at the wrong coordinate's rate", "value += x[at_.twists(places, f) + k * n + j] * v[j]", "value += 0.5 * x[at_.twists(places, f) + k * n + j] * v[j]",
-         "four_bar"),
+         "acceleration_by_columns"),
         ("free accelerations without the opposing forces", "x[free + i] = tau[i] - x[at_.vector(places, 1) + i]", "x[free + i] = tau[i] - 0.99 * x[at_.vector(places, 1) + i]",
-         "acceleration; denoc"),
+         "acceleration_by_columns; column by column"),
     ),
     *of_file(
         "mujoco_loops.py", "four_bar",

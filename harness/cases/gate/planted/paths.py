@@ -12,7 +12,7 @@ METHODS = (
          "bias; coriolis"),
     ),
     *of_file(
-        "denoc/model.py", "batch_chain",
+        "denoc/model.py", "batch_flexible",
         ("many states without forces", "forces = Tau if len(Tau) else np.zeros_like(Qd)", "forces = 0.5 * Tau if len(Tau) else np.zeros_like(Qd)",
          "forward_dynamics_batch"),
     ),
@@ -96,7 +96,7 @@ LAWS = of_file(
     ("armature a hundredth too large", "inertia = load(laws, start + ARMATURE * 8)", "inertia = 1.01 * load(laws, start + ARMATURE * 8)", "armature; hub"),
     ("dry friction a hundredth too strong", "level = load(laws, start + COULOMB * 8)\n", "level = 1.01 * load(laws, start + COULOMB * 8)\n", "dry_friction; hub"),
     ("friction half as much by load", "level = level + load(laws, start + MU_RADIUS * 8) * reaction", "level = level + 0.5 * load(laws, start + MU_RADIUS * 8) * reaction",
-     "load_friction; hub"),
+     "load_friction; friction by load at axle"),
     ("soft friction that holds half as hard", "held = load(laws, start + SOFT_INERTIA * 8) / choose(time, time, 1.0) * v",
      "held = 0.5 * load(laws, start + SOFT_INERTIA * 8) / choose(time, time, 1.0) * v", "soft_friction; hub"),
     ("cubic damping of the square", "force = force - load(laws, start + CUBIC_DAMPING * 8) * (v * v * v)", "force = force - load(laws, start + CUBIC_DAMPING * 8) * (v * v)",
