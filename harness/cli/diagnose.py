@@ -22,6 +22,7 @@ from harness.cli.options import (
 
 if TYPE_CHECKING:
     from harness.diagnose.problem.deadline import Deadline
+    from harness.diagnose.problem.tolerances import Tolerance
     from harness.system import System
 
 USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
@@ -61,7 +62,11 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
 @allow_option
 @click.option("--floating", is_flag=True, help="Let the root links of URDF models float on a free joint, root_joint.")
 @click.option(
-    "--tolerance", type=float, metavar="X", help="Relative 1σ of nominal masses, lengths, inertias, stiffnesses."
+    "--tolerance",
+    "tolerances",
+    multiple=True,
+    metavar="[QUANTITY=]X",
+    help="Relative 1σ of nominal masses, lengths, inertias, stiffnesses; servo.armature=X: of one of them. Repeatable.",
 )
 @click.option("--fit-effort", is_flag=True, help="Efforts are measurements to fit, not known inputs.")
 @click.option(
@@ -111,7 +116,7 @@ def diagnose(
     holdout: str | None,
     allow: tuple[str, ...],
     floating: bool,
-    tolerance: float | None,
+    tolerances: tuple[str, ...],
     fit_effort: bool,
     effects_files: tuple[str, ...],
     time_limit: float | None,
@@ -143,6 +148,7 @@ def diagnose(
     from harness.cli.held_against import held_against, tell
     from harness.errors import InputError
 
+    tolerance = _told(tolerances)
     if fleet is not None:
         from harness.cli.fleet import diagnose_all
 
@@ -226,6 +232,15 @@ def diagnose(
     return 1 if strict and document["verdict"] not in ("consistent", "explained") else 0
 
 
+def _told(words: tuple[str, ...]) -> Tolerance | None:
+    """What is said of tolerances."""
+    if not words:
+        return None
+    from harness.diagnose.problem.tolerances import told
+
+    return told(words)
+
+
 def _refuse(options: dict[str, Any], why: str, mend: str) -> None:
     """InputError for the first of these options that is given (is not None)."""
     from harness.errors import InputError
@@ -241,7 +256,7 @@ def _searched(
     *,
     mapping: tuple[str, ...],
     holdout: str | None,
-    tolerance: float | None,
+    tolerance: Tolerance | None,
     fit_effort: bool,
     effects: tuple[str, ...],
     deadline: Deadline,

@@ -27,6 +27,7 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
 from harness.diagnose.problem.payloads import one_each, payload
 from harness.diagnose.problem.problem import pose
+from harness.diagnose.problem.tolerances import Tolerance, with_tolerances
 from harness.diagnose.selection import effort_hold
 from harness.diagnose.selection.beam_search import Effort
 from harness.diagnose.selection.investigation import investigate
@@ -55,7 +56,7 @@ def diagnose(
     *,
     holdout: str | Path | Recording | None = None,
     mapping: str | Sequence[str] | None = (),
-    tolerance: float | None = None,
+    tolerance: Tolerance | None = None,
     fit_effort: bool = False,
     effects: Sequence[str | Path | Effect] = (),
     only: Sequence[str] = (),
@@ -71,12 +72,12 @@ def diagnose(
     one for each recording, the one held out last, which differ in what rigid links carry: laws are then those of all, and the
     augmented model is the first one's.
     holdout: recording to judge on instead. mapping: rules for foreign columns. tolerance: relative 1σ of the nominal masses,
-    lengths, inertias and stiffnesses, overriding the model's. fit_effort: efforts are measurements to fit, not known inputs (see
-    ``diagnose_effort``). effects: effects of the user's own. only: restricts the catalogue
-    to these names. progress: called with (done, total, what). time_limit: after so long [s] the best answer so far is given, with
-    what was not tried; a ``Deadline`` can be interrupted, too. actuators: whether those of an MJCF act where no effort is recorded,
-    by their recorded commands (``<joint>.command``) or held at 0. limits: whether its joints' limits act where a recording meets
-    them.
+    lengths, inertias and stiffnesses, overriding the model's; or of single ones (``{"servo.armature": 0.2}``). fit_effort:
+    efforts are measurements to fit, not known inputs (see ``diagnose_effort``). effects: effects of the user's own. only:
+    restricts the catalogue to these names. progress: called with (done, total, what). time_limit: after so long [s] the best
+    answer so far is given, with what was not tried; a ``Deadline`` can be interrupted, too. actuators: whether those of an MJCF
+    act where no effort is recorded, by their recorded commands (``<joint>.command``) or held at 0. limits: whether its joints'
+    limits act where a recording meets them.
     Raises InputError for recordings, models or time limits that cannot be used.
     """
     deadline = deadline_of(time_limit)
@@ -159,15 +160,11 @@ def diagnose(
     return replace(instead(found, first) or found, provenance=made_from, notes=notes)
 
 
-def _nominal(system: System, tolerance: float | None) -> System:
+def _nominal(system: System, tolerance: Tolerance | None) -> System:
     # Joints that are polynomials of others are left to ``coupled``, as those are that mimic others.
     loops = () if explicit(system.loops) else system.loops
     system = replace(one_degree(freed(replace(system, loops=())), "a diagnosis"), loops=loops)
-    if tolerance is None:
-        return system
-    if not 0.0 < tolerance < 1.0:
-        raise InputError(f"tolerance {tolerance:g} is not between 0 and 1", mend="give a relative 1σ such as 0.01")
-    return replace(system, tolerance=tolerance)
+    return system if tolerance is None else with_tolerances(system, tolerance)
 
 
 def _led(system: System, recordings: Sequence[Recording]) -> System:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from harness.diagnose.problem.tolerances import Tolerance
 from harness.errors import InputError
 
 
@@ -16,7 +17,7 @@ class Question:
 
     model: str | None
     mapping: tuple[str, ...] = ()
-    tolerance: float | None = None
+    tolerance: Tolerance | None = None
     fit_effort: bool = False
     effects: tuple[str, ...] = ()
     time_limit: float | None = None

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
+from harness.diagnose.problem.tolerances import Tolerance
 from harness.errors import InputError
 from harness.fleet.ask import Told, ask, not_done
 from harness.fleet.fleet import Fleet
@@ -25,7 +26,7 @@ def diagnose_fleet(
     *,
     out: str | Path = "denoc-fleet",
     mapping: Sequence[str] = (),
-    tolerance: float | None = None,
+    tolerance: Tolerance | None = None,
     fit_effort: bool = False,
     effects: Sequence[str | Path] = (),
     time_limit: float | None = None,

@@ -383,7 +383,8 @@ class System:
     links: in the order of the joints that carry them; the base is not among them.
     loops: what joins links beside the tree's joints.
     gravity: free-fall acceleration in base coordinates [m/s²], shape (3,).
-    tolerance: relative 1σ of the nominal masses, lengths, inertias and stiffnesses.
+    tolerance: relative 1σ of the nominal masses, lengths, inertias and stiffnesses. tolerances: of single ones that are known
+    better or worse, by ``kind@name`` (``armature@servo``).
     attachments: effects beyond the nominal physics.
     actuators: drives with feedback of their own as the file states them; drives: those that act, their command in their offset.
     limits: how soft the joints' limits are where the file says so; stops: those that act.
@@ -411,6 +412,7 @@ class System:
     loops: tuple[Loop | Coupling, ...] = ()
     gimbals: tuple[Gimbal, ...] = ()
     leading: tuple[str, ...] = ()
+    tolerances: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         many, links = ("" if len(some) == 1 else "s" for some in (self.movable_joints, self.links))

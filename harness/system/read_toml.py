@@ -28,6 +28,7 @@ from harness.system.loop import Coupling, Loop
 from harness.system.rotation import from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.table import TableReader, locate
+from harness.system.tolerances import OF_BEAMS, OF_JOINTS, OF_LINKS, read_tolerances
 from harness.system.toml_loops import read_coupling, read_gimbal, read_loop
 from harness.system.topology import arrange
 
@@ -114,14 +115,19 @@ def read_toml(
     notes: list[str] = []
     lines: dict[tuple[str, str], int] = {}
     joints = []
+    tolerances: dict[str, float] = {}
     for table in joint_tables:
+        own = read_tolerances(table, OF_JOINTS)
         joint = _joint(table)
         joints.append(joint)
+        tolerances |= {f"{kind}@{joint.name}": value for kind, value in own.items()}
         _note_line(lines, "joint", joint.name, table.line)
     links = []
     for table in link_tables:
+        own = read_tolerances(table, OF_BEAMS if table.has("length") else OF_LINKS)
         link = _link(table, tolerance, notes)
         links.append(link)
+        tolerances |= {f"{kind}@{link.name}": value for kind, value in own.items()}
         _note_line(lines, "link", link.name, table.line)
     loops: list[Loop | Coupling] = [
         *(read_loop(table) for table in loop_tables),
@@ -148,6 +154,7 @@ def read_toml(
         base=base,
         gravity=gravity,
         tolerance=tolerance,
+        tolerances=tolerances,
         attachments=tuple(_attachment(table) for table in effect_tables),
         source=source,
         notes=tuple(notes),

@@ -33,6 +33,7 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
     system = chained(system, keep=(JointType.FREE, JointType.BALL))
     if system.tolerance != 0.01:
         left_out.append(f"tolerance {system.tolerance:g}")
+    left_out += [f"tolerance {value:g} of {key}" for key, value in system.tolerances.items()]
     root = etree.Element("mujoco", model=system.name)
     etree.SubElement(root, "compiler", angle="radian", autolimits="true", inertiafromgeom="false")
     option = etree.SubElement(root, "option", gravity=_words(system.gravity), integrator="RK4", timestep="0.001")

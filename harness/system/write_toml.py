@@ -11,6 +11,7 @@ import tomli_w
 from harness.system.description import Array, Beam, Joint, JointType, Link, System
 from harness.system.flexible_link import flexible_link, rectangle_torsion_constant
 from harness.system.rotation import to_rpy
+from harness.system.tolerances import OF_BEAMS, OF_JOINTS, OF_LINKS, own_tolerances
 from harness.system.toml_loops import write_gimbals, write_loops
 
 # Where derived numbers agree this well, the table says what they were derived from.
@@ -25,8 +26,11 @@ def to_toml(system: System) -> tuple[str, tuple[str, ...]]:
         document["base"] = system.base
     document["gravity"] = _list(system.gravity)
     document["tolerance"] = system.tolerance
-    document["joint"] = [_joint(joint) for joint in system.joints]
-    document["link"] = [_link(link, left_out) for link in system.links]
+    document["joint"] = [_joint(joint) | own_tolerances(system, OF_JOINTS, joint.name) for joint in system.joints]
+    document["link"] = [
+        _link(link, left_out) | own_tolerances(system, OF_LINKS if link.beam is None else OF_BEAMS, link.name)
+        for link in system.links
+    ]
     document |= write_loops(system.loops)
     document |= write_gimbals(system.gimbals)
     if system.attachments:

@@ -29,6 +29,7 @@ def to_urdf(system: System) -> tuple[str, tuple[str, ...]]:
         left_out.append(f"gravity {np.asarray(system.gravity).tolist()} m/s²: URDF leaves it to the simulator")
     if system.tolerance != 0.01:
         left_out.append(f"tolerance {system.tolerance:g}")
+    left_out += [f"tolerance {value:g} of {key}" for key, value in system.tolerances.items()]
     left_out += [f"effect {a.effect!r} at {a.site!r}" for a in system.attachments]
     # A universal or helical joint, which URDF has not, as the joints that it is made of.
     system = chained(system, keep=(JointType.FREE, JointType.BALL, JointType.PLANAR))

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from harness.diagnose.estimation.intervals import Estimate
-from harness.diagnose.problem.hypothesis import Array, Candidate, Nominal, scaled
+from harness.diagnose.problem.hypothesis import Array, Candidate, Nominal, bent_by, scaled
 from harness.effects.room import STATED
 from harness.system import Attachment, System
 
@@ -24,7 +22,7 @@ def augmented(
     x: parameter vector, the nominal quantities' deviations first [standard deviations of the tolerance]. found: each effect with
     its parameters [SI].
     """
-    bent = scaled(system, nominal, list(np.exp(system.tolerance * x[: len(nominal)])))
+    bent = scaled(system, nominal, list(bent_by(nominal, x[: len(nominal)])))
     # What modifies another effect stands behind it, as a reader expects.
     return attached(
         bent,

@@ -27,7 +27,7 @@ def stages(problem: Problem, windows: Sequence[Window]) -> list[tuple[Window, ..
     slowest_sampling = max(run.interval for run in problem.runs)
     found = Denoc(problem.system).frequencies(np.zeros(len(problem.system.coordinate_names)))
     seen = found[found < 1.0 / (SAMPLES_A_CYCLE * slowest_sampling)]
-    slipping = float(seen.max(initial=0.0)) * problem.system.tolerance
+    slipping = float(seen.max(initial=0.0)) * max(problem.system.tolerance, *problem.system.tolerances.values(), 0.0)
     if slipping <= 0.0:
         return []
     longest = max(float(_duration(problem, window)) for window in windows)

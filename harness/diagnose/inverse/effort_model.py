@@ -16,7 +16,7 @@ from harness.diagnose.answer.augmented import attached
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.nominal_torque import NominalRows
 from harness.diagnose.problem.deadline import Deadline
-from harness.diagnose.problem.hypothesis import Hypothesis, Nominal, nominal_quantities, scaled
+from harness.diagnose.problem.hypothesis import Hypothesis, Nominal, bent_by, nominal_quantities, scaled
 from harness.effects.attach import input_chain, sensor_chain
 from harness.effects.catalogue import effect
 from harness.effects.effect import Effect
@@ -119,7 +119,7 @@ class EffortModel:
         """By how much a nominal quantity is multiplied at deviations (nominal,) [σ]; 1 for what is none."""
         for k, quantity in enumerate(self.nominal):
             if (quantity.kind, quantity.name) == (kind, name):
-                return float(np.exp(self.system.tolerance * nominal[k]))
+                return float(np.exp(quantity.tolerance * nominal[k]))
         return 1.0
 
     def motion_key(self, further: Sequence[Attachment]) -> tuple[Any, ...]:
@@ -179,7 +179,7 @@ class EffortModel:
         self, nominal: Array, further: Sequence[Attachment]
     ) -> tuple[Callable[[Array, Array, Array], Array], Expressed]:
         """Inverse dynamics of the changed system, and what of it they do not hold."""
-        factors = np.exp(self.system.tolerance * nominal)
+        factors = bent_by(self.nominal, nominal)
         if self.rows is not None and all(effect(a.effect).sensor is not None for a in further):
             return self.rows.model.with_row(self.rows.row(factors)).inverse_dynamics, self._plain
         dynamic = [a for a in further if effect(a.effect).sensor is None]

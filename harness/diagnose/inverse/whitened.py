@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel, arriving, law_shape, law_shapes
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_noise import MEMORY, EffortNoise, Grid
-from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.hypothesis import Hypothesis, bent_by
 from harness.effects.attach import input_chain
 from harness.effects.room import STATED
 from harness.system import Attachment
@@ -206,10 +206,9 @@ class Whitened:
         factors = terms.factors[used]
         dry = self._all([model.dry(run) for run in model.runs])
         columns = np.column_stack([columns, dry])
-        tolerance = model.system.tolerance
 
         def products(nominal: Array) -> Array:
-            f = np.append(np.exp(tolerance * nominal), 1.0)
+            f = np.append(bent_by(model.nominal, nominal), 1.0)
             return np.append(np.prod(f[factors], axis=1), 1.0)
 
         tried = np.linspace(-2.0, 2.0, len(model.nominal))

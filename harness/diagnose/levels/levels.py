@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 
 from harness.denoc.lanes.model import LaneModel
 from harness.diagnose.problem.deadline import Deadline
-from harness.diagnose.problem.hypothesis import Candidate, nominal_quantities, scaled
+from harness.diagnose.problem.hypothesis import Candidate, bent_by, nominal_quantities, scaled
 from harness.effects.attach import apply, sensor_chain
 from harness.effects.catalogue import effect
 from harness.effects.lanes import lane_model, lane_row
@@ -244,7 +244,7 @@ class _Levels:
         return tuple(out)
 
     def _shaped(self, z: Array, values: Array) -> System:
-        system = scaled(self.bare, self.nominal, list(np.exp(self.bare.tolerance * z)))
+        system = scaled(self.bare, self.nominal, list(bent_by(self.nominal, z)))
         for attachment in self._with(values):
             system = apply(system, attachment)
         return system
@@ -431,7 +431,7 @@ class _Levels:
                     deviations[parameter.name] = float(width[at])
                 at += 1
             attachments.append(replace(attachment, std=deviations))
-        system = scaled(self.bare, self.nominal, list(np.exp(self.bare.tolerance * z)))
+        system = scaled(self.bare, self.nominal, list(bent_by(self.nominal, z)))
         names = self.labels
         pooled = np.concatenate(raw)
         cost = len(pooled) * float(np.log(np.mean(pooled**2))) + float(z @ z + levels @ levels / self.spread**2)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.lanes.model import LaneModel
 from harness.diagnose.prediction.coordinates import from_internal, start_vector, to_internal
-from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled, tolerances
 from harness.effects.directions import sideways
 from harness.effects.effect import UserLaw
 from harness.effects.lanes import lane_model, lane_row, write_attachment
@@ -79,7 +79,7 @@ class Mechanisms:
     def altered(self, hypothesis: Hypothesis, x: Array) -> System:
         """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""
         # A step that is tried may be absurd; its run is followed no more than its numbers can be held.
-        factors = np.exp(np.clip(self.system.tolerance * x[: len(self.nominal)], -FARTHEST, FARTHEST)).tolist()
+        factors = np.exp(np.clip(tolerances(self.nominal) * x[: len(self.nominal)], -FARTHEST, FARTHEST)).tolist()
         system = scaled(self.system, self.nominal, factors)
         reshaping = [(k, m.effect.reshape, m) for k, m in enumerate(hypothesis.members) if m.effect.reshape is not None]
         # What adds coordinates comes first: its directions are those of the upright system.

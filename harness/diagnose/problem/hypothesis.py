@@ -107,10 +107,11 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Nominal:
-    """One nominal quantity that is uncertain by the tolerance: ``what`` of ``name``, scaled by exp(tolerance · z)."""
+    """One nominal quantity that is uncertain by its tolerance: ``what`` of ``name``, scaled by exp(tolerance · z)."""
 
     kind: str  # mass, length, inertia, armature, damping, stiffness, payload
     name: str
+    tolerance: float = 0.01
 
     @property
     def key(self) -> str:
@@ -137,7 +138,17 @@ def nominal_quantities(system: System) -> tuple[Nominal, ...]:
                 found.append(Nominal("length", link.name))
             if np.trace(link.inertia) > 0.0:
                 found.append(Nominal("inertia", link.name))
-    return tuple(found)
+    return tuple(replace(q, tolerance=system.tolerances.get(q.key, system.tolerance)) for q in found)
+
+
+def tolerances(quantities: Sequence[Nominal]) -> Array:
+    """Relative 1σ of each quantity, (k,)."""
+    return np.array([quantity.tolerance for quantity in quantities])
+
+
+def bent_by(quantities: Sequence[Nominal], z: Array) -> Array:
+    """By how much quantities are multiplied that deviate by z (k,) [σ of their tolerances]."""
+    return np.asarray(np.exp(tolerances(quantities) * z))
 
 
 def scaled(system: System, quantities: Sequence[Nominal], factors: Sequence[float]) -> System:

@@ -34,7 +34,9 @@ def payload(system: System, other: System) -> Mapping[str, Array]:
         replace(link, mass=named[link.name].mass, com=named[link.name].com, inertia=named[link.name].inertia)
         for link in other.links
     ]
-    alike = replace(other, name=system.name, links=tuple(emptied), tolerance=system.tolerance)
+    alike = replace(
+        other, name=system.name, links=tuple(emptied), tolerance=system.tolerance, tolerances=system.tolerances
+    )
     ours, theirs = (to_toml(one)[0].splitlines() for one in (system, alike))
     line = next((b for a, b in zip(ours, theirs, strict=False) if a != b), None)
     if line is not None or len(ours) != len(theirs):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.prediction.coordinates import is_logarithmic, to_internal
 from harness.diagnose.prediction.predictor import Predictor
-from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.hypothesis import Hypothesis, tolerances
 from harness.diagnose.selection.bench import Bench
 from harness.diagnose.selection.starts import like, shapeless
 
@@ -148,7 +148,7 @@ def _led_back(study: Bench, near: Fit, hypothesis: Hypothesis, held: NDArray[np.
         np.concatenate([near.x, np.ones(len(held) - len(near.x))]),
     )
     last, states, found = x, study.states_for(hypothesis, near), None
-    stages = int(np.clip(np.ceil(np.abs(bent).max() * study.problem.system.tolerance / LED), FEWEST_LED, MOST_LED))
+    stages = int(np.clip(np.ceil(np.abs(bent * tolerances(study.predictor.nominal)).max() / LED), FEWEST_LED, MOST_LED))
     for stage in range(stages):
         # As much further as the last step went.
         ahead = np.concatenate([bent * (1.0 - (stage + 1) / stages), 2.0 * x[k:] - last[k:]])
