@@ -69,6 +69,14 @@ class Journal:
             raise unwritable(self.path, error) from error
 
 
+def results_kept(path: Path) -> int:
+    """How many results of an interrupted run of this version of the code a file holds; none where it is no such file."""
+    lines = _whole_lines(path)
+    if not lines or not isinstance(lines[0], dict) or lines[0].get("schema") != SCHEMA:
+        return 0
+    return len(lines) - 1 if lines[0].get("code") == code_digest() else 0
+
+
 def _whole_lines(path: Path) -> list[Any]:
     """The lines that can be read, up to the first that cannot."""
     try:

@@ -70,7 +70,7 @@ def bench(
 
         for path in write_folder(out, bench_files(answer)):
             screen.print(f"wrote {path}", markup=False)
+    write_json(json_text(answer), json_file)
     if journal is not None:
         journal.remove()
-    write_json(json_text(answer), json_file)
     return 0

@@ -148,9 +148,7 @@ def gate(
     if out is not None:
         from harness.report.write import write_reports
 
-        write_reports(results, out, judgement=judgement)
-        if journal is not None:
-            journal.remove()
+        write_reports(results, out, judgement=judgement, trials=trials)
     write_json(said.as_dict(results, judgement, trials), json_file)
     if sarif is not None:
         write_whole(sarif, said.sarif(judgement, files))
@@ -159,6 +157,9 @@ def gate(
             click.echo(line)
     if summary is not None:
         said.append_summary(summary, said.markdown(results, judgement, trials, before))
+    if journal is not None:
+        # Last: hours of planted defects are not lost to a disk that is full where one of these files goes.
+        journal.remove()
     if trials is not None and not trials.ok:
         return 1
     if accept:

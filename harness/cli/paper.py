@@ -102,9 +102,9 @@ def paper(
         files = {f"{name}.md": markdown_table(heads, rows) for name, (heads, rows) in study.tables.items()}
         for path in write_folder(out, {**files, **drawn(study.series), f"{what}.json": made}):
             screen.print(f"wrote {path}", markup=False)
-        if journal is not None and not so_far:
-            journal.remove()
     write_json(made, json_file)
+    if journal is not None and not so_far:
+        journal.remove()
     return 0
 
 

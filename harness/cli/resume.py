@@ -29,15 +29,27 @@ def folder_of(out: Path | None, resume: Path | None) -> Path | None:
 
 
 def journal_in(folder: Path | None, of: Mapping[str, Any], *, anew: bool) -> Journal | None:
-    """What keeps the results of a run in its folder; None without one. of: what must be the same to go on. anew: nothing to go on
-    with."""
-    from harness.journal import Journal
+    """What keeps the results of a run in its folder; None without one.
+
+    of: what must be the same to go on. anew: begin at the start.
+
+    Raises InputError where that would throw away results that this version of the code can go on with.
+    """
+    from harness.errors import InputError
+    from harness.journal import Journal, results_kept
 
     if folder is None:
         return None
+    path = folder / UNFINISHED
     if anew:
-        (folder / UNFINISHED).unlink(missing_ok=True)
-    return Journal(folder / UNFINISHED, dict(of))
+        if count := results_kept(path):
+            raise InputError(
+                f"keeps {count} result{'s' * (count > 1)} of an interrupted run",
+                source=path,
+                mend=f"go on with --resume {folder} and the same options, or remove the file to start over",
+            )
+        path.unlink(missing_ok=True)
+    return Journal(path, dict(of))
 
 
 @contextmanager

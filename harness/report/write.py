@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from harness.cases.gate import Judgement
+from harness.cases.gate import Judgement, SelfTest
 from harness.cases.results import Results
 from harness.errors import InputError
 from harness.report.files import write_folder
@@ -51,11 +51,17 @@ PICTURES = "svg"
 
 
 def write_reports(
-    results: Results, folder: str | Path, formats: Sequence[str] | None = None, *, judgement: Judgement | None = None
+    results: Results,
+    folder: str | Path,
+    formats: Sequence[str] | None = None,
+    *,
+    judgement: Judgement | None = None,
+    trials: SelfTest | None = None,
 ) -> list[Path]:
     """Write the formats asked for (all by default) into a folder; returns their paths.
 
-    judgement: of a gate, for what it has to say in JUnit XML, first on the page, and in gate.md besides.
+    judgement: of a gate, for what it has to say in JUnit XML, first on the page, and in gate.md besides. trials: of its planted
+    defects, for gate.md.
     Raises InputError for an unknown format or a folder that cannot be written to.
     """
     for name in formats or ():
@@ -70,7 +76,7 @@ def write_reports(
         from harness.report.junit import junit
 
         files["junit.xml"] = junit(results, judgement)
-        files["gate.md"] = markdown(results, judgement, None)
+        files["gate.md"] = markdown(results, judgement, trials)
         if "report.html" in files:
             from harness.report.html import html
 

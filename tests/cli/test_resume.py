@@ -10,8 +10,11 @@ from typing import Any
 import pytest
 
 from harness.cases.case import Doubt, Row, Series
+from harness.cases.gate.planted import full
+from harness.cases.gate.planted.full import Fate, Fault
 from harness.cases.run import Outcome, Task, kept_outcome, outcome_as_dict, run
 from harness.cli.main import status_of
+from harness.cli.resume import journal_in
 from harness.compare import bench as benches
 from harness.compare.bench.peers import Options
 from harness.compare.bench.row import Row as Cost
@@ -103,6 +106,68 @@ def test_benchmarks_that_ended_are_not_measured_again(tmp_path: Path, monkeypatc
     steps.close()  # killed once the first benchmark is whole and the second is not
     assert list(benches.run(wanted, Options(), Journal(path, OF))) == rows
     assert [name.rpartition(".")[2] for name in measured] == ["batch", "scaling", "scaling"]
+
+
+REFERENCE = """{"case": "c", "quantity": "q", "engines": ["denoc", "mujoco"], "difference": 1e-9, "allowed": 1e-8, "unit": "rad",
+ "why_allowed": "", "verdict": "pass", "note": "", "first_divergence": null}"""
+
+
+def test_a_long_self_test_goes_on_behind_the_last_fault_it_tried(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On saved results; killed while the third of four faults is tried. Begun again without --resume it would lose two: refused."""
+    results, accepted, out = tmp_path / "results.json", tmp_path / "accepted.json", tmp_path / "out"
+    results.write_text(f'{{"schema": "denoc.results/1", "versions": {{}}, "rows": [{REFERENCE}]}}')
+    saved = ["gate", "--results", str(results), "--reference", str(accepted)]
+    assert status_of([*saved, "--accept", "--new", "--why", "first figures"]) == 0
+    tried: list[str] = []
+
+    def try_fault(fault: Fault) -> Fate:
+        if len(tried) == 2 and fault.name not in tried:
+            tried.append(fault.name)
+            raise KeyboardInterrupt  # the first time the third comes
+        tried.append(fault.name)
+        return Fate(fault.name, not fault.seed, fault.name != "b", f"said of {fault.name}")
+
+    monkeypatch.setattr(full, "try_fault", try_fault)
+    monkeypatch.setattr(full, "CLEAN", 0)
+    monkeypatch.setattr(full, "faults", lambda: [Fault(name) for name in "abcd"])
+    command = [*saved, "--self-test", "full", "--workers", "1"]
+    assert status_of([*command, "--out", str(out)]) == 130
+    assert f"`denoc gate --resume {out}` with the same options goes on from here" in capsys.readouterr().err
+    assert tried == ["a", "b", "c"]
+    before = (out / "unfinished.jsonl").read_bytes()
+    assert status_of([*command, "--out", str(out)]) == 2
+    assert "keeps 2 results of an interrupted run (go on with --resume" in " ".join(capsys.readouterr().err.split())
+    assert (out / "unfinished.jsonl").read_bytes() == before
+    answer = tmp_path / "answer.json"
+    status = status_of([*command, "--resume", str(out), "--json", str(answer)])
+    assert tried == ["a", "b", "c", "c", "d"]
+    told = json.loads(answer.read_text())["self_test"]
+    planted = {trial["defect"]: trial for trial in told["defects"][-4:]}
+    assert [(name, trial["caught"], trial["named"], trial["said"]) for name, trial in planted.items()] == [
+        (name, True, name != "b", f"said of {name}") for name in "abcd"
+    ]
+    assert status == 0
+    assert not (out / "unfinished.jsonl").exists()
+    assert "- b: said to be said of b" in (out / "gate.md").read_text()
+
+
+def test_what_another_version_of_the_code_has_left_is_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("harness.journal.code_digest", lambda: "another")
+        Journal(tmp_path / "unfinished.jsonl", OF).add("case", 1)
+    journal = journal_in(tmp_path, OF, anew=True)
+    assert journal is not None
+    assert journal.found == {}
+    journal.add("case", 2)
+    with pytest.raises(InputError, match="keeps 1 result of an interrupted run"):
+        journal_in(tmp_path, {"other": 1}, anew=True)
+    kept = journal_in(tmp_path, OF, anew=False)
+    assert kept is not None
+    assert kept.found == {"case": 2}
 
 
 def test_only_interrupted_runs_are_resumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
