@@ -97,19 +97,19 @@ def wrench_to_parent(
 
 
 @in_place
+def inertia_of(c: Any, k: int) -> Any:
+    """Mass, first moments and second moments about its origin of a body whose constants begin at ``k``."""
+    return (
+        c[k + MASS], c[k + FIRST], c[k + FIRST + 1], c[k + FIRST + 2], c[k + SECOND], c[k + SECOND + 1], c[k + SECOND + 2],
+        c[k + SECOND + 3], c[k + SECOND + 4], c[k + SECOND + 5],
+    )  # fmt: skip
+
+
+@in_place
 def carried(c: Any, k: int, takes: int, accumulators: Any, twist: Any) -> Any:
     """Articulated inertia and bias wrench of a body with what it carries, which waits in the accumulator ``takes`` (-1: none)."""
     wx, wy, wz, vx, vy, vz = twist
-    m = c[k + MASS]
-    hx = c[k + FIRST]
-    hy = c[k + FIRST + 1]
-    hz = c[k + FIRST + 2]
-    ixx = c[k + SECOND]
-    iyy = c[k + SECOND + 1]
-    izz = c[k + SECOND + 2]
-    ixy = c[k + SECOND + 3]
-    ixz = c[k + SECOND + 4]
-    iyz = c[k + SECOND + 5]
+    m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz = inertia_of(c, k)
     px, py, pz, fx, fy, fz = bias_wrench(m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz, wx, wy, wz, vx, vy, vz)
     if takes >= 0:
         a = takes * ACCUMULATOR * 8
@@ -486,16 +486,7 @@ def inverse_dynamics(
             store_run(ws, b + SPIN * 8, (wx, wy, wz))
             store_run(ws, b + SPIN_RATE * 8, (ax, ay, az))
             store_run(ws, b + LINEAR * 8, (vx, vy, vz))
-            m = c[k + MASS]
-            hx = c[k + FIRST]
-            hy = c[k + FIRST + 1]
-            hz = c[k + FIRST + 2]
-            ixx = c[k + SECOND]
-            iyy = c[k + SECOND + 1]
-            izz = c[k + SECOND + 2]
-            ixy = c[k + SECOND + 3]
-            ixz = c[k + SECOND + 4]
-            iyz = c[k + SECOND + 5]
+            m, hx, hy, hz, ixx, iyy, izz, ixy, ixz, iyz = inertia_of(c, k)
             sx = wy * hz - wz * hy
             sy = wz * hx - wx * hz
             sz = wx * hy - wy * hx
