@@ -18,7 +18,7 @@ from harness.cases.results import Results, from_dict
 from harness.compare.descriptions import TOLERANCE
 from harness.engines import registry
 from harness.engines.protocol import Engine, EngineModel
-from harness.engines.readers.register import root_of
+from harness.engines.readers.register import floating_among
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.journal import Journal
 from harness.parallel import parallel_map
@@ -115,9 +115,8 @@ def validate(
     folders = tuple(Path(folder).resolve() for folder in allow)
     # What cannot be read is said before anything runs.
     files = names_of(paths)
-    # The other formats say themselves what floats.
-    urdf = [path for path in files.values() if root_of(path) == "robot"]
-    floats = {name: floating and (path in urdf or not urdf) for name, path in files.items()}
+    afloat = floating_among(files.values()) if floating else set()
+    floats = {name: path in afloat for name, path in files.items()}
     systems = {
         name: read(path, physical=physical, allow=folders, floating=floats[name]) for name, path in files.items()
     }

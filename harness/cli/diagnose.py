@@ -185,7 +185,7 @@ def diagnose(
     from harness.cli.main import COMMAND
     from harness.denoc.compiling import ahead
     from harness.diagnose.problem.deadline import Deadline
-    from harness.engines.readers.register import root_of
+    from harness.engines.readers.register import floating_among
     from harness.report.json_text import json_text
     from harness.system import load
 
@@ -196,12 +196,11 @@ def diagnose(
         asked_of_a_search = {"--tolerance": tolerance, "--fit-effort": fit_effort or None, "--effects": effects_files or None,
                              "--strict": strict or None}  # fmt: skip
         _refuse(asked_of_a_search, "is for a diagnosis, which needs a --model", "give --model, or leave it away")
-    # The other formats say themselves what floats.
     named = [*models, *(compare or ()), *([published] if published else [])]
-    urdf = [m for m in named if floating and root_of(Path(m)) == "robot"]
+    floats = floating_among(map(Path, named)) if floating else set()
 
     def read(model: str) -> System:
-        return load(model, physical=False, allow=allow, floating=floating and (model in urdf or not urdf))
+        return load(model, physical=False, allow=allow, floating=Path(model) in floats)
 
     ahead.start(ahead.DIAGNOSE)
     if time_limit is None and sys.stderr.isatty():

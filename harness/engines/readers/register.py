@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from harness.engines.readers.reading import Reading
@@ -21,6 +21,12 @@ def root_of(path: Path) -> str:
         return str(parse_xml(data, path).tag) if data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<") else ""
     except (OSError, InputError):
         return ""
+
+
+def floating_among(paths: Iterable[Path]) -> set[Path]:
+    """Of files whose roots shall float those that are read so: URDF, where there is any; the others say themselves what floats."""
+    every = set(paths)
+    return {path for path in every if root_of(path) == "robot"} or every
 
 
 def readers_of(path: Path) -> tuple[str, ...]:
