@@ -34,6 +34,8 @@ QUANTITIES: dict[str, Quantity] = {
 
 # Coordinates up to which a number that explains a difference is looked for: the time goes with their square.
 MOST_EXPLAINED = 12
+# Said where what fails is no term of the equation of motion.
+INTEGRATION = "the accelerations agree, so it is the integration"
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ class StateAgreement:
 
     def _blame(self, bench: Bench, name: str, states: States) -> tuple[str, dict[str, object]]:
         said, place = blamed(bench, name, states.q, states.qd, states.tau, self.allowed)
-        if said.endswith("so it is the integration"):
+        if said == INTEGRATION:
             # The equation of motion is right, so that what fails is this answer alone.
             said = f"the accelerations agree, so it is the answer to {self.quantity.replace('_', ' ')} alone"
             place = {"term": self.quantity}
@@ -152,7 +154,7 @@ def blamed(
     except (UnsupportedError, EngineError, np.linalg.LinAlgError):
         return "", {}
     if not found.blames:
-        return ("" if found.difference > allowed else "the accelerations agree, so it is the integration"), {}
+        return ("" if found.difference > allowed else INTEGRATION), {}
     culprit = found.blames[0]
     place = {"term": culprit.term, "at": culprit.coordinate}
     if culprit.term != "solution":

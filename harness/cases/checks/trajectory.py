@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
-from harness.cases.checks.states import blamed
+from harness.cases.checks.states import INTEGRATION, blamed
 from harness.compare.divergence_shape import by_steps, growth, shape_of
 from harness.compare.kinematics import astray
 from harness.engines.denoc_native import NativeModel
@@ -141,20 +141,19 @@ class TrajectoryAgreement:
         if not (np.isfinite(q).all() and np.isfinite(qd).all()):
             return "", {}
         said, place = blamed(bench, name, q, qd, np.zeros_like(qd))
-        return self._integrated(bench, name, q0, qd0) if said.endswith("so it is the integration") else (said, place)
+        return self._integrated(bench, name, q0, qd0) if said == INTEGRATION else (said, place)
 
     def _integrated(self, bench: Bench, name: str, q0: Array, qd0: Array) -> tuple[str, dict[str, object]]:
         """Where the equations are one, and the motion is not: whether positions go where velocities say, from the start."""
-        said = "the accelerations agree, so it is the integration"
         time = np.linspace(0.0, min(self.duration, CLOSE * 20), 21)
         for engine in (NATIVE, name):
             run = bench.models[engine].simulate(q0, qd0, time, step=step_of(engine, self.step))
             found = astray(bench.system, run)
             if found is not None:
                 coordinate, share = found
-                words = f"{said}: in {engine} the positions of {coordinate} go {share:.3g} times as fast as its velocity says"
-                return words, {"term": "position_rates", "at": coordinate}
-        return said, {}
+                words = f"in {engine} the positions of {coordinate} go {share:.3g} times as fast as its velocity says"
+                return f"{INTEGRATION}: {words}", {"term": "position_rates", "at": coordinate}
+        return INTEGRATION, {}
 
     def _lines(self, bench: Bench, name: str, time: Array, signal: dict[str, Array]) -> Iterable[Series]:
         for key, values in signal.items():
