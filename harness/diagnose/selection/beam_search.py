@@ -202,7 +202,7 @@ class Growth:
         study, members = self.study, len(base.hypothesis.members)
         # Beside little more than noise, what is dear to run can wait for the study that this one begins.
         waits = self.to_begin_with and base.score < PLAINLY * study.samples
-        tests = study.among(base, [c for c in study.candidates if not dear(c)]) if waits else study.likely(base)
+        tests = study.among(base, study.cheap) if waits else study.likely(base)
         found = [s for s in tests if s.gain > study.price(s.candidate, members)]
         if base.hypothesis.things >= self.effort.largest:
             found = [s for s in found if s.candidate.effect.modifies]

@@ -8,12 +8,12 @@ linear.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
-from harness.diagnose.problem.hypothesis import dear
 from harness.diagnose.problem.windows import equal_parts
 from harness.diagnose.selection.beam_search import Effort, grow, transfer
 from harness.diagnose.selection.dissipation_starts import everywhere
@@ -76,10 +76,7 @@ def ordinary_by_way_of_shorter(study: Study, fine: Study) -> Fit | None:
 
     The study of those is left as it is, for a search that begins there.
     """
-    apart = Study(
-        fine.problem, fine.predictor, fine.likelihood, fine.candidates, fine.windows,
-        fits=dict(fine.fits), swing=fine.swing,
-    )  # fmt: skip
+    apart = replace(fine.unfitted(fine.likelihood), fits=dict(fine.fits))
     found = everywhere(apart, apart.empty())
     return None if found is None else everywhere(study, found)
 
@@ -92,13 +89,11 @@ def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[st
     run is looked for where nothing else suffices, and beside the nominal model alone.
     """
     progress("few effects that leave only noise")
-    nothing, cheap = study.empty(), tuple(c for c in study.candidates if not dear(c))
+    nothing = study.empty()
     tests: dict[frozenset[str], dict[str, Score | None]] = {}
-    for beginning, candidates in ((nothing, cheap), (usual, cheap), (nothing, study.candidates)):
-        apart = Study(
-            study.problem, study.predictor, study.likelihood, candidates, study.windows,
-            fits={beginning.hypothesis.identity: beginning}, tests=tests, first_states=study.first_states, swing=study.swing,
-        )  # fmt: skip
+    for beginning, candidates in ((nothing, study.cheap), (usual, study.cheap), (nothing, study.candidates)):
+        fits = {beginning.hypothesis.identity: beginning}
+        apart = replace(study.unfitted(study.likelihood), candidates=candidates, fits=fits, tests=tests)
         found = grow(apart, [beginning], effort, progress, to_begin_with=True, stop=_OffCourse(apart, beginning))
         study.fits.update({key: fitted for key, fitted in apart.fits.items() if key not in study.fits})
         if study.only_noise(found[0]):

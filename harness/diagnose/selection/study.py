@@ -373,12 +373,17 @@ class Study:
         found = [known[c.key] for c in candidates]
         return sorted((s for s in found if s is not None), key=lambda s: -s.gain)
 
+    @property
+    def cheap(self) -> tuple[Candidate, ...]:
+        """Candidates that are not dear to run."""
+        return tuple(c for c in self.candidates if not dear(c))
+
     def likely(self, base: Fit) -> list[Score]:
         """The same without what is dear to fit where something else promises to explain nearly all that is left."""
         excess = base.score - self.samples
         if base.score < PLAINLY * self.samples:
             return self.ranked(base)
-        cheap = self.among(base, [c for c in self.candidates if not dear(c)])
+        cheap = self.among(base, self.cheap)
         best = max((s.gain for s in cheap), default=0.0)
         return cheap if best > SUFFICIENT * excess else self.ranked(base)
 
