@@ -17,7 +17,7 @@ QUICK = {
         "test_dispersion", "test_effect_without_parameters", "test_effort_laws", "test_efforts_first", "test_end_of_link",
         "test_free_motion", "test_held_start", "test_joint_gain", "test_noise_free_recording", "test_one_law_far_off",
         "test_provenance", "test_pushed_runs", "test_replay", "test_resolved_numbers", "test_score_beside_force",
-        "test_search_ends", "test_separation", "test_sharp_sensitivities", "test_state_force", "test_summary",
+        "test_plain_laws", "test_search_ends", "test_separation", "test_sharp_sensitivities", "test_state_force", "test_summary",
         "test_thinned_recordings", "test_trials", "test_turning_in_space", "test_turning_joints", "test_unequal_windows",
         "test_unnamed_force", "test_weak_contact", "test_what_acts", "test_zero_of_every_recording",
     ),

@@ -40,5 +40,8 @@ def test_recordings_that_agree_narrow_nothing() -> None:
     assert found is not None and found.factors[0] >= 1.0
 
 
-def test_two_recordings_say_nothing_of_it() -> None:
-    assert dispersion(_fit(np.array([1.0, 2.0]), 100), 0, ["a", "b"]) is None
+@pytest.mark.parametrize("means", [[1.0], [1.0, 2.0]])
+def test_of_few_recordings_the_spread_is_unknown_and_so_is_how_much_they_differ(means: list[float]) -> None:
+    found = dispersion(_fit(np.array(means), 100), 0, list(range(len(means))))
+    assert found is not None and not found.without
+    assert found.factors[0] == pytest.approx(t.ppf(0.975, POOLED) / norm.ppf(0.975), rel=1e-12)

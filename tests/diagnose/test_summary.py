@@ -8,6 +8,7 @@ from typing import Any, cast
 import pytest
 
 from harness.diagnose.answer.explain import summary
+from harness.diagnose.answer.left_out import AtJoint, LeftOut
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -29,3 +30,24 @@ def test_nothing_is_said_to_hold_up_that_is_not_named(verdict: str) -> None:
 def test_what_is_named_holds_up() -> None:
     text = summary(_conclusion("partly_explained"), 30.0, ["viscous damping at pivot"], [], 1.4)
     assert "; viscous damping at pivot holds up on data held out, but" in text
+
+
+LEFT = LeftOut((AtJoint("servo", 0.048, "N*m", 0.058, 0.026),), None)
+
+
+@pytest.mark.parametrize(("explained", "said"), [(0.99, True), (0.3, False), (None, False)])
+def test_plain_laws_that_may_only_be_possible_are_told_as_that_where_they_remove_most(
+    explained: float | None, said: bool
+) -> None:
+    text = summary(
+        _conclusion("partly_explained"), 46.6, [], [], 5.3, explained, LEFT, ["payload at arm (mass 0.339 kg)"]
+    )
+    assert text.startswith(
+        "The nominal model leaves the recordings by 46.6 times the sensors' noise, and nothing in the catalogue earns its place "
+        "for certain. "
+    )
+    words = (
+        "Possibly it is payload at arm (mass 0.339 kg): that would remove 99 % of the mismatch on data held out, but a force over "
+        "position and speed that nobody has named could do the same. "
+    )
+    assert (words in text) == said == ("payload" in text)

@@ -75,7 +75,7 @@ def answer(
     places: Sequence[Mismatch] = ()
     if conclusion.verdict != "consistent":
         places = deadline.attempt(*LOCATED, lambda: locate(outcome, *_side_and_site(outcome, conclusion)), lambda: ())
-    how = repeated(outcome, conclusion.best)
+    how = repeated(outcome, conclusion)
     told = deadline.attempt(
         *PROFILED, lambda: _intervals(outcome, conclusion), lambda: _curvatures(outcome, conclusion)
     )
@@ -255,7 +255,7 @@ def _short(key: str, site: str) -> str:
 def _intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
     """Estimates of what is claimed, by the effect's key: as far as other valleys and other sets that are as likely let them be."""
     study, predictor, best = outcome.study, outcome.predictor, conclusion.best
-    if outcome.evidence is not None:
+    if outcome.evidence is not None and not conclusion.by_free_runs:
         return _beside_the_force(outcome, conclusion, outcome.evidence)
     # What shows in the data held out alone can only be told by them.
     source = outcome.study if conclusion.only_held else outcome.training
@@ -289,7 +289,7 @@ def _beside_the_force(
 
 def _curvatures(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, Estimate]]:
     """The same by what is at hand: the curvature of the one fit alone, or sets that have been looked at beside a force."""
-    if outcome.evidence is not None:
+    if outcome.evidence is not None and not conclusion.by_free_runs:
         return _beside_the_force(outcome, conclusion, outcome.evidence, at_hand=True)
     return {
         claim.candidate.key: estimates(
@@ -307,17 +307,25 @@ def _summary(
     severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=np.nan)
     foretold = max((row["augmented"]["heldout_rmse"] / row["noise_floor"] for row in rows), default=0.0)
     titles = [
-        finding_words(
-            c.candidate.effect.title,
-            c.candidate.site,
-            values[c.candidate.key],
-            _units(outcome, c),
-            [f"{z['recording']} {estimate(z['zero'], None, None, written(z['unit']))}" for z in zeros[c.candidate.key]],
-            [rival.effect.title for rival in _plainer(c)],
+        (
+            c.candidate,
+            finding_words(
+                c.candidate.effect.title,
+                c.candidate.site,
+                values[c.candidate.key],
+                _units(outcome, c),
+                [
+                    f"{z['recording']} {estimate(z['zero'], None, None, written(z['unit']))}"
+                    for z in zeros[c.candidate.key]
+                ],
+                [rival.effect.title for rival in _plainer(c)],
+            ),
         )
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
-        if grades[c.candidate.key] != POSSIBLE
     ]
+    firm = [words for member, words in titles if grades[member.key] != POSSIBLE]
+    # Laws that can be bent to many shapes are told in the table alone.
+    possible = [words for _, words in titles] if all(member.effect.plain for member, _ in titles) else []
     rivals = [
         f"{c.candidate.effect.title.capitalize()} cannot be told here from "
         + ", ".join(rivals_of(_rivals(c), in_words))
@@ -325,7 +333,7 @@ def _summary(
         for c in conclusion.claims
         if c.rivals and grades[c.candidate.key] != POSSIBLE
     ]
-    return summary(conclusion, severity, titles, rivals, foretold, explained_share(rows), left)
+    return summary(conclusion, severity, firm, rivals, foretold, explained_share(rows), left, possible)
 
 
 def _mismatch(place: Mismatch) -> dict[str, Any]:

@@ -26,6 +26,11 @@ VERDICTS = {
 NONE_FOR_CERTAIN = (
     "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place for certain."
 )
+POSSIBLY = (
+    "Possibly it is {names}: that would remove {share} of the mismatch on data held out, but a force over position and "
+    "speed that nobody has named could do the same."
+)
+MOST_OF_IT = 0.5  # of the mismatch on data held out, that laws must remove to be told as possible in so many words
 
 # The same where the time was up before that could be said.
 CUT_SHORT = {
@@ -64,16 +69,18 @@ TELLING = 0.25
 
 def summary(
     conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: float,
-    explained: float | None = None, left: LeftOut | None = None,
+    explained: float | None = None, left: LeftOut | None = None, possible: Sequence[str] = (),
 ) -> str:  # fmt: skip
     """The paragraph.
 
     severity, foretold: greatest error over all channels [standard deviations of noise], of the nominal model, and of what the data
     fitted to predict of those held out. explained: share of the mismatch on data held out that the findings remove. left: the force
-    that they leave out.
+    that they leave out. possible: plain laws that may be told beside it where nothing is found for certain.
     """
     if left is not None:
-        return " ".join([*_beside_a_force(conclusion, severity, findings, foretold, explained, left), *rivals])
+        return " ".join(
+            [*_beside_a_force(conclusion, severity, findings, foretold, explained, left, possible), *rivals]
+        )
     size = "to an extent that has not been worked out"
     if severity >= 0.0:
         size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
@@ -117,7 +124,8 @@ def summary(
 
 
 def _beside_a_force(
-    conclusion: Conclusion, severity: float, findings: Sequence[str], foretold: float, explained: float | None, left: LeftOut
+    conclusion: Conclusion, severity: float, findings: Sequence[str], foretold: float, explained: float | None, left: LeftOut,
+    possible: Sequence[str],
 ) -> list[str]:  # fmt: skip
     """Sentences where the model leaves a force out that is more than noise: what is explained, what is left, where that lies."""
     size = f"by {severity:.3g} times the sensors' noise"
@@ -133,6 +141,8 @@ def _beside_a_force(
         text = f"The nominal model leaves the recordings {size}; {' and '.join(findings)} {hold} up on data held out{share}."
     else:
         text = NONE_FOR_CERTAIN.format(severity=size)
+        if possible and explained is not None and explained > MOST_OF_IT:
+            text += f" {POSSIBLY.format(names=' and '.join(possible), share=percent(explained))}"
     force = left.largest
     unit = force.unit.replace("*", "·")
     sentences = [

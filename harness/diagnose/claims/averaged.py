@@ -1,7 +1,8 @@
 """Intervals beside a force over the state: what every set that the recordings speak for says of an effect's numbers, averaged.
 
 A set's numbers are where it and the force that it leaves out are likeliest together, as uncertain as the curvature there says with
-that force free; sets count by their evidence (Bayesian model averaging; Hoeting et al., Stat. Sci. 14 (1999) 382).
+that force free; sets count by their evidence (Bayesian model averaging; Hoeting et al., Stat. Sci. 14 (1999) 382). Intervals reach
+over that of the set that is told, too, whose numbers are those of the training recordings alone.
 """
 
 from __future__ import annotations
@@ -47,18 +48,25 @@ def averaged(
                 span = fitted.hypothesis.span(k)
                 place = slice(count + span.start, count + span.stop)
                 rows[member.key].append((share, found.x[place], found.spread[place]))
+    by_training = np.zeros(len(told.x))
+    if not at_hand or evidence.has(told):
+        by_training = evidence.beside(outcome.training, told).spread
+    by_training = np.where(np.isfinite(by_training), by_training, 0.0)
     out = {}
     for k, member in enumerate(told.hypothesis.members):
         span = told.hypothesis.span(k)
-        out[member.key] = _estimates(member, told.x[count + span.start : count + span.stop], rows[member.key])
+        place = slice(count + span.start, count + span.stop)
+        out[member.key] = _estimates(member, told.x[place], by_training[place], rows[member.key])
     return out
 
 
-def _estimates(member: Candidate, own: Array, rows: Sequence[tuple[float, Array, Array]]) -> dict[str, Estimate]:
+def _estimates(
+    member: Candidate, own: Array, spread: Array, rows: Sequence[tuple[float, Array, Array]]
+) -> dict[str, Estimate]:
     values = from_internal(member, own)
     out = {}
     for j, parameter in enumerate(member.effect.parameters):
-        ends = [own[j]] * 2
+        ends = [own[j] - WIDE * spread[j], own[j] + WIDE * spread[j]]
         if rows:
             weights, means, spreads = (
                 np.array(column) for column in zip(*((w, x[j], s[j]) for w, x, s in rows), strict=True)

@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
+from harness.diagnose.claims.plain_laws import plain_laws
 from harness.diagnose.claims.posterior import posterior
 from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
 from harness.diagnose.criticism.check import LEVEL, Asked, left_by
@@ -77,7 +78,8 @@ class Conclusion:
 
     best: the fit claimed, on all recordings; own: on the training ones; held: judged on the data held out. level: what is left of
     those over the noise [1]. unproven: keys of what is doubted because nothing that it was not fitted to bears it out. only_held:
-    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings. cut_short: what the
+    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings. by_free_runs: whether
+    it is told for its free runs alone, although beside a force over the state other sets are likelier. cut_short: what the
     time was up for, of ``UNSEARCHED``, ``UNJUDGED`` and ``UNCRITICISED``, and therefore is not claimed; or empty. hurried: whether
     it was up for any of the search or of what follows it.
     """
@@ -94,6 +96,7 @@ class Conclusion:
     only_held: tuple[str, ...] = ()
     cut_short: str = ""
     hurried: bool = False
+    by_free_runs: bool = False
 
     @property
     def imitated(self) -> tuple[str, ...]:
@@ -256,11 +259,14 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     )
     deadline.begin(Stage.CRITICISM)
     reached.wanted = wanted
+    instead: Fit | None = None
     if outcome.evidence is None:
         best, remains, incomplete, doubted, unproven = _criticised(outcome, wanted, reached)
     else:
         # What else may have made it, a force that nobody has named above all, is in that evidence, and so are the data held out.
         best, doubted, unproven = outcome.reweigh(wanted), (), ()
+        instead = plain_laws(outcome, best)
+        best = best if instead is None else outcome.reweigh(instead)
         remains, incomplete = _remains(outcome, best)
     # A force that is left out is a remainder, whatever the tests beside it say.
     incomplete = incomplete or bool(doubted) or outcome.force is not None
@@ -271,11 +277,12 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     if outcome.evidence is None:
         only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
     own, held = with_all(outcome, best) if only else (trained(outcome, best), judge(outcome, best))
-    if outcome.evidence is not None and best.hypothesis.members:
+    if outcome.evidence is not None and best.hypothesis.members and instead is None:
         own, held = _beside_the_force(outcome, outcome.evidence, own)
     return Conclusion(
-        with_ if claims else without, best, own, held, claims, remains, doubted, _level(outcome, held), unproven, only
-    )
+        with_ if claims else without, best, own, held, claims, remains, doubted, _level(outcome, held), unproven, only,
+        by_free_runs=instead is not None,
+    )  # fmt: skip
 
 
 def _criticised(

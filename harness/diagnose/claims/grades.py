@@ -35,38 +35,41 @@ class Repeated:
     """The fit of all recordings seen recording by recording, or stretch by stretch where there are too few of them.
 
     expected: by how much the force that is left out makes standard deviations larger than the curvature says, (P,); None where
-    there is no such force. recordings: whether by recordings.
+    there is no such force. recordings: whether by recordings. beside: whether estimates are those beside a force over the state,
+    and so as uncertain already.
     """
 
     fitted: Fit
     spread: Dispersion
     expected: Array | None
     recordings: bool
+    beside: bool
 
 
-def repeated(outcome: Outcome, best: Fit) -> Repeated | None:
-    """How the numbers of a fit spread, by the force that is left out and over the recordings; None where nothing can be said."""
+def repeated(outcome: Outcome, conclusion: Conclusion) -> Repeated | None:
+    """How the numbers of what is told spread, by the force that is left out and over the recordings; None where nothing can be
+    said.
+    """
+    best, beside = conclusion.best, outcome.evidence is not None and not conclusion.by_free_runs
     names = [outcome.problem.runs[window.run].name for window in best.windows]
     by_recording = len(set(names)) >= FEWEST
     clusters: list[Any] = names if by_recording else list(range(len(names)))
     count = len(outcome.predictor.nominal)
-    expected = _expected(outcome, best, count)
+    expected = _expected(outcome, best, count, beside=beside)
     found = dispersion(best, count, clusters, expected)
-    if found is None and expected is not None:
-        found = Dispersion(expected, {})
-    return None if found is None else Repeated(best, found, expected, by_recording)
+    return None if found is None else Repeated(best, found, expected, by_recording, beside)
 
 
-def _expected(outcome: Outcome, best: Fit, count: int) -> Array | None:
+def _expected(outcome: Outcome, best: Fit, count: int, *, beside: bool) -> Array | None:
     """Standard deviations that the force which is left out says, in units of the curvature's; None where there is none."""
     left = outcome.study.likelihood.discrepancy
     if not isinstance(left, Misfit):
         return None
-    if outcome.evidence is not None:
+    if beside and outcome.evidence is not None:
         by_curvature = np.zeros(len(best.x))
         by_curvature[best.free] = np.sqrt(np.diag(covariance(best, count))[best.free])
-        beside = outcome.evidence.beside(outcome.study, best).spread
-        return np.asarray(np.divide(beside, by_curvature, out=np.ones(len(best.x)), where=by_curvature > 0.0))
+        spread = outcome.evidence.beside(outcome.study, best).spread
+        return np.asarray(np.divide(spread, by_curvature, out=np.ones(len(best.x)), where=by_curvature > 0.0))
     found = responses(outcome.predictor, left.sensors, best, pull(outcome.problem.system), outcome.period)
     return None if found is None else sandwich(best, count, left, found)
 
@@ -79,7 +82,7 @@ def loosened(outcome: Outcome, how: Repeated | None, key: str, values: Mapping[s
     if how is None or outcome.force is None or key not in how.fitted.hypothesis.keys:
         return dict(values)
     factors = how.spread.factors
-    if outcome.evidence is not None and how.expected is not None:
+    if how.beside and how.expected is not None:
         factors = factors / how.expected
     factors = factors[_own(outcome, how.fitted, key)]
     member = how.fitted.hypothesis.members[how.fitted.hypothesis.keys.index(key)]

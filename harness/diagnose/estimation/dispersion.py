@@ -21,7 +21,7 @@ from harness.diagnose.estimation.least_squares import Fit, inverse
 Array = NDArray[np.float64]
 
 POOLED = 4.0  # recordings that the spread of all parameters together counts as, beside a parameter's own
-FEWEST = 3  # clusters without which nothing can be said
+FEWEST = 3  # clusters without which their spread says nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,10 @@ class Dispersion:
 def dispersion(
     fitted: Fit, nominal: int, clusters: Sequence[Hashable], expected: Array | None = None
 ) -> Dispersion | None:
-    """The spread of a fit's shared parameters over clusters of its windows; None of fewer than ``FEWEST`` clusters.
+    """The spread of a fit's shared parameters over clusters of its windows; None where none is free.
+
+    Of fewer than ``FEWEST`` clusters no spread is seen. That they would differ by no more than expected is then as uncertain as the
+    pooled spread is by itself, and intervals are Student's of that.
 
     nominal: number of leading parameters with a unit normal prior. clusters: of every window of the fit. expected: standard
     deviations (P,) in units of those that the curvature says, where these are known to be others (``misfit.sandwich``).
@@ -47,8 +50,13 @@ def dispersion(
     names = list(dict.fromkeys(clusters))
     free = np.flatnonzero(fitted.free)
     count = len(names)
-    if count < FEWEST or not len(free):
+    if not len(free):
         return None
+    wider = np.ones(len(free)) if expected is None else expected[free]
+    factors = np.ones(len(fitted.x))
+    if count < FEWEST:
+        factors[free] = _student(POOLED) * wider
+        return Dispersion(factors, {})
     # As many rows of every window as its triangle has (``linearisation.eliminated``).
     edges = np.cumsum([min(len(r), len(fitted.x) + 1) for r in fitted.linear.residuals])[:-1]
     rows = np.split(fitted.linear.matrix[:, free], edges)
@@ -61,7 +69,6 @@ def dispersion(
     prior = np.diag((free < nominal).astype(np.float64))
     every = sum(information.values()) + prior
     whole = inverse(every)
-    wider = np.ones(len(free)) if expected is None else expected[free]
     sigma = wider * np.sqrt(np.diag(whole))
     pull = prior @ fitted.x[free]
     # What the prior pulls is shared out, so that the clusters' slopes add up to nothing at the fit.
@@ -71,9 +78,7 @@ def dispersion(
     ratio = np.where(seen, own / np.where(seen, sigma, 1.0) ** 2, 1.0)
     pooled = max(float(np.mean(ratio[seen])) if seen.any() else 1.0, 1.0)
     moderated = np.maximum((POOLED * pooled + (count - 1) * ratio) / (POOLED + count - 1), 1.0)
-    student = float(t.ppf(0.975, POOLED + count - 1) / norm.ppf(0.975))
-    factors = np.ones(len(fitted.x))
-    factors[free] = np.sqrt(moderated) * student * wider
+    factors[free] = np.sqrt(moderated) * _student(POOLED + count - 1) * wider
     without = {}
     for name in names:
         rest = inverse(every - information[name])
@@ -82,3 +87,8 @@ def dispersion(
         std[free] = wider * np.sqrt(np.diag(rest) * moderated)
         without[name] = x, std
     return Dispersion(factors, without)
+
+
+def _student(freedom: float) -> float:
+    """How much wider intervals of 95 % are where a spread is known by so many degrees of freedom."""
+    return float(t.ppf(0.975, freedom) / norm.ppf(0.975))

@@ -1,0 +1,61 @@
+"""Plain laws that free runs speak for, where the evidence beside a force over the state speaks for another set."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.diagnose.claims import plain_laws as module
+from harness.diagnose.claims.plain_laws import plain_laws
+from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.effects.catalogue import catalogue
+from harness.effects.scale import References
+
+
+def _member(name: str) -> Candidate:
+    return Candidate(catalogue()[name], "servo", References(1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
+
+
+def _set(criterion: float, held: float, *names: str) -> Any:
+    """A set with its criterion by free runs and what it leaves of the data held out."""
+    members = Hypothesis(tuple(map(_member, names)))
+    return SimpleNamespace(hypothesis=members, criterion=criterion, held=held, score=criterion)
+
+
+def _told(monkeypatch: pytest.MonkeyPatch, best: Any, *others: Any) -> Any:
+    study = SimpleNamespace(criterion=lambda f: f.criterion, fits={f.hypothesis.identity: f for f in (best, *others)})
+    monkeypatch.setattr(module, "judge", lambda outcome, fitted: SimpleNamespace(cost=fitted.held))
+    return plain_laws(SimpleNamespace(study=study), best)  # type: ignore[arg-type]
+
+
+NOTHING = _set(388.0, 100.0)
+WEIGHT = _set(15.0, 1.3, "payload_mass", "viscous_damping")
+
+
+def test_plain_laws_that_foretell_far_more_are_told_instead(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _told(monkeypatch, NOTHING, WEIGHT, _set(145.0, 34.0, "coulomb_friction")) is WEIGHT
+
+
+def test_what_fits_no_better_beyond_doubt_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _told(monkeypatch, _set(20.0, 100.0), WEIGHT) is None
+
+
+@pytest.mark.parametrize(("times", "told"), [(1.9, False), (2.0, True)])
+def test_the_data_held_out_have_a_say(monkeypatch: pytest.MonkeyPatch, times: float, told: bool) -> None:
+    # An error 1.4 times as large is one of 1.96 times the squares.
+    found = _told(monkeypatch, _set(388.0, times * WEIGHT.held), WEIGHT)
+    assert (found is WEIGHT) == told
+
+
+@pytest.mark.parametrize("name", ["cogging_torque", "sensor_delay", "stribeck_friction"])
+def test_what_can_be_bent_to_many_shapes_is_not_told_instead(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    assert _told(monkeypatch, NOTHING, _set(1.0, 0.1, "viscous_damping", name)) is None
+
+
+def test_what_has_lost_the_recordings_is_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = _set(1.0, 0.1, "payload_mass")
+    lost.score = np.inf
+    assert _told(monkeypatch, NOTHING, lost) is None
