@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from simulated_recordings import nominal, recording
 
-from harness.diagnose.answer.answer import _plainer, _rivals
+from harness.diagnose.answer.claims_as_data import plainer_rivals, rivals_as_data
 from harness.diagnose.answer.explain import finding_words
 from harness.diagnose.claims.conclude import Claim
 from harness.diagnose.estimation.intervals import Estimate
@@ -27,19 +27,19 @@ def claim(effect: str, *rivals: str, beside: dict[str, tuple[str, ...]] | None =
 
 def test_a_delay_comes_before_what_also_forgets() -> None:
     found = claim("sensor_lowpass", "sensor_gain", "late_release", "sensor_delay")
-    assert [c.effect.name for c in _plainer(found)] == ["sensor_gain", "sensor_delay", "late_release"]
-    assert _rivals(found)["indistinguishable_from"] == ["sensor_gain", "sensor_delay", "late_release"]
+    assert [c.effect.name for c in plainer_rivals(found)] == ["sensor_gain", "sensor_delay", "late_release"]
+    assert rivals_as_data(found)["indistinguishable_from"] == ["sensor_gain", "sensor_delay", "late_release"]
 
 
 def test_plain_dry_friction_comes_before_its_kin() -> None:
-    assert [c.effect.name for c in _plainer(claim("dahl_friction", "coulomb_friction"))] == ["coulomb_friction"]
-    assert not _plainer(claim("coulomb_friction", "dahl_friction", "stribeck_friction"))
+    assert [c.effect.name for c in plainer_rivals(claim("dahl_friction", "coulomb_friction"))] == ["coulomb_friction"]
+    assert not plainer_rivals(claim("coulomb_friction", "dahl_friction", "stribeck_friction"))
 
 
 def test_what_sits_elsewhere_or_needs_something_beside_it_does_not_lead() -> None:
-    assert not _plainer(claim("late_release", "base_tilt"))
+    assert not plainer_rivals(claim("late_release", "base_tilt"))
     held = claim("late_release", "sensor_delay", beside={"sensor_delay@pivot.position": ("base_tilt@base",)})
-    assert not _plainer(held)
+    assert not plainer_rivals(held)
 
 
 def test_the_sentence_names_all_of_them() -> None:

@@ -444,11 +444,18 @@ class _Answer:
     def _ranking(self) -> list[dict[str, Any]]:
         study = self.study
         others = sorted((f for f in study.fits.values() if f is not self.best), key=study.weight)
-        joint = study.data.joints[0]
-        return [
-            {"effects": list(f.hypothesis.keys), "bic": study.criterion(f), "heldout_rmse": self._rms(study.held, f, joint)}
-            for f in [self.best, *others][:SHOWN]
-        ]  # fmt: skip
+        rows = []
+        for f in [self.best, *others][:SHOWN]:
+            errors = {self._channel(j): self._rms(study.held, f, j) for j in study.data.joints}
+            rows.append(
+                {
+                    "effects": list(f.hypothesis.keys),
+                    "bic": study.criterion(f),
+                    "heldout_rmse": next(iter(errors.values())),
+                    "heldout": errors,
+                }
+            )
+        return rows
 
     def _mismatch(self, nominal: EffortFit) -> list[dict[str, Any]]:
         member = next(iter(self.best.hypothesis.members), None)

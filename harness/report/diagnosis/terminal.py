@@ -12,12 +12,14 @@ from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
 from harness.diagnose.answer.significant_digits import estimate, rounded
 from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
+from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
 Shown = tuple[tuple[Column | str, ...], list[tuple[str, ...]]]
 
 MOST_FOUND = 8  # remarks on recordings shown on the terminal
+MOST_CHANNELS = 3  # whose errors are; all are in the report
 
 
 def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
@@ -101,7 +103,13 @@ def _levels(levels: Mapping[str, Any]) -> Shown:
 
 
 def _ranking(ranking: list[Mapping[str, Any]]) -> Shown:
-    heads = ("hypothesis", figures("ΔBIC"), figures("held out"), "why it lost")
+    channels = channels_of(ranking)[:MOST_CHANNELS]
+    columns: tuple[Column | str, ...] = (
+        "hypothesis",
+        figures("ΔBIC"),
+        *map(figures, headings(channels, "held out")),
+        "why it lost",
+    )
     lines: list[tuple[str, ...]] = []
     least = min((row["bic"] for row in ranking if row.get("bic") is not None), default=0.0)
     for row in ranking:
@@ -110,11 +118,11 @@ def _ranking(ranking: list[Mapping[str, Any]]) -> Shown:
             (
                 " + ".join(row["effects"]) or "nothing",
                 "–" if bic is None else f"{bic - least:.0f}",
-                rounded(row.get("heldout_rmse")),
+                *(rounded(error) for error in held_out(row, channels)),
                 row.get("lost") or "",
             )
         )
-    return heads, lines
+    return columns, lines
 
 
 def _quality(quality: list[Mapping[str, Any]]) -> Shown:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness.diagnose.answer.significant_digits import rounded
+from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
 from harness.report.diagnosis.sections.figure import Document, points
 
 
@@ -22,8 +23,10 @@ class Rivals:
             return None
         known = [row["bic"] for row in ranking if row.get("bic") is not None]
         reasons = any(row.get("lost") for row in ranking)
+        channels = channels_of(ranking)
         return {
-            "ranking": ranking,
+            "ranking": [{**row, "errors": held_out(row, channels)} for row in ranking],
+            "heads": headings(channels, "held-out error"),
             "best": min(known) if known else 0.0,
             "reasons": reasons,
             "figure": rounded,
