@@ -1,6 +1,7 @@
 """Error bars that repeat: what one half of a rig's recordings says of every number that is found, against the other half.
 
 ``python benchmarks/repeatability.py [RIG …] [--recordings DIR] [--json FILE]``
+``python benchmarks/repeatability.py --page FILE --json FILE`` writes the table of the docs from what is kept.
 
 Every rig with two recordings or more is diagnosed whole. What is claimed there is then asked of each half alone (every second
 recording), with nothing in the catalogue but what was found, possible effects among it. Two estimates repeat if they differ by
@@ -19,11 +20,15 @@ from typing import Any
 import numpy as np
 
 import harness
+from harness.proof.score import Share
+from harness.recording.units import written
 
+from pages import put  # isort: skip
 from real_recordings import SPLITS, folder_of_recordings  # isort: skip
 
 JOINT = 1.96
 LEAST = 2  # recordings
+BEGIN, END = "<!-- repeatability -->", "<!-- end of repeatability -->"
 
 
 def claimed(found: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -77,12 +82,41 @@ def examine(folder: Path) -> list[dict[str, Any]]:
     return rows
 
 
+def table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Counts and all numbers, as Markdown."""
+    told = [row["repeats"] for row in rows if row["repeats"] is not None]
+    low, high = (100.0 * x for x in Share(sum(told), len(told)).interval)
+    lines = [
+        f"**{sum(told)} of {len(told)} numbers do** ({low:.0f} to {high:.0f} % by Wilson's interval), where 19 of 20 should.",
+        "",
+        "| rig | number | whole | halves | joint deviations apart |",
+        "| -- | -- | -- | -- | -- |",
+    ]
+    for row in rows:
+        halves = ", ".join("not found" if h is None else _estimate(h) for h in row["halves"])
+        low, high = row["ci95"]
+        unit = written(row["unit"])
+        apart = "–" if row["apart"] is None else f"{row['apart']:.2f}"
+        lines.append(
+            f"| {row['rig']} | `{row['number']}` [{unit}] | {row['whole']:.3g} ({low:.3g} … {high:.3g}) | {halves} | {apart} |"
+        )
+    return "\n".join(lines)
+
+
+def _estimate(half: Mapping[str, Any]) -> str:
+    return f"{half['value']:.3g}" + ("" if half["std"] is None else f" ± {half['std']:.2g}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rigs", nargs="*")
     parser.add_argument("--recordings")
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--page", type=Path)
     given = parser.parse_args()
+    if given.page is not None:
+        put(given.page, BEGIN, END, table(json.loads(given.json.read_text(encoding="utf-8"))["rows"]))
+        return
     folder = folder_of_recordings(given.recordings)
     if folder is None:
         parser.error("no folder of recordings: give --recordings DIR")
