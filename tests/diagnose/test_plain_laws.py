@@ -25,10 +25,10 @@ def _set(criterion: float, held: float, *names: str) -> Any:
     return SimpleNamespace(hypothesis=members, criterion=criterion, held=held, score=criterion)
 
 
-def _told(monkeypatch: pytest.MonkeyPatch, best: Any, *others: Any) -> Any:
+def _told(monkeypatch: pytest.MonkeyPatch, best: Any, *others: Any, sure: bool = False) -> Any:
     study = SimpleNamespace(criterion=lambda f: f.criterion, fits={f.hypothesis.identity: f for f in (best, *others)})
     monkeypatch.setattr(module, "judge", lambda outcome, fitted: SimpleNamespace(cost=fitted.held))
-    return plain_laws(SimpleNamespace(study=study), best)  # type: ignore[arg-type]
+    return plain_laws(SimpleNamespace(study=study), best, sure=sure)  # type: ignore[arg-type]
 
 
 NOTHING = _set(388.0, 100.0)
@@ -48,6 +48,24 @@ def test_the_data_held_out_have_a_say(monkeypatch: pytest.MonkeyPatch, times: fl
     # An error 1.4 times as large is one of 1.96 times the squares.
     found = _told(monkeypatch, _set(388.0, times * WEIGHT.held), WEIGHT)
     assert (found is WEIGHT) == told
+
+
+@pytest.mark.parametrize(("times", "told"), [(3.2, False), (3.3, True)])
+def test_and_more_of_one_where_the_evidence_speaks_for_a_law(
+    monkeypatch: pytest.MonkeyPatch, times: float, told: bool
+) -> None:
+    # An error 1.8 times as large is one of 3.24 times the squares.
+    best = _set(388.0, times * WEIGHT.held, "coulomb_friction")
+    assert (_told(monkeypatch, best, WEIGHT, sure=True) is WEIGHT) == told
+
+
+def test_of_laws_that_free_runs_do_not_part_the_fewest_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    more = _set(9.0, 1.2, "payload_mass", "viscous_damping", "coulomb_friction")
+    assert _told(monkeypatch, NOTHING, more, WEIGHT) is WEIGHT
+    assert (
+        _told(monkeypatch, NOTHING, _set(4.0, 1.2, "payload_mass", "viscous_damping", "coulomb_friction"), WEIGHT)
+        is not WEIGHT
+    )
 
 
 @pytest.mark.parametrize("name", ["cogging_torque", "sensor_delay", "stribeck_friction"])

@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
 from harness.diagnose.claims.plain_laws import plain_laws
-from harness.diagnose.claims.posterior import posterior
+from harness.diagnose.claims.posterior import SURE, posterior
 from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
 from harness.diagnose.criticism.check import LEVEL, Asked, left_by
 from harness.diagnose.criticism.checks.held_out_misfit import WORSE
@@ -265,13 +265,17 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     else:
         # What else may have made it, a force that nobody has named above all, is in that evidence, and so are the data held out.
         best, doubted, unproven = outcome.reweigh(wanted), (), ()
-        instead = plain_laws(outcome, best)
-        best = best if instead is None else outcome.reweigh(instead)
         remains, incomplete = _remains(outcome, best)
     # A force that is left out is a remainder, whatever the tests beside it say.
     incomplete = incomplete or bool(doubted) or outcome.force is not None
     reached.settled, reached.remains, reached.incomplete, reached.criticised = best, remains, incomplete, True
     claims = _claims(outcome, best, remains)
+    if outcome.evidence is not None:
+        instead = plain_laws(outcome, best, sure=any(claim.of_class >= SURE for claim in claims))
+    if instead is not None:
+        best = outcome.reweigh(instead)
+        remains, _ = _remains(outcome, best)
+        reached.settled, reached.remains, claims = best, remains, _claims(outcome, best, remains)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     only: tuple[str, ...] = ()
     if outcome.evidence is None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
+from harness.diagnose.claims.posterior import SURE
 from harness.diagnose.criticism.held_out import FAKED
 from harness.diagnose.criticism.remainder import above_floor
 from harness.diagnose.estimation.discrepancy import responses
@@ -26,7 +27,6 @@ Array = NDArray[np.float64]
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
 BEYOND = 30.0  # times its usual size: of a centre of mass, three lengths of its link
 AS_MUCH = 1.0  # times what is left that a plain law must explain, or it may be part of that
-SURE = 0.95  # posterior probability over all sets, from which on an effect, or one of its class, is more than possible
 VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
 
 
