@@ -8,6 +8,8 @@
   the same swing is another one); whether the interval holds that is told beside and not counted.
 - *false headline*: something is claimed, and none of it is the change.
 - *cannot tell*: nothing is claimed.
+- *told as possible*: not named, but a finding that is no more than ``possible`` is the change itself at its place, or says that it
+  cannot be told from it. (Added when answers first had such findings of the likeliest laws; counted apart.)
 - *failed*: the diagnosis ended with an error. (Added when the last case did; it belongs to all that is counted.)
 """
 
@@ -50,21 +52,33 @@ def scored(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -> di
     error = found.get("error")
     if error is not None:
         found = {"findings": [], "verdict": "error", "summary": error}
-    claims = [f for f in one_by_one(found["findings"]) if f.get("grade") != "possible"]
-    itself = next((f for f in claims if (f["effect"], f["site"]) == (answer["effect"], answer["site"])), None)
-    alike = [f for f in claims if answer["effect"] in map(_name, f.get("indistinguishable_from", ()))]
+    every = one_by_one(found["findings"])
+    claims = [f for f in every if f.get("grade") != "possible"]
+    itself, alike = _the_change(claims, answer)
+    maybe, maybe_alike = _the_change([f for f in every if f.get("grade") == "possible"], answer)
     told = [f"{f['effect']}@{f['site']}" for f in claims]
     row: dict[str, Any] = {
         "case": name, "rig": answer["rig"], "what": answer["what"], "kind": answer["kind"],
         "expected": {key: answer[key] for key in ("effect", "site", "parameters", "like")},
         "verdict": found["verdict"], "told": told, "summary": found["summary"], "seconds": found.get("seconds"),
     }  # fmt: skip
-    by = itself or (alike[0] if alike else None)
+    by = itself or alike
+    possible = None if by else maybe or maybe_alike
     row["named"] = EXACTLY if itself else IN_CLASS if by else FALSE if claims else FAILED if error else SILENT
     row["by"] = None if by is None else f"{by['effect']}@{by['site']}"
+    row["possible"] = None if possible is None else f"{possible['effect']}@{possible['site']}"
     row["beside"] = [t for t in told if t != row["by"]]
     row["sizes"] = [] if itself is None else [_size(answer, itself["parameters"], p) for p in answer["parameters"]]
     return row
+
+
+def _the_change(
+    findings: Sequence[Mapping[str, Any]], answer: Mapping[str, Any]
+) -> tuple[Mapping[str, Any] | None, Mapping[str, Any] | None]:
+    """The finding that is the change itself, and the first that cannot be told from it."""
+    itself = (f for f in findings if (f["effect"], f["site"]) == (answer["effect"], answer["site"]))
+    alike = (f for f in findings if answer["effect"] in map(_name, f.get("indistinguishable_from", ())))
+    return next(itself, None), next(alike, None)
 
 
 def _share(hits: int, of: int) -> dict[str, Any]:
@@ -80,6 +94,7 @@ def shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return {
         "named": _share(count[EXACTLY] + count[IN_CLASS], len(rows)),
         "named_exactly": _share(count[EXACTLY], len(rows)),
+        "told_as_possible": _share(sum(row["possible"] is not None for row in rows), len(rows)),
         "false_headline": _share(count[FALSE], len(rows)),
         "cannot_tell": _share(count[SILENT], len(rows)),
         "failed": _share(count[FAILED], len(rows)),

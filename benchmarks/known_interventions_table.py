@@ -52,6 +52,8 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
         )
         if row["named"] == "in class":
             named += f", by `{row['by']}`"
+        if row["possible"]:
+            named += f"; possible is `{row['possible']}`"
         truth = f"true {true:.3g}{point}"
         lines.append(
             f"| {row['case']} | {row['what']} | {named} | {sizes} | {holds} | {told} | {verdict} | {fits} ({truth}) |"
@@ -67,6 +69,7 @@ def summary(document: Mapping[str, Any]) -> str:
         ("of these exactly", "named_exactly"),
         ("interval of 95 % that holds what was weighed or measured, where named exactly", "interval_holds"),
         ("the same, the point mass that makes the same swing in place of the discs", "interval_holds_like"),
+        ("not named, but told as possible, exactly or in a class told as one", "told_as_possible"),
         ("false headline: something else is claimed", "false_headline"),
         ("cannot tell: nothing is claimed", "cannot_tell"),
         ("failed: the diagnosis ended with an error", "failed"),
@@ -86,9 +89,9 @@ def sentence(document: Mapping[str, Any]) -> str:
         f"On **real hardware with a known change** (a weight added or moved, a rod exchanged; {len(told['rigs'])} rigs, "
         f"answers sealed, but seen in earlier runs, {document['time_limit_s']:.0f} s a case) the tool, given the model of the "
         f"other state, names the change in {named['hits']} of {named['of']} cases ({low:.0f}–{high:.0f} %), "
-        f"{told['named_exactly']['hits']} of them exactly; {holds['hits']} of {holds['of']} intervals of 95 % hold its "
-        f"size; in {told['false_headline']['hits']} something else is claimed, in {told['cannot_tell']['hits']} nothing, "
-        f"and {told['failed']['hits']} ended with an error. "
+        f"{told['named_exactly']['hits']} of them exactly, and tells it as possible in {told['told_as_possible']['hits']} more; "
+        f"{holds['hits']} of {holds['of']} intervals of 95 % hold its size; in {told['false_headline']['hits']} something else is "
+        f"claimed, in {told['cannot_tell']['hits']} nothing, and {told['failed']['hits']} ended with an error. "
         "A plain fit that is told which number changed finds it "
         "([docs/known_interventions.md](docs/known_interventions.md))."
     )

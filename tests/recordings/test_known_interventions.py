@@ -171,6 +171,29 @@ def test_what_counts_as_named(scripts, findings: list, named: str, holds: list[b
     assert sum(told[key]["hits"] for key in ("named", "false_headline", "cannot_tell", "failed")) == 1
 
 
+@pytest.mark.parametrize(
+    "findings, told",
+    [
+        ([finding("payload_mass", grade="possible")], "payload_mass@arm"),
+        ([finding("com_offset", grade="possible", alike=("payload_mass",))], "com_offset@arm"),
+        ([finding("viscous_damping", "pivot"), finding("payload_mass", grade="possible")], "payload_mass@arm"),
+        (
+            [
+                finding("payload_mass", mass=(0.1, 0.2)),
+                finding("com_offset", grade="possible", alike=("payload_mass",)),
+            ],
+            None,
+        ),
+        ([finding("viscous_damping", "pivot", grade="possible")], None),
+    ],
+)
+def test_what_is_no_more_than_possible_is_counted_apart(scripts, findings: list, told: str | None) -> None:
+    _, judge, _ = scripts
+    row = judge.scored("rig-1", ANSWER, {"findings": findings, "verdict": "explained", "summary": "", "seconds": 1.0})
+    assert row["possible"] == told
+    assert judge.shares([row])["told_as_possible"]["hits"] == (told is not None)
+
+
 def test_a_diagnosis_that_fails_is_counted(scripts) -> None:
     _, judge, _ = scripts
     row = judge.scored("rig-1", ANSWER, {"error": "ValueError: of any kind"})
