@@ -11,7 +11,7 @@ help:            ## this list
 
 $(VENV)/.run: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[engines,robots]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[engines,parquet,robots]'
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.run

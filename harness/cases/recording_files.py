@@ -14,7 +14,7 @@ import numpy as np
 from harness.cases.case import NATIVE, Array, Bench, Case, Row, Series
 from harness.cases.checks import Measured
 from harness.cases.rotor import system
-from harness.errors import InputError
+from harness.errors import InputError, missing_package
 from harness.recording import read_recording
 
 TIME = np.linspace(0.0, 2.0, 401)  # s
@@ -159,9 +159,10 @@ def formats(bench: Bench) -> Iterable[Row | Series]:
         try:
             apart = _apart(write, ending, bench)
         except ImportError as error:
-            yield bench.skipped(
-                quantity, (NATIVE,), f"{error.name} is not installed: pip install 'denoc-harness[parquet]'"
-            )
+            absent = missing_package(error)
+            if absent is None:
+                raise
+            yield bench.skipped(quantity, (NATIVE, "analytic"), f"{absent.package} is not installed: {absent.mend}")
             continue
         except InputError as error:
             note = f"the reader of {name.replace('_', ' ')} refuses it: {error.what}"

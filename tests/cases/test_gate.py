@@ -72,7 +72,7 @@ def test_rounding_of_another_processor_holds():
         (replace(ROW, difference=3e-9), "grew"),
         (replace(ROW, difference=5e-8, allowed=1e-6), "loosened"),
         (replace(ROW, unit="rad"), "was accepted in 1"),
-        (replace(ROW, difference=None, verdict="skipped", note="engine gone"), "skipped now"),
+        (replace(ROW, difference=None, verdict="skipped", note="engine gone"), "not possible here: engine gone"),
     ],
 )
 def test_a_row_that_changed_closes_the_gate(now, words):
@@ -93,6 +93,25 @@ def test_a_missing_row_closes_the_gate():
 def test_a_missing_engine_is_named():
     gone = replace(ROW, engines=("denoc", "far"))
     assert "not installed" in reasons(results(SKIPPED), accepted(gone, SKIPPED))[gone.key]
+
+
+@pytest.mark.parametrize(
+    ("row", "skipped"),
+    [
+        # The engine stands first where the truth is an analytic one.
+        (replace(ROW, engines=("far", "analytic")), SKIPPED),
+        # Of the native engine alone: the whole case was not possible.
+        (ROW, replace(SKIPPED, engines=("denoc",))),
+        (ROW, replace(SKIPPED, quantity=ROW.quantity, engines=("denoc",))),
+    ],
+)
+def test_what_stands_in_the_way_of_a_missing_row_is_said(row, skipped):
+    found = reasons(results(skipped), accepted(row, skipped))[row.key]
+    assert found == f"not possible here: {skipped.note}"
+
+
+def test_what_another_engine_lacks_is_no_reason_for_a_missing_row():
+    assert "has no" in reasons(results(SKIPPED), accepted(ROW, SKIPPED))[ROW.key]
 
 
 def test_two_rows_of_one_name_close_the_gate():

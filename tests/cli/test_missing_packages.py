@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import re
 import subprocess
 import sys
 import tomllib
@@ -82,6 +84,45 @@ def test_engines_that_are_not_there_are_skipped_rows_with_the_mend(tmp_path):
     assert set(skipped) == {"pinocchio", "exudyn"}
     assert all(install("engines") in note for note in skipped.values())
     assert {row["engines"][1] for row in rows if row["verdict"] == "pass"} == {"mujoco"}
+
+
+def test_a_row_that_a_missing_package_makes_impossible_keeps_its_name_and_says_so_at_the_gate(tmp_path):
+    status, out, err = denoc(tmp_path, "validate", "--case", "recording_files", "--workers", "1", "--json", "part.json")
+    assert status == 0, err
+    part = ROOT / "reference" / "accepted.json"
+    status, out, err = denoc(
+        tmp_path, "gate", "--results", "part.json", "--reference", str(part), "--no-self-test", "--json", "-"
+    )
+    rows = [row for row in json.loads(out)["rows"] if row["case"] == "recording_files" and not row["ok"]]
+    assert status == 1, err
+    assert [(row["quantity"], row["engines"], row["verdict"]) for row in rows] == [
+        ("recording_parquet", ["denoc", "analytic"], "skipped")
+    ]
+    assert rows[0]["reason"] == f"not possible here: pyarrow is not installed: {install('parquet')}"
+
+
+def test_the_suite_is_installed_with_every_extra_that_its_rows_need():
+    sources = [
+        file.read_text(encoding="utf-8")
+        for part in ("cases", "engines", "recording", "system")
+        for file in (ROOT / "harness" / part).rglob("*.py")
+    ]
+    imports = [
+        node for text in sources for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import | ast.ImportFrom)
+    ]
+    asked = {
+        name.partition(".")[0]
+        for node in imports
+        for name in ([alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""])
+    }
+    # What is found by its files, and never imported, is asked for by the name of its extra.
+    named = {extra for text in sources for extra in re.findall(r'install\("(\w+)"\)', text)}
+    needed = {EXTRAS[name] for name in asked if name in EXTRAS} | named
+    assert {"engines", "parquet", "robots"} <= needed
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    target = makefile.split("$(VENV)/.run:")[1].split("\n\n")[0]
+    (extras,) = re.findall(r"'\.\[([a-z,]+)\]'", target)
+    assert needed <= set(extras.split(","))
 
 
 @pytest.mark.parametrize(

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from harness.cases.case import Array
-from harness.compare.beam_numbers import explain, sentence
+from harness.cases.case import NATIVE, Array, Bench
+from harness.compare.beam_numbers import explain, sentence, squares
 from harness.compare.spectrum import match_modes
 from harness.denoc import Denoc
 from harness.system import System
+from harness.system.description import constant
 
 Blame = tuple[str, dict[str, object] | None]
 
@@ -23,11 +26,13 @@ def by_frequencies(
     *,
     mode: int | None = None,
     at: Array | None = None,
+    weightless: Mapping[float, float] | None = None,
 ) -> Blame:
     """The number that the ratios of found to true frequencies, by mode, would come of.
 
-    other: who found them; mode: the worst one, counted from 0; at: the state they are about, zero if None. With one mode alone
-    anything explains it, and nothing is named.
+    other: who found them; mode: the worst one, counted from 0; at: the state they are about, zero if None. weightless: ratios
+    without gravity, by the native frequency [Hz]; they part what stiffens under weight from what is stiff or heavy. With one
+    frequency alone anything explains it, and nothing is named.
     """
     place: dict[str, object] = {} if mode is None else {"mode": mode + 1}
     chosen = sorted(ratios)
@@ -35,17 +40,45 @@ def by_frequencies(
     own = np.asarray(Denoc(system).frequencies(start))
     pairs = dict(match_modes(np.asarray(true), own))
     chosen = [k for k in chosen if k in pairs]
-    if len(chosen) < 2:
+    also = weightless or {}
+    if len(chosen) + len(also) < 2:
         return "", place or None
     where = [pairs[k] for k in chosen]
+    there = [nearest(_afloat(system, start), frequency) for frequency in also]
 
     def answer(of: System) -> Array:
-        return np.log(np.asarray(Denoc(of).frequencies(start))[where])
+        values = np.asarray(Denoc(of).frequencies(start))[where]
+        return np.log(np.append(values, _afloat(of, start)[there] if there else ()))
 
-    found = explain(system, answer, np.log([ratios[k] for k in chosen]))
+    found = explain(system, answer, np.log([*(ratios[k] for k in chosen), *also.values()]), squares)
     if not found:
         return "no one number of the description explains all modes: shapes, stiffening or how it is mounted", place
     return sentence(found, other), place | found[0].number.place
+
+
+def _afloat(system: System, start: Array) -> Array:
+    """Frequencies without gravity [Hz]."""
+    return np.asarray(Denoc(replace(system, gravity=constant(np.zeros(3)))).frequencies(start))
+
+
+def nearest(values: Array, value: float) -> int:
+    return int(np.abs(values - value).argmin())
+
+
+def by_forces(bench: Bench, name: str, q: Array, qd: Array) -> tuple[str, dict[str, object]]:
+    """The number that forces of an engine at some states, (B, n), would come of."""
+    rng = np.random.default_rng(bench.seed)
+    qdd = rng.standard_normal(qd.shape)
+    ours, theirs = bench.models[NATIVE], bench.models[name]
+    # In the norm of the masses, so that forces on joints and on modes count alike.
+    scale = np.array([1.0 / np.sqrt(np.diagonal(theirs.mass_matrix(x))) for x in q])
+
+    def forces(model: Any) -> Array:
+        found = [np.asarray(model.inverse_dynamics(*state)) for state in zip(q, qd, qdd, strict=True)]
+        return np.asarray(np.array(found) * scale).ravel()
+
+    found = explain(bench.system, lambda of: forces(Denoc(of)), forces(theirs) - forces(ours))
+    return (sentence(found, name), dict(found[0].number.place)) if found else ("", {})
 
 
 def by_motion(system: System, other: str, answer: Callable[[System], Array], apart: Array) -> Blame:

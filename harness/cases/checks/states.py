@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series
+from harness.cases.checks.beam_blame import by_forces
 from harness.compare import quantities
 from harness.compare.attribution import Blame, attribute
 from harness.compare.odd_one_out import vote
@@ -157,13 +158,25 @@ def blamed(
         return ("" if found.difference > allowed else INTEGRATION), {}
     culprit = found.blames[0]
     place = {"term": culprit.term, "at": culprit.coordinate}
-    if culprit.term != "solution":
+    if culprit.term != "solution" and bench.system.flexible:
+        told, site = _bent(bench, name, q, qd)
+        said += [told] if told else []
+        place |= site
+    elif culprit.term != "solution":
         explained = _explained(bench, name, q, qd, tau)
         if explained:
             said.append(" or ".join(one.sentence() for one in explained))
             place |= explained[0].place
     said.append(f"{NATIVE} against {name}: {found.sentence()}")
     return "; ".join(said), place
+
+
+def _bent(bench: Bench, name: str, q: Array, qd: Array) -> tuple[str, dict[str, object]]:
+    """The number of a beam, or of what it is mounted on, that would explain a difference of forces."""
+    try:
+        return by_forces(bench, name, q, qd)
+    except (InputError, EngineError, np.linalg.LinAlgError):
+        return "", {}
 
 
 def _explained(bench: Bench, name: str, q: Array, qd: Array, tau: Array) -> list[Explanation]:

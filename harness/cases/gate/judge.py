@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from harness.cases.case import Row
+from harness.cases.case import NATIVE, Row
 from harness.cases.gate.accepted import Accepted, Entry
 from harness.cases.results import Results
 
@@ -75,13 +75,16 @@ def _judge(row: Row, entry: Entry | None, accepted: Accepted, twice: bool) -> Ju
     if twice:
         return Judged(row.key, row, reason="two rows have this name, so that one would hide behind the other")
     if entry is None:
-        reason = "failed, and was never accepted" if row.verdict == "fail" else "new: not among the accepted figures"
+        reason = {
+            "fail": "failed, and was never accepted",
+            "skipped": f"new, and not possible here: {row.note}",
+        }.get(row.verdict, "new: not among the accepted figures")
         return Judged(row.key, row, reason=reason)
     known = entry.difference
     if row.verdict == "skipped":
         if entry.verdict == "skipped":
             return Judged(row.key, row)
-        return Judged(row.key, row, known, reason=f"is skipped now: {row.note}")
+        return Judged(row.key, row, known, reason=f"not possible here: {row.note}")
     if row.difference is None or not math.isfinite(row.difference):
         return Judged(row.key, row, known, reason="the difference is not a finite number")
     if row.difference < 0.0 or row.allowed is None or not 0.0 <= row.allowed < math.inf:
@@ -104,11 +107,14 @@ def _judge(row: Row, entry: Entry | None, accepted: Accepted, twice: bool) -> Ju
 
 
 def _missing(key: str, results: Results) -> str:
-    case, quantity, engines = key.split("/")[0], key.split("/")[-2], key.split("/")[-1].split("+")
-    cases = {row.case for row in results.rows}
-    if key.rsplit("/", 2)[0] not in cases:
+    """Why the run lacks an accepted row: a row that was not possible says so for the rows that it stands for."""
+    case, quantity, engines = key.rsplit("/", 2)
+    of_case = [row for row in results.rows if row.case == case]
+    if not of_case:
         return f"missing: the case {case} did not run"
-    for row in results.rows:
-        if row.case == key.rsplit("/", 2)[0] and row.verdict == "skipped" and set(row.engines) & set(engines[-1:]):
-            return f"missing: {engines[-1]} was skipped: {row.note}"
-    return f"missing: the run has no {quantity} between {' and '.join(engines)} any more"
+    for row in of_case:
+        # Of the whole case, or of this quantity; of the native engine alone it is of all engines.
+        lacking = set(row.engines) - {NATIVE}
+        if row.verdict == "skipped" and row.quantity in ("all", quantity) and lacking <= set(engines.split("+")):
+            return f"not possible here: {row.note}"
+    return f"missing: the run has no {quantity} between {' and '.join(engines.split('+'))} any more"

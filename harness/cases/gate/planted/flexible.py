@@ -46,7 +46,7 @@ INTEGRALS = (
     *of_file(
         "elastic.py", "bent_in_space",
         ("payload left in the hub", "moment = mass * l / 2 + data.payload * l", "moment = mass * l / 2",
-         "mass_matrix_bent; shoulder"),
+         "payload's first moment; upper"),
         ("sections that turn in the first plane alone", "station.slope * second,", "station.slope * first,",
          "mass_matrix_bent"),
         ("joints that all ride on the tip", "x = float(np.clip(origin @ direction, 0.0, data.length))", "x = data.length",
