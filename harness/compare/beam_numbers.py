@@ -173,7 +173,10 @@ def _in_hub(system: System, link: Link, beam: Beam) -> Iterator[Number]:
         ):
 
             def left(s: float, change: tuple[float, Array, Array] = change) -> System:
-                return system.replace_link(with_moments(link, *((s - 1.0) * part for part in change)))
+                mass, moment, inertia = change
+                return system.replace_link(
+                    with_moments(link, (s - 1.0) * mass, (s - 1.0) * moment, (s - 1.0) * inertia)
+                )
 
             place: dict[str, object] = {"link": link.name, "value": value}
             yield InHub(f"{what}'s {order}", f"link {link.name!r}", place, left, None, -3.0)

@@ -53,10 +53,17 @@ def unit(row: Row) -> str:
 
 
 def divergence(row: Row) -> str:
-    """``time 3.2, joint elbow`` from the row's first divergence, or nothing."""
+    """``time 3.2 s, joint elbow`` from the row's first divergence, or nothing."""
     if not row.first_divergence:
         return ""
-    return ", ".join(f"{key} {_short(value)}" for key, value in row.first_divergence.items())
+    return ", ".join(_place(key, value) for key, value in row.first_divergence.items())
+
+
+def _place(key: str, value: object) -> str:
+    if key == "value":
+        # A number of the description, of the link or joint named before it.
+        return _short(value).replace("_", " ")
+    return f"{key} {_short(value)}" + {"time": " s", "growth": " 1/s"}.get(key, "")
 
 
 def _short(value: object) -> str:

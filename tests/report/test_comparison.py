@@ -60,7 +60,7 @@ def test_a_run_against_itself_changes_nothing() -> None:
 
 def test_where_when_and_why_are_on_the_page_and_escaped() -> None:
     page, text = comparison_html(between(BEFORE, AFTER)), comparison_markdown(between(BEFORE, AFTER))
-    for words in ("passes no more", "time 3.2, joint elbow", "allowed 1.0e-08 rad → 1.0e-06 rad"):
+    for words in ("passes no more", "time 3.2 s, joint elbow", "allowed 1.0e-08 rad → 1.0e-06 rad"):
         assert words in page
         assert words in text
     assert "&lt;upper&gt;" in page
@@ -100,7 +100,7 @@ def test_the_page_of_a_gate_begins_with_what_closes_it() -> None:
     assert "<title>DeNOC gate" in page
     assert "Closed: 1 of 2 rows." in page
     places = [
-        page.index(words) for words in ("left the line: 3.00e-04", "time 3.2, joint elbow", "&lt;upper&gt; explains")
+        page.index(words) for words in ("left the line: 3.00e-04", "time 3.2 s, joint elbow", "&lt;upper&gt; explains")
     ]
     assert places == sorted(places)
     assert places[-1] < page.index("Summary</h2>")

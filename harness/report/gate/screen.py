@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from harness.cases.gate import Change, Judged, Judgement, SelfTest
-from harness.report import words
+from harness.report import closing, words
 from harness.report.columns import figures, print_table
 
 
@@ -24,10 +24,9 @@ def print_judgement(judgement: Judgement | None, trials: SelfTest | None, consol
             text = f"{count} of {len(judgement.rows)} rows close the gate." if count else "There is no row to judge."
         console.print(Text(text, style="bold green" if judgement.rows and not count else "bold red"))
         if judgement.failed:
-            heads = (
-                "what changed", "case", "quantity", "engines", figures("accepted"), figures("now"), "where and when", "why",
-            )  # fmt: skip
-            print_table(console, heads, [_cells(judged) for judged in judgement.failed])
+            heads = [figures(head) if head in ("accepted", "now") else head for head in closing.HEADS]
+            rows = [tuple(Text(cell) for cell in line.cells) for line in closing.lines(judgement)]
+            print_table(console, heads, rows)
         for name, (before, now) in judgement.versions_changed.items():
             console.print(Text(f"{name}: accepted with {before}, run with {now}", style="dim"))
     if trials is not None:
@@ -57,17 +56,6 @@ def print_change(change: Change, path: Path, console: Console) -> None:
         if keys:
             names = ", ".join(keys[:4]) + (" …" if len(keys) > 4 else "")
             console.print(Text(f"  {len(keys)} {word}: {names}", style="yellow"))
-
-
-def _cells(judged: Judged) -> tuple[Text, ...]:
-    case, quantity, engines = judged.key.rsplit("/", 2)
-    row = judged.row
-    where = "" if row is None else words.divergence(row)
-    note = "" if row is None or row.verdict == "pass" else row.note
-    now = "missing" if row is None else words.figure(row.difference, verdict=row.verdict)
-    quantity, engines = words.quantity(quantity), engines.replace("+", " · ")
-    cells = (judged.reason, case, quantity, engines, words.figure(judged.accepted), now, where, note)
-    return tuple(Text(cell) for cell in cells)
 
 
 def why(judged: Judged) -> str:

@@ -7,8 +7,7 @@ from pathlib import Path
 from harness.cases.gate import Accepted, Judged, Judgement, SelfTest
 from harness.cases.results import Results
 from harness.errors import unwritable
-from harness.report import words
-from harness.report.gate.screen import why
+from harness.report import closing, words
 from harness.report.markdown import line, plain
 
 
@@ -49,9 +48,10 @@ def _verdict(results: Results, judgement: Judgement) -> list[str]:
             line(("case", "quantity", "engines", "accepted", "now", "what changed, where and why")),
             line(["---"] * 6),
         ]
-        lines += [line(_cells(judged)) for judged in failed[:50]]
-        if len(failed) > 50:
-            lines.append(f"\n… and {len(failed) - 50} more.")
+        closes = closing.lines(judgement)
+        lines += [line((c.case, c.quantity, c.engines, c.accepted, c.now, c.said)) for c in closes[:50]]
+        if len(closes) > 50:
+            lines.append(f"\n… and {len(closes) - 50} more.")
         lines.append("")
     elif not judgement.reference:
         lines += [f"**Open**: all {len(judgement.rows)} rows hold.", ""]
@@ -60,7 +60,8 @@ def _verdict(results: Results, judgement: Judgement) -> list[str]:
         lines += [f"<details><summary>{len(moved)} rows moved within what is allowed</summary>", ""]
         lines += [line(("case", "quantity", "engines", "accepted", "now", "allowed")), line(["---"] * 6)]
         for judged, _ in sorted(moved, key=lambda pair: -pair[1])[:30]:
-            lines.append(line((*_cells(judged)[:5], words.figure(judged.row.allowed if judged.row else None))))
+            cells = closing.line(judged).cells[1:6]
+            lines.append(line((*cells, words.figure(judged.row.allowed if judged.row else None))))
         lines += ["", "</details>", ""]
     changed = [f"{name} {a} → {b}" for name, (a, b) in judgement.versions_changed.items()]
     if changed:
@@ -74,20 +75,6 @@ def _moved(judged: Judged) -> float | None:
         return None
     share = abs(judged.change or 0.0) / judged.row.allowed
     return share if share > 0.1 else None
-
-
-def _cells(judged: Judged) -> tuple[str, ...]:
-    case, quantity, engines = judged.key.rsplit("/", 2)
-    row = judged.row
-    now = "missing" if row is None else words.figure(row.difference, verdict=row.verdict)
-    return (
-        case,
-        words.quantity(quantity),
-        engines.replace("+", " · "),
-        words.figure(judged.accepted),
-        now,
-        why(judged),
-    )
 
 
 def append_summary(path: str | Path, text: str) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from harness.cases.gate import Judgement
 from harness.cases.results import Results
-from harness.report import words
+from harness.report import closing
 
 
 @dataclass(frozen=True)
@@ -26,25 +26,10 @@ class Gate:
         headline = f"Closed: {count} of {of} rows." if count else f"Open: all {of} rows hold."
         if self.judgement.reference:
             headline = f"Closed: the reference {self.judgement.reference}."
-        rows = []
-        for judged in failed:
-            case, quantity, engines = judged.key.rsplit("/", 2)
-            row = judged.row
-            rows.append(
-                (
-                    judged.reason,
-                    case,
-                    words.quantity(quantity),
-                    engines.replace("+", " · "),
-                    words.figure(judged.accepted),
-                    "missing" if row is None else words.figure(row.difference, verdict=row.verdict),
-                    "" if row is None else words.divergence(row),
-                    "" if row is None else row.note,
-                )
-            )
         return {
             "headline": headline,
             "ok": self.judgement.ok,
-            "rows": rows,
+            "heads": closing.HEADS,
+            "rows": [line.cells for line in closing.lines(self.judgement)],
             "versions": self.judgement.versions_changed,
         }
