@@ -58,7 +58,7 @@ def vote(
             odd = tuple(name for name in names if name not in groups[0])
             word = "odd one out" if len(odd) == 1 else "odd ones out"
             worst = min(value for pair, value in ((p, apart[p]) for p in apart) if (pair[0] in odd) != (pair[1] in odd))
-            sentence = f"{word}: {' and '.join(odd)} ({' and '.join(groups[0])} agree; at least {worst:.1e} away)"
+            sentence = f"{word}: {' and '.join(odd)} ({' and '.join(groups[0])} agree, at least {worst:.1e} away)"
             return Vote(groups[0], odd, sentence, apart)
         if groups:
             break

@@ -16,6 +16,7 @@ import pytest
 from harness.engines import own, registry
 from harness.errors import InputError
 from harness.system import load, random_chain
+from harness.system.description import constant
 from harness.testing import assert_dynamics_agree
 
 ROOT = Path(__file__).parents[2]
@@ -64,6 +65,26 @@ def test_an_engine_that_is_right_agrees():
 def test_an_order_of_coordinates_of_its_own_is_sorted_out():
     system = random_chain(4, seed=3, prismatic=0.3, damping=True)
     assert_dynamics_agree(lambda s: borrowed(s, names=("joint3", "joint1", "joint4", "joint2")), system)
+
+
+@pytest.mark.parametrize("has", ["forward_dynamics", "inverse_dynamics"])
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda s: replace(s, gravity=constant(1.01 * s.gravity)), "gravity is 0.990099 times the reference's"),
+        (lambda s: s.replace_joint(replace(s.joints[1], damping=0.3)), "damping differs at joint2 alone"),
+        (lambda s: s.replace_link(replace(s.links[2], mass=1.01 * s.links[2].mass)), "the mass of link 'link3'"),
+    ],
+)
+def test_an_engine_with_one_method_alone_is_told_why_too(has, spoil, words):
+    def few(system):
+        model = borrowed(system, spoil)
+        alone = type("Alone", (), {has: staticmethod(getattr(model, has))})()
+        alone.names = model.names
+        return alone
+
+    with pytest.raises(AssertionError, match=words):
+        assert_dynamics_agree(few, random_chain(3, seed=3, prismatic=0.0, damping=True))
 
 
 def test_an_engine_that_is_wrong_is_told_where_and_why():
