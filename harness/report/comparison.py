@@ -17,10 +17,18 @@ from harness.report.markdown import line
 HEADS = ("what changed", "case", "quantity", "engines", "before", "now", "where and when", "why")
 
 
+def of(kind: str, count: int) -> str:
+    """What several rows did, or one."""
+    said = KINDS[kind]
+    first, _, rest = said.partition(" ")
+    many = {"is": "are", "has": "have", "passes": "pass", "fails": "fail"}.get(first, first)
+    return said if count == 1 else f"{many} {rest}".strip()
+
+
 def headline(comparison: Comparison) -> str:
     """What changed, counted, in a sentence."""
     counts = {kind: sum(one.kind == kind for one in comparison.changed) for kind in KINDS}
-    said = ", ".join(f"{count} {KINDS[kind]}" for kind, count in counts.items() if count)
+    said = ", ".join(f"{count} {of(kind, count)}" for kind, count in counts.items() if count)
     same = "one row is as it was" if comparison.same == 1 else f"{comparison.same} rows are as they were"
     return f"Of the rows, {said}; {same}." if said else f"Nothing changed: {same}."
 
@@ -71,7 +79,7 @@ class _Rows:
         return {
             "headline": headline(comparison),
             "ok": not comparison.worse,
-            "groups": [(KINDS[kind], rows) for kind, rows in kinds.items() if rows],
+            "groups": [(of(kind, len(rows)), rows) for kind, rows in kinds.items() if rows],
             "heads": HEADS[1:],
             "versions": comparison.versions,
         }

@@ -13,7 +13,7 @@ from harness.cases.case import Row
 from harness.cases.gate import Judged, Judgement
 from harness.cases.results import Results
 from harness.cli.main import status_of
-from harness.report.comparison import comparison_html, comparison_markdown, headline
+from harness.report.comparison import comparison_html, comparison_markdown, headline, of
 from harness.report.html import html
 
 
@@ -104,3 +104,10 @@ def test_the_page_of_a_gate_begins_with_what_closes_it() -> None:
     ]
     assert places == sorted(places)
     assert places[-1] < page.index("Summary</h2>")
+
+
+def test_one_row_passes_and_several_pass():
+    assert [of("mended", count) for count in (1, 4)] == ["passes now", "pass now"]
+    assert [of("new", 2), of("loosened", 2), of("failing", 2), of("grew", 2)] == [
+        "are new", "have another limit", "fail in both", "grew",
+    ]  # fmt: skip
