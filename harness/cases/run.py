@@ -242,7 +242,7 @@ def run_task(task: Task) -> Outcome:
 
             case = case_of(task.case, task.model, physical=task.physical, allow=task.allow, floating=task.floating)
             outcome = run_case(case, {name: registry.engine(name) for name in task.engines})
-            return replace(outcome, doubts=doubts(task.case, task.model, allow=task.allow))
+            return replace(outcome, doubts=doubts(task.case, task.model, allow=task.allow, floating=task.floating))
     else:
         case = built_in()[task.case]
     return run_case(case, {name: registry.engine(name) for name in task.engines})

@@ -61,9 +61,9 @@ def case_of(
     )
 
 
-def doubts(name: str, path: Path, *, allow: Sequence[Path] = ()) -> tuple[Doubt, ...]:
+def doubts(name: str, path: Path, *, allow: Sequence[Path] = (), floating: bool = False) -> tuple[Doubt, ...]:
     """What an audit finds impossible or implausible in a model: engines agree on such numbers as on any."""
-    found = audit(read(path, physical=False, allow=allow)).findings
+    found = audit(read(path, physical=False, allow=allow, floating=floating)).findings
     return tuple(Doubt(name, f.severity, f.site, f.what) for f in found if f.severity != "note")
 
 

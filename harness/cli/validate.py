@@ -75,6 +75,10 @@ def validate(
     from harness.report.terminal import print_results
 
     if audit_import:
+        if floating:
+            raise InputError(
+                "--audit-import is of joints of one degree of freedom, not of what floats", mend="leave out --floating"
+            )
         return _audit_import(models, out, json_file, not allow_unphysical, allow)
     chosen: tuple[str, ...] | None = models or None
     refused: list[tuple[str, str]] = []

@@ -80,11 +80,12 @@ class Mujoco:
         close = None
         if system.loops:
             from harness.engines.mujoco_loops import ClosedMujocoModel, add_equalities
+            from harness.system.mjcf_names import body_names
 
             cut = closing(system)
 
             def close(mujoco: Any, spec: Any) -> None:
-                add_equalities(mujoco, spec, cut, system.base)
+                add_equalities(mujoco, spec, cut, body_names(system))
 
         model = mujoco_model(system, forces=expressed.forces, close=close)
         bound = replace(system, attachments=expressed.laws)

@@ -8,7 +8,7 @@ what has opened.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -25,13 +25,13 @@ STIFFEST = (2.0, 1.0)
 IMPEDANCE = (0.9999, 0.9999, 1e-3, 0.5, 2.0)
 
 
-def add_equalities(mujoco: Any, spec: Any, closing: Closing, base: str) -> None:
-    """Sites and equality constraints to an ``MjSpec``."""
+def add_equalities(mujoco: Any, spec: Any, closing: Closing, bodies: Mapping[str, str]) -> None:
+    """Sites and equality constraints to an ``MjSpec``; bodies: what MuJoCo calls the links."""
     solref = np.array([STIFFEST[0] * spec.option.timestep, STIFFEST[1]])
     for k, connection in enumerate(closing.connections):
         names = []
         for frame, side in ((connection.first, 1), (connection.second, 2)):
-            body = spec.worldbody if frame.link == base else spec.body(frame.link)
+            body = spec.body(bodies[frame.link])
             names.append(f"loop{k}__{side}")
             body.add_site(name=names[-1], pos=np.array(frame.xyz), quat=quaternion(np.asarray(frame.rotation)))
         kind = mujoco.mjtEq.mjEQ_WELD if connection.welded else mujoco.mjtEq.mjEQ_CONNECT

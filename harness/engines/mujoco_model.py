@@ -31,6 +31,7 @@ from harness.engines.protocol import Array, EngineError
 from harness.engines.small_motion import frequencies, jacobian
 from harness.errors import UnsupportedError, cannot_be_loaded
 from harness.system import JointType, System, Trajectory
+from harness.system.mjcf_names import body_names
 
 # At 1 ms a pendulum swung to 120° is within 5e-10 rad of the exact solution over ten seconds.
 DEFAULT_STEP = 1e-3
@@ -98,10 +99,11 @@ def mujoco_spec(system: System, step: float = DEFAULT_STEP, forces: JointForces 
     spec.option.disableflags = int(_silent_flags(mujoco))
     places = {name: k for k, name in enumerate(system.coordinate_names)}
     carriers = {system.base: spec.worldbody}
+    bodies = body_names(system)
     for joint, link in zip(system.joints, system.links, strict=True):
         moments, axes = principal(np.asarray(link.inertia))
         body = carriers[joint.parent].add_body(
-            name=joint.child,
+            name=bodies[joint.child],
             pos=np.array(joint.xyz),
             quat=quaternion(joint.rotation),
             mass=max(float(link.mass), SMALLEST),
@@ -178,8 +180,9 @@ def mujoco_model(
     except ValueError as error:
         reason = " ".join(str(error).split())
         raise UnsupportedError(f"MuJoCo refuses the system: {reason}", source=system.source) from None
+    bodies = body_names(system)
     for link in system.links:
-        body = model.body(link.name).id
+        body = model.body(bodies[link.name]).id
         model.body_mass[body] = link.mass
         model.body_inertia[body] = principal(np.asarray(link.inertia))[0]
     mujoco.mj_setConst(model, mujoco.MjData(model))

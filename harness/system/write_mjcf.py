@@ -12,6 +12,7 @@ from harness.errors import UnsupportedError
 from harness.system.description import Array, Joint, JointType, Link, System
 from harness.system.gimbals import without_gimbals
 from harness.system.lowering import chained
+from harness.system.mjcf_names import body_names
 from harness.system.rotation import quaternion
 from harness.system.soft_constraints import friction_solver, limit_solver, limits, soft_friction, soft_stops
 
@@ -43,12 +44,15 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
     children: dict[str, list[int]] = {}
     for k, joint in enumerate(system.joints):
         children.setdefault(joint.parent, []).append(k)
+    bodies = body_names(system)
     pending = [(k, world) for k in reversed(children.get(system.base, []))]
     while pending:
         k, parent = pending.pop()
         run = _run(system, k, children)
         link = system.links[run[-1]]
-        body = _body(parent, [system.joints[i] for i in run], link, system)
+        body = _body(parent, [system.joints[i] for i in run], link, system, bodies[link.name])
+        if bodies[link.name] != link.name:
+            left_out.append(f"link {link.name!r} is body {bodies[link.name]!r}: the world of MJCF has that name")
         left_out += _inertial(body, link)
         if link.gravcomp:
             body.set("gravcomp", repr(float(link.gravcomp)))
@@ -165,7 +169,7 @@ def _in_space(body: etree._Element, joint: Joint, system: System) -> None:
     etree.SubElement(body, "joint", attributes)
 
 
-def _body(parent: etree._Element, joints: list[Joint], link: Link, system: System) -> etree._Element:
+def _body(parent: etree._Element, joints: list[Joint], link: Link, system: System, name: str) -> etree._Element:
     """A body with a run of joints: its frame at zero position is the last joint's."""
     # Placement of each joint frame in the parent's frame, at zero position.
     places: list[tuple[Array, Array]] = []
@@ -174,7 +178,7 @@ def _body(parent: etree._Element, joints: list[Joint], link: Link, system: Syste
         position = position + rotation @ np.asarray(joint.xyz)
         rotation = rotation @ np.asarray(joint.rotation)
         places.append((position, rotation))
-    body = etree.SubElement(parent, "body", name=link.name, pos=_words(position), quat=_words(quaternion(rotation)))
+    body = etree.SubElement(parent, "body", name=name, pos=_words(position), quat=_words(quaternion(rotation)))
     for joint, (place, turn) in zip(joints, places, strict=True):
         if not joint.movable:
             continue

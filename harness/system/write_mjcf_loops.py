@@ -10,6 +10,7 @@ from lxml import etree
 from harness.system.closure import completed
 from harness.system.description import System
 from harness.system.loop import BALL, REVOLUTE, WELD, Coupling, Frame, connections
+from harness.system.mjcf_names import WORLD, body_names
 from harness.system.rotation import quaternion
 
 
@@ -22,7 +23,8 @@ def close_loops(root: etree._Element, world: etree._Element, system: System) -> 
     equality = root.find("equality")
     if equality is None:
         equality = etree.SubElement(root, "equality")
-    bodies = {body.get("name"): body for body in world.iter("body")} | {system.base: world}
+    written = {body.get("name"): body for body in world.iter("body")} | {WORLD: world}
+    bodies = {link: written[name] for link, name in body_names(system).items() if name in written}
     cut = {loop.name: loop for loop in completed(system, (BALL, *REVOLUTE.values(), WELD))}
     for loop in system.loops:
         if isinstance(loop, Coupling):

@@ -79,6 +79,7 @@ def test_a_recorded_pose_asks_for_a_root_that_floats(run, tmp_path):
     refused(run("diagnose", str(log), "--model", str(alone)), "nothing can move", "--floating")
     thrown = str(ROOT / "models" / "mjcf" / "floating" / "thrown_box.xml")
     refused(run("diagnose", str(log), "--model", thrown, "--floating"), "the file is no URDF", "type free")
+    refused(run("validate", str(alone), "--floating", "--audit-import"), "--audit-import is of joints of one degree")
     # Now it floats, and what is asked for is more of its pose.
     log.write_text("time,l.pose.x\n" + "".join(f"{k / 100},{k * k}\n" for k in range(40)))
     refused(
