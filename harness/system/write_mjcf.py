@@ -141,6 +141,12 @@ def _run(system: System, k: int, children: dict[str, list[int]]) -> list[int]:
         following = children.get(link.name, [])
         if not joint.movable or not _massless(link) or joint.turns_in_space:
             return run
+        if not following:
+            raise UnsupportedError(
+                f"link {link.name!r} is massless and carries nothing, which MJCF cannot hold",
+                mend="give it a mass and inertia, or write TOML",
+                source=system.source,
+            )
         movable = [c for c in following if system.joints[c].movable]
         if len(following) == 1 and movable:
             run.append(following[0])

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from lxml import etree
 
+from harness.errors import UnsupportedError
 from harness.system.closure import completed
 from harness.system.description import System
 from harness.system.loop import BALL, REVOLUTE, WELD, Coupling, Frame, connections
@@ -36,6 +37,13 @@ def close_loops(root: etree._Element, world: etree._Element, system: System) -> 
             name = loop.name if k == 0 else f"{loop.name}__{k + 1}"
             sites = {}
             for side, frame in (("site1", connection.first), ("site2", connection.second)):
+                if frame.link not in bodies:
+                    # A massless link between two joints is one body with what it carries, and what would move on it has no frame.
+                    raise UnsupportedError(
+                        f"loop {loop.name!r} ends on {frame.link!r}, which is massless, so that MJCF has no body for it",
+                        mend="give it a mass and inertia, or write TOML",
+                        source=system.source,
+                    )
                 sites[side] = f"{name}__{side}"
                 _site(bodies[frame.link], sites[side], frame)
             etree.SubElement(equality, "weld" if connection.welded else "connect", name=name, **sites)

@@ -131,6 +131,32 @@ def test_loops_are_written_and_read_again(four_bar: Path, tmp_path: Path, ending
         write(system, tmp_path / "again.urdf")
 
 
+def test_a_loop_on_a_massless_link_is_no_mjcf(four_bar: Path, tmp_path: Path) -> None:
+    """Of a massless link and what it carries MJCF makes one body, on which the loop's frame would move."""
+    strut = FOUR_BAR.replace("mass = 0.3\ncom = [0.15, 0, 0]\ninertia = [1e-6, 2.25e-3, 2.25e-3]", "mass = 0.0")
+    tip = """
+[[joint]]
+name = "wag"
+type = "revolute"
+parent = "coupler"
+child = "tip"
+axis = [0, 1, 0]
+
+[[link]]
+name = "tip"
+mass = 0.1
+com = [0.01, 0, 0]
+inertia = [1e-4, 1e-4, 1e-4]
+"""
+    assert strut != FOUR_BAR
+    four_bar.write_text(strut + tip + PIN)
+    system = harness.load(four_bar)
+    with pytest.raises(UnsupportedError, match="loop 'pin' ends on 'coupler', which is massless"):
+        write(system, tmp_path / "again.xml")
+    assert not (tmp_path / "again.xml").exists()
+    assert write(system, tmp_path / "again.toml") == ()
+
+
 REFUSED = {
     "cannot close": (PIN.replace("[0.3, 0, 0]", "[0.9, 0, 0]"), r":44: loop 'pin' cannot close: at best .* stays open"),
     "contradict": (

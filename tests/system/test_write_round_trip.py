@@ -12,6 +12,7 @@ import pytest
 from jacobian_mechanics import mass_matrix
 
 import harness
+from harness.cases.loop_mechanisms import squeezer
 from harness.errors import InputError
 from harness.system import Attachment, Joint, JointType, Link, System, random_chain, random_tree, write
 from harness.system.description import constant
@@ -163,6 +164,14 @@ def test_left_out_is_told(tmp_path: Path) -> None:
     for word in ("coulomb_friction", "bending", "tolerance"):
         assert word in mjcf
     assert "armature" not in mjcf
+
+
+def test_a_massless_strut_is_refused_for_mjcf(tmp_path: Path) -> None:
+    """MuJoCo takes no moving body without mass, so that a spring's strut, which a loop closes, is no MJCF."""
+    file = tmp_path / "squeezer.xml"
+    with pytest.raises(InputError, match="'piston' is massless and carries nothing"):
+        write(squeezer(), file)
+    assert not file.exists()
 
 
 def test_massless_branch_is_refused_for_mjcf_and_nothing_is_written(tmp_path: Path) -> None:
