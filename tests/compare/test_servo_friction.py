@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from harness.compare.peers import servo_friction
 from harness.compare.peers.runs import Run
-from harness.compare.peers.servo_friction import LADDER, Arm, climb, fit_servo
+from harness.compare.peers.servo_friction import LADDER, Arm, climb, fit_servo, swing_of_one_joint
 
 pytest.importorskip("cmaes")
 
@@ -59,6 +59,43 @@ def test_load_dependent_friction_is_found() -> None:
     found = fit_servo(ARM, runs, "m3")
     assert found.values["load_friction_base"] == pytest.approx(0.1, rel=0.1)
     assert found.mae < 2e-3
+
+
+def test_its_step_takes_nothing_off_a_frictionless_swing() -> None:
+    # One swing a second from 1.2 rad (J = 0.025 kg·m², 0.75 N·m): the last turning point is where the first was.
+    time = np.arange(0.0, 8.0, 5e-3)
+    q = swing_of_one_joint(np.array([1.2, 0.0]), time, np.zeros(len(time)), ARM.inertia, 0.0, ARM.sine, 0.0, 0.0)
+    exact = solve_ivp(
+        lambda _, y: [y[1], -ARM.sine * np.sin(y[0]) / ARM.inertia],
+        (0.0, 8.0),
+        [1.2, 0.0],
+        "DOP853",
+        time,
+        rtol=1e-10,
+        atol=1e-12,
+    ).y[0]
+    assert np.max(np.abs(q[time > 6.0])) == pytest.approx(1.2, rel=1e-3)
+    assert np.max(np.abs(q - exact)) < 0.02
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_efforts_act_as_they_were_recorded(held: bool) -> None:
+    # 20 ms between commands: half of that late would leave more than five times as much.
+    time = np.arange(0.0, 4.0, 0.02)
+
+    def torque(t):
+        return 0.3 * np.sin(9.0 * (0.02 * np.floor(t / 0.02 + 1e-9) if held else t))
+
+    def rate(t, y):
+        return [y[1], (torque(t) - ARM.sine * np.sin(y[0]) - 0.01 * y[1]) / ARM.inertia]
+
+    q = solve_ivp(rate, (0.0, 4.0), [0.3, 0.0], "DOP853", time, rtol=1e-9, atol=1e-11, max_step=0.02).y[0]
+    q = q + 1e-4 * np.random.default_rng(2).standard_normal(len(time))
+    run = Run(time, q[:, None], torque(time)[:, None])
+    right, wrong = (fit_servo(ARM, [run], "m1", held=way) for way in (held, not held))
+    assert right.mae < 0.2 * wrong.mae
+    assert right.values["friction_viscous"] == pytest.approx(0.01, rel=0.03)
+    assert np.max(np.abs(right.free_run(np.array([0.3, 0.0]), time, run.efforts) - run.positions)) < 5e-3
 
 
 @pytest.mark.parametrize("model", ["m3", "m4", "m5"])

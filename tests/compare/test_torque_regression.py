@@ -45,3 +45,26 @@ def test_nothing_is_kept_where_nothing_is_missing() -> None:
     found = fit_regression(rig(), runs[:2], runs[2:])
     assert found.terms == {"pivot": {}}
     assert heldout_error(found.free_run, runs[2:]) == pytest.approx(NOISE, rel=0.3)
+
+
+def test_commands_that_are_held_are_not_taken_for_friction() -> None:
+    time = np.arange(0.0, 6.0, 1e-2)
+
+    def driven(seed: int) -> Run:
+        phase = np.random.default_rng(seed).uniform(0.0, 6.0)
+
+        def tau(t):
+            return 0.1 * np.sin(9.0 * 0.01 * np.floor(t / 0.01 + 1e-9) + phase)
+
+        def rate(t, y):
+            return [y[1], (tau(t) - WEIGHT * np.sin(y[0])) / INERTIA]
+
+        q = solve_ivp(rate, (0.0, 6.0), [0.4, 0.0], "DOP853", time, rtol=1e-9, atol=1e-11, max_step=0.01).y[0]
+        return Run(
+            time, (q + NOISE * np.random.default_rng(seed).standard_normal(len(time)))[:, None], tau(time)[:, None]
+        )
+
+    found = fit_regression(rig(), [driven(1), driven(2)], [driven(3)])
+    assert found.held
+    assert found.terms == {"pivot": {}}
+    assert heldout_error(found.free_run, [driven(3)]) < 5e-3

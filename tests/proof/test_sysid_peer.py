@@ -7,6 +7,8 @@ from scipy.integrate import solve_ivp
 import harness
 from harness.compare.peers.runs import Run
 from harness.compare.peers.sysid import ITERATIONS, _compiled, _optimized, fit_sysid
+from harness.system import Joint, JointType, Link, System
+from harness.system.description import constant
 
 mujoco = pytest.importorskip("mujoco")
 try:
@@ -136,12 +138,11 @@ def test_nothing_is_claimed_where_nothing_is_missing_and_friction_is_found_where
 
 
 def test_what_one_set_of_parameters_wrote_does_not_stay_for_the_next(tmp_path) -> None:
-    # A rotor of half the pendulum's inertia is more than a centre of mass within its bounds can stand for: that fit ends at its
-    # bound, and the model that is handed to the next one has the stated centre of mass again.
+    # A known effort shows weight and inertia, and a centre of mass cannot stand for a rotor of half the pendulum's inertia: that
+    # fit ends far off, and the model that is handed to the next one has the stated centre of mass again.
     system, rng = _pendulum(tmp_path), np.random.default_rng(5)
-    found = fit_sysid(
-        system, [_swing(1.2, 8e-3, rng, 1e-3, rotor=0.012)], inertial=(("com",), ("armature",)), starts=(1e-3,)
-    )
+    run = _swing(1.2, 8e-3, rng, 1e-3, 0.1, rotor=0.012)
+    found = fit_sysid(system, [run], held=False, inertial=(("com",), ("armature",)), starts=(1e-3,))
     assert found.rmse == pytest.approx(1e-3, rel=0.1)
     assert found.values["pivot:armature"] == pytest.approx(0.012, rel=0.02)
 
@@ -153,11 +154,30 @@ def test_a_driven_rig_within_its_tolerance_claims_nothing(tmp_path) -> None:
     found = fit_sysid(system, [run], held=False, starts=(1e-3,))
     assert found.rmse == pytest.approx(1e-4, rel=0.1)
     assert found.beyond(1.5) == []
+    assert found.values["pivot:constant"] == pytest.approx(0.0, abs=1e-3)
     # Mass times distance is the weight; mass (c² 0.2² + 0.004 / 0.5) the inertia of both.
     mass, com = found.values["pivot:mass"], found.values["pivot:com"]
     assert mass * com == pytest.approx(1.0, abs=2e-3)
     assert mass * (0.02 * com**2 + 0.004) == pytest.approx(1.04 * 0.024, rel=3e-3)
     assert fit_sysid(system, [run], held=False, starts=(1e-3,), inertial=(("com",),)).rmse > 5e-4
+
+
+def test_the_offset_of_a_drive_is_found_on_a_slide_whose_zero_shows_nowhere() -> None:
+    # M ẍ = F − c − f ẋ with F = 20 sin 3t: c from SciPy comes out as a force of the other sign, and no bias of the angle is freed.
+    slide = Joint("slide", JointType.PRISMATIC, "base", "cart", axis=constant([1.0, 0.0, 0.0]))
+    system = System("cart", (slide,), (Link("cart", 2.0, constant([0.0] * 3), constant(0.01 * np.eye(3))),))
+    time = np.arange(0.0, 4.0, 0.01)
+
+    def rate(t, y):
+        return [y[1], (20.0 * np.sin(3.0 * t) - 1.5 - 4.0 * y[1]) / 2.0]
+
+    x = solve_ivp(rate, (0, time[-1]), [0.0, 0.0], "DOP853", time, rtol=1e-9, atol=1e-11).y[0]
+    x += np.random.default_rng(6).normal(0.0, 1e-4, len(time))
+    found = fit_sysid(system, [Run(time, x[:, None], 20.0 * np.sin(3.0 * time)[:, None])], starts=(1e-3,))
+    assert found.values["slide:constant"] == pytest.approx(-1.5, rel=0.01)
+    assert found.values["slide:viscous"] == pytest.approx(4.0, rel=0.02)
+    assert {"slide:constant", "slide:viscous"} <= set(found.beyond(1.5))
+    assert "slide:bias" not in found.values
 
 
 @pytest.mark.slow

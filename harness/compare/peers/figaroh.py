@@ -7,6 +7,8 @@ thanhndv212/figaroh-plus, 1.0: ``figaroh/identification/base_identification.py``
 - Motion: positions through a zero-phase Butterworth filter of order 4 at ten times the fastest swing or more (Gautier,
   Venture, ICRA 2013: well above the dynamics, well below Nyquist), whichever predicts best, central differences, the borders
   of the filter cut. Done before it is handed over: its own filter leaves its borders in.
+- Commands that a controller holds are on average what was and what comes at a sample; a recording does not say whether they
+  are, so that both are tried, and whichever predicts better stays.
 - Effort and regressor go through one low-pass and are thinned together, its ``decimate`` ("parallel filtering").
 - Viscous and dry friction, the rotor's inertia and an offset of the effort freed, as its defaults are; least squares.
 - The physically consistent fit (linear matrix inequalities, CVXOPT) is asked for beside it (``physical_fit``).
@@ -51,7 +53,8 @@ class Identified:
     fitted to; prediction: of the effort held out [N·m or N]; physical: whether its physically consistent fit was
     feasible.
 
-    inertia J, gravity's torque a cos q + b sin q + c, viscous, dry: of the free run.
+    inertia J, gravity's torque a cos q + b sin q + c, viscous, dry: of the free run; held: whether efforts stay from sample to
+    sample.
     """
 
     values: Mapping[str, float]
@@ -63,19 +66,27 @@ class Identified:
     gravity: tuple[float, float, float]
     viscous: float
     dry: float
+    held: bool
 
     def free_run(self, state: Array, time: Array, tau: Array | None) -> Array:
         """Positions (T, 1) from a state (2,)."""
-        pushed = np.zeros(len(time)) if tau is None else tau[:, 0]
+        pushed = np.zeros(len(time))
+        if tau is not None:
+            acting = Run(time, tau, tau).acting(self.held).efforts
+            assert acting is not None
+            pushed = acting[:, 0]
         a, b, c = self.gravity
         out = swing_of_one_joint(state, time, pushed - c, self.inertia, a, b, self.viscous, self.dry)
         return out[:, None]
 
 
-def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], frequency: float) -> Identified:
+def fit_figaroh(
+    system: System, train: Sequence[Run], heldout: Sequence[Run], frequency: float, held: bool | None = None
+) -> Identified:
     """Base parameters of a rig of one joint from driven recordings, filtered where free runs over these are best.
 
-    frequency: of its fastest swing [Hz]; where nothing pulls back, one hertz stands for it. Raises ImportError where
+    frequency: of its fastest swing [Hz]; where nothing pulls back, one hertz stands for it. held: whether efforts stay from
+    sample to sample; None: whichever predicts better. Raises ImportError where
     FIGAROH is not installed, NotForIt where no effort is known or the joint is not alone.
     """
     if len(system.joint_names) != 1:
@@ -86,7 +97,10 @@ def fit_figaroh(system: System, train: Sequence[Run], heldout: Sequence[Run], fr
     if joint.type is JointType.CONTINUOUS:
         # Pinocchio has cosine and sine of such a joint as positions, FIGAROH one column a joint.
         system = system.replace_joint(replace(joint, type=JointType.REVOLUTE))
-    found = [_fitted(system, train, heldout, above * frequency) for above in ABOVE]
+    found = []
+    for way in (False, True) if held is None else (held,):
+        known, judged = ([run.at_samples(way) for run in some] for some in (train, heldout))
+        found += [replace(_fitted(system, known, judged, above * frequency), held=way) for above in ABOVE]
     return min(found, key=lambda one: heldout_error(one.free_run, train))
 
 
@@ -146,6 +160,7 @@ def _fitted(system: System, train: Sequence[Run], heldout: Sequence[Run], cutoff
     return Identified(
         values, std, float(rig.result["effort rmse"]), float(told.get("rmse_identified", np.nan)), physical, inertia,
         (float(a), float(b), float(level)), values.get(f"fv_{name}", 0.0), values.get(f"fs_{name}", 0.0),
+        held=False,
     )  # fmt: skip
 
 

@@ -33,6 +33,11 @@ class Run:
     efforts: Array | None = None
 
     @property
+    def ways(self) -> tuple[bool, ...]:
+        """Whether its efforts may be held from sample to sample: a recording does not say it."""
+        return (False, True) if self.driven else (False,)
+
+    @property
     def driven(self) -> bool:
         return self.efforts is not None and bool(np.any(self.efforts))
 
@@ -62,6 +67,23 @@ class Run:
         """Every so many-th sample, so that neighbours are not much closer than ``FINEST``; driven ones as they are."""
         every = int(FINEST / float(np.median(np.diff(self.time))) + 1e-6)
         return self if self.efforts is not None or every < 2 else Run(self.time[::every], self.positions[::every])
+
+    def acting(self, held: bool) -> Run:
+        """Efforts that act on average from each sample to the next: as sampled where a controller holds them, between the two
+        where they are smooth."""
+        if self.efforts is None or held:
+            return self
+        return Run(
+            self.time, self.positions, np.vstack([0.5 * (self.efforts[:-1] + self.efforts[1:]), self.efforts[-1:]])
+        )
+
+    def at_samples(self, held: bool) -> Run:
+        """Efforts at the samples themselves, where held ones jump: half of what was and of what comes."""
+        if self.efforts is None or not held:
+            return self
+        return Run(
+            self.time, self.positions, np.vstack([self.efforts[:1], 0.5 * (self.efforts[:-1] + self.efforts[1:])])
+        )
 
     def first_state(self) -> Array:
         """Position and velocity at the first sample from a local parabola, (2n,)."""

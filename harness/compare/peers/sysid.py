@@ -43,8 +43,13 @@ OFF_BOUND = 1e-4  # of a range: what pieces put at nothing goes on from there
 # (README, section 3), and users on recordings of robots cut them to half a second or one (issue 8 of
 # github.com/iit-DLSLab/sim2real-robot-identification). Whole runs that come to rest have valleys that no start leads out of.
 CHUNK = 0.5
-FIRST_ITERATIONS = 10  # from each start
-ITERATIONS = 60  # from the best of them
+# From each start, to tell which lies in the deepest valley; its own way to several starts is ``randomize``.
+FIRST_ITERATIONS = 10
+ITERATIONS = 200  # from the best of them: the default of ``optimize``, and what the README's section 5 passes
+# Mass and centre of mass, in shares of the stated ones: the default bounds of ``body_inertia_param`` for a mass; its centre may
+# move half a metre either way there, which on small rigs is more.
+SHARES = (0.1, 10.0)
+MODELS_KEPT = 100  # those of one Jacobian, so that every run is asked of the same
 # What is known within a tolerance. A free swing shows inertia over weight alone, which the centre of mass moves; a known effort
 # shows both, and one number cannot say two.
 FREE: tuple[tuple[str, ...], ...] = (("com",),)
@@ -55,15 +60,18 @@ REAL: Mapping[bool, tuple[tuple[str, ...], ...]] = {
     True: (("armature",), ("com", "armature"), ("com", "mass")),
 }
 ALPHA = 0.05  # of ``calculate_intervals``, and of its report
-WHAT = {"viscous": "viscous_damping", "drag": "quadratic_drag", "dry": "coulomb_friction", "bias": "sensor_offset"}
+WHAT = {
+    "viscous": "viscous_damping", "drag": "quadratic_drag", "dry": "coulomb_friction", "bias": "sensor_offset",
+    "constant": "constant_torque",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Sysid:
     """What ``mujoco.sysid`` found.
 
-    values, half: by ``joint:parameter`` (viscous, drag, dry, bias, com, mass, armature), estimate and half its 95 % interval,
-    SI; ``half`` is infinite where the data do not say. nominal: where the published model is. objective: half the sum
+    values, half: by ``joint:parameter`` (viscous, drag, dry, bias, constant, com, mass, armature), estimate and half its 95 %
+    interval, SI; ``half`` is infinite where the data do not say. nominal: where the published model is. objective: half the sum
     of squares that is left, residuals in units of the channel's spread. rmse: positions of the free runs fitted [rad or
     m].
     """
@@ -78,7 +86,7 @@ class Sysid:
     held: bool
 
     def beyond(self, factor: float = 1.0) -> list[str]:
-        """Parameters of dissipation and zeros whose interval, ``factor`` times as wide, leaves out the nominal
+        """Parameters of dissipation, zeros and constants whose interval, ``factor`` times as wide, leaves out the nominal
         value."""
         return [
             name
@@ -147,16 +155,23 @@ def _acceptable(system: System) -> System:
 class _Rig:
     """The nominal model as MuJoCo has it, and sizes that set bounds, each (n,).
 
-    inertia: about each joint at zero [kg·m² or kg]; pull: the largest force by gravity or drive; fastest: speed;
-    spread: of what is measured.
+    inertia: about each joint at zero [kg·m² or kg]; weight: the largest force by gravity; pull: by gravity or drive;
+    fastest: speed; spread: of what is measured. driven: whether an effort is known.
     """
 
     system: System
     spec: Any
     inertia: Array
+    weight: Array
     pull: Array
     fastest: Array
     spread: Array
+    driven: bool
+
+    @property
+    def biased(self) -> NDArray[np.bool_]:
+        """Joints whose zero shows, through gravity; elsewhere it only shifts the first state, (n,)."""
+        return self.weight > 1e-6 * self.pull
 
 
 def _rig(system: System, runs: Sequence[Run], step: float) -> _Rig:
@@ -186,24 +201,30 @@ def _rig(system: System, runs: Sequence[Run], step: float) -> _Rig:
         data.qpos[:] = angle
         mujoco.mj_forward(model, data)
         pull = np.maximum(pull, np.abs(data.qfrc_bias))
+    weight = pull
     for run in runs:
         if run.efforts is not None:
-            pull = np.maximum(pull, np.sqrt(np.mean(run.efforts**2, axis=0)))
+            pull = np.maximum(pull, np.max(np.abs(run.efforts), axis=0))
     speeds = [np.abs(np.diff(r.thinned().positions, axis=0) / np.diff(r.thinned().time)[:, None]) for r in runs]
     fastest = np.maximum(np.max([np.quantile(s, 0.99, axis=0) for s in speeds], axis=0), 1e-6)
     spread = np.std(np.concatenate([r.positions for r in runs]), axis=0)
-    return _Rig(system, spec, np.diag(mass).copy(), np.maximum(pull, 1e-9), fastest, spread)
+    driven = any(r.driven for r in runs)
+    return _Rig(system, spec, np.diag(mass).copy(), weight, np.maximum(pull, 1e-9), fastest, spread, driven)
 
 
 def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dict[str, float]]:
     """What is freed, and its nominal values.
 
-    Damping, quadratic damping and dry friction of every joint, from nothing to half of what would swallow the whole force at full
+    Damping, quadratic damping and dry friction of every joint, from nothing to what would swallow the whole force at full
     speed ("box constraints enforce physical plausibility", README; no figure is given for friction);
-    the encoder's bias (the README's measurement parameters); centre of mass, mass or armature, since a model is known
-    within a tolerance only and a period that is off would have to be made up for by friction; the first state of every
-    run, which its examples know exactly and a recording does not.
+    the encoder's bias (the README's measurement parameters), of any size within the motion; where something drives, a constant
+    force up to the largest ("anything settable on MjSpec can be identified", README; drives have an offset, which FIGAROH frees
+    by default); centre of mass, mass or armature, since a model is known within a tolerance only and a period that is off would
+    have to be made up for by friction (its own test frees armatures of 0.1 to 0.5 kg·m² between 0.001 and 1; here up to twice
+    what the joint moves); the first state of every run, which its examples know exactly and a recording does not, within the
+    spread and the speeds of the motion.
     """
+    import mujoco
     from mujoco import sysid
 
     parameters = sysid.ParameterDict()
@@ -224,6 +245,10 @@ def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dic
         def rotor(s: Any, p: Any, joint: str = name) -> None:
             s.joint(joint).armature = float(np.ravel(p.value)[0])
 
+        def push(s: Any, p: Any, motor: str = f"{name}_motor") -> None:
+            s.actuator(motor).biastype = mujoco.mjtBias.mjBIAS_AFFINE
+            s.actuator(motor).biasprm[0] = float(np.ravel(p.value)[0])
+
         def centre(s: Any, p: Any, body: str = link.name, com: Array = link.com) -> None:
             s.body(body).ipos[:] = com * float(np.ravel(p.value)[0])
 
@@ -237,16 +262,20 @@ def _parameters(rig: _Rig, runs: int, inertial: Sequence[str]) -> tuple[Any, dic
         most = {"viscous": rig.pull[k] / rig.fastest[k], "drag": rig.pull[k] / rig.fastest[k] ** 2, "dry": rig.pull[k]}
         stated = {"viscous": joint.damping, "drag": 0.0, "dry": joint.friction}
         for what, modifier in (("viscous", damp), ("drag", drag), ("dry", rub)):
-            top = max(0.5 * float(most[what]), 2.0 * stated[what])
+            top = max(float(most[what]), 2.0 * stated[what])
             parameters.add(sysid.Parameter(f"{name}:{what}", stated[what], 0.0, top, modifier=modifier))
             nominal[f"{name}:{what}"] = stated[what]
-        parameters.add(sysid.Parameter(f"{name}:bias", 0.0, -rig.spread[k] or -0.1, rig.spread[k] or 0.1))
-        nominal[f"{name}:bias"] = 0.0
+        if rig.biased[k]:
+            parameters.add(sysid.Parameter(f"{name}:bias", 0.0, -rig.spread[k] or -0.1, rig.spread[k] or 0.1))
+            nominal[f"{name}:bias"] = 0.0
+        if rig.driven:
+            parameters.add(sysid.Parameter(f"{name}:constant", 0.0, -rig.pull[k], rig.pull[k], modifier=push))
+            nominal[f"{name}:constant"] = 0.0
         if "com" in inertial and np.any(link.com):
-            parameters.add(sysid.Parameter(f"{name}:com", 1.0, 0.7, 1.4, modifier=centre))
+            parameters.add(sysid.Parameter(f"{name}:com", 1.0, *SHARES, modifier=centre))
             nominal[f"{name}:com"] = 1.0
         if "mass" in inertial:
-            parameters.add(sysid.Parameter(f"{name}:mass", 1.0, 0.7, 1.4, modifier=weigh))
+            parameters.add(sysid.Parameter(f"{name}:mass", 1.0, *SHARES, modifier=weigh))
             nominal[f"{name}:mass"] = 1.0
         if "armature" in inertial:
             top = joint.armature + 2.0 * float(rig.inertia[k])
@@ -277,10 +306,12 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
     n = len(rig.system.joint_names)
     spread = np.where(rig.spread > 1e-9, rig.spread, 1.0)
     model = rig.spec.compile()
+    compiled = _Compiled()
     parts = []
 
     def biases(p: Any) -> Array:
-        return np.array([float(p[f"{j}:bias"].value[0]) for j in rig.system.joint_names])
+        named = zip(rig.system.joint_names, rig.biased, strict=True)
+        return np.array([float(p[f"{j}:bias"].value[0]) if biased else 0.0 for j, biased in named])
 
     for r, run in enumerate(runs):
         time = run.time - run.time[0]
@@ -330,7 +361,7 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
         parts.append(
             sysid.build_residual_fn(
                 models_sequences=[sequence],
-                build_model=_compiled,
+                build_model=compiled,
                 custom_rollout=rollout,
                 modify_residual=differ,
                 n_threads=1,
@@ -345,18 +376,16 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
 
 
 def _apart(part: Any, run: int, x: Array, parameters: Any) -> Any:
-    """Residuals of one run; of columns that differ in other runs' first states alone, one is simulated for all."""
-    if x.ndim == 1 or x.shape[1] == 1:
-        return part(x, parameters)
+    """Residuals of one run, which is asked with its own parameters alone: of columns that differ in other runs' first states,
+    one is simulated for all."""
     states = ("position", "velocity")
-    own = np.concatenate(
-        [
-            np.full(p.size, name.split(":")[-1] not in states or name.startswith(f"run{run}:"))
-            for name, p in parameters.items()
-        ]
-    )
-    _, first, same = np.unique(x[own], axis=1, return_index=True, return_inverse=True)
-    left, told, measured = part(x[:, first], parameters)
+    own = {name: name.split(":")[-1] not in states or name.startswith(f"run{run}:") for name, _ in parameters.items()}
+    rows = np.concatenate([np.full(p.size, own[name]) for name, p in parameters.items()])
+    kept = type(parameters)({name: p for name, p in parameters.items() if own[name]})
+    if x.ndim == 1 or x.shape[1] == 1:
+        return part(x[rows], kept)
+    _, first, same = np.unique(x[rows], axis=1, return_index=True, return_inverse=True)
+    left, told, measured = part(x[np.ix_(rows, first)], kept)
     return [np.asarray(r)[:, np.ravel(same)] for r in left], told, measured
 
 
@@ -366,6 +395,21 @@ def _compiled(parameters: Any, spec: Any) -> Any:
     from mujoco import sysid
 
     return sysid.apply_param_modifiers(parameters, spec.copy())
+
+
+class _Compiled:
+    """The same, made once for all runs: they differ in their first states, which are no part of a model."""
+
+    def __init__(self) -> None:
+        self._made: dict[tuple[tuple[float, ...], ...], Any] = {}
+
+    def __call__(self, parameters: Any, spec: Any) -> Any:
+        key = tuple(tuple(np.ravel(p.value)) for _, p in parameters.items() if p.modifier is not None)
+        if key not in self._made:
+            if len(self._made) >= MODELS_KEPT:
+                self._made.clear()
+            self._made[key] = _compiled(parameters, spec)
+        return self._made[key]
 
 
 def _begun(parameters: Any, start: float | None) -> Any:
@@ -440,9 +484,11 @@ def fit_sysid(
     driven = any(r.driven for r in runs)
     inertial = inertial or (DRIVEN if driven else FREE)
     best: tuple[float, Any, dict[str, float], Any, bool] | None = None
-    for way in [bool(held)] if held is not None or not driven else [False, True]:
-        residual, in_pieces = (_residual(rig, some, step, way) for some in (runs, pieces))
-        for freed in inertial:
+    for freed in inertial:
+        if best is not None:  # the first set has said whether efforts are held
+            held = best[-1]
+        for way in [bool(held)] if held is not None or not driven else [False, True]:
+            residual, in_pieces = (_residual(rig, some, step, way) for some in (runs, pieces))
             parameters, nominal = _parameters(rig, len(runs), freed)
             of_pieces, _ = _parameters(rig, len(pieces), freed)
             begins = [_begun(parameters, start) for start in starts]

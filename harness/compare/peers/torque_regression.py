@@ -5,6 +5,8 @@
   (``STLSQ``), its default optimizer.
 - The threshold is searched for by data held out, as its release 1.1.0 made for ("cross-validation of SINDy models"): the fewest
   terms that predict the torque left over of the last recording as well as the best do, none at all among them.
+- Commands that a controller holds are on average what was and what comes at a sample; a recording does not say whether they
+  are, so that both are tried, and what predicts the torque left over better stays.
 - Where no effort acts an inertia is no term: what the model asks for is then made of the acceleration and of the weight alone, and
   minus the model itself explains all of it.
 """
@@ -14,7 +16,7 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -48,12 +50,14 @@ TERMS = {
 
 @dataclass(frozen=True)
 class Sparse:
-    """Coefficients of the terms kept, by joint [SI]; error: of the torque left over of the last recording; soft: [rad/s or m/s]."""
+    """Coefficients of the terms kept, by joint [SI]; error: of the torque left over of the last recording; soft: [rad/s or m/s];
+    held: whether efforts stay from sample to sample."""
 
     system: System
     terms: Mapping[str, Mapping[str, float]]
     error: float
     soft: float
+    held: bool = False
 
     def free_run(self, state: Array, time: Array, tau: Array | None) -> Array:
         """Positions (T, 1) of a rig of one joint from a state (2,)."""
@@ -71,12 +75,22 @@ class Sparse:
         p[1] += self.system.movable_joints[0].friction
         out = np.empty(len(time))
         pushed = np.zeros(len(time)) if tau is None else np.ascontiguousarray(tau[:, 0])
-        _swing(state[0], state[1], np.ascontiguousarray(time), pushed, inertia, weight, p, self.soft, out)
+        _swing(state[0], state[1], np.ascontiguousarray(time), pushed, inertia, weight, p, self.soft, self.held, out)
         return out[:, None]
 
 
 def fit_regression(system: System, train: Sequence[Run], heldout: Sequence[Run]) -> Sparse:
     """Terms for every joint; see above. Raises ImportError where pysindy is not installed."""
+    ways = (False, True) if any(run.driven for run in train) else (False,)
+    found = [
+        replace(_fitted(system, [r.at_samples(way) for r in train], [r.at_samples(way) for r in heldout]), held=way)
+        for way in ways
+    ]
+    return min(found, key=lambda one: one.error)
+
+
+def _fitted(system: System, train: Sequence[Run], heldout: Sequence[Run]) -> Sparse:
+    """With efforts as they are at the samples."""
     import pysindy
 
     fitted, judged = ([_left_over(system, run) for run in some] for some in (train, heldout))
@@ -129,7 +143,7 @@ def _columns(
 
 @numba.njit(cache=True)
 def _swing(
-    q: float, v: float, time: Array, tau: Array, inertia: float, weight: Array, p: Array, soft: float, out: Array
+    q: float, v: float, time: Array, tau: Array, inertia: float, weight: Array, p: Array, soft: float, held: bool, out: Array
 ) -> None:  # fmt: skip
     total = max(inertia + p[6], 0.05 * inertia)
     for t in range(len(time)):
@@ -141,7 +155,7 @@ def _swing(
         for i in range(m):
             qk, vk, dq, dv = q, v, 0.0, 0.0
             for stage in range(4):
-                share = (i + (0.0 if stage == 0 else 1.0 if stage == 3 else 0.5)) / m
+                share = 0.0 if held else (i + (0.0 if stage == 0 else 1.0 if stage == 3 else 0.5)) / m
                 force = tau[t] + share * (tau[t + 1] - tau[t])
                 force -= weight[0] * np.cos(qk) + weight[1] * np.sin(qk) + weight[2]
                 force -= p[0] * vk + p[1] * np.tanh(vk / soft) + p[2] * vk * abs(vk)

@@ -210,6 +210,8 @@ class Practitioner:
         best: tuple[Array, Array, Array] | None = None
         best_held = False
         ways = [bool(self.held)] if self.held is not None or not self.driven else [False, True]
+        if near is not None:
+            ways = [near.held]
         ends: list[Array] = []
         for start in self._starts(names) if near is None else [self._like(names, near)]:
             close, *_ = self._fit(law_of, start, bounds, self.short, ways[0], ROUNDS // 2)
@@ -278,13 +280,13 @@ def practitioner_claims(folder: Path) -> dict[str, Any]:
 
     system = harness.load(folder / "model.toml")
     runs = [as_run(system, r) for r in read_recordings(sorted(folder.glob("run*.csv")), system=system)]
-    found = Practitioner(system, runs[:-1]).choose(runs[-1:])
+    found = Practitioner(system, runs[:-1], held=None).choose(runs[-1:])
     asked = [name for name in found.values if name.split(":")[-1] in WHAT]
     wide = float(norm.ppf(1.0 - 0.025 / max(len(asked), 1)))
     findings = []
     for name in asked:
         joint, what = name.split(":")
-        stated = system.joint(joint).damping if what == "viscous" else 0.0
+        stated = {"viscous": system.joint(joint).damping, "dry": system.joint(joint).friction}.get(what, 0.0)
         if abs(found.values[name] - stated) > wide * found.std[name] > 0.0:
             findings.append(finding(WHAT[what], joint, found.values[name] - stated, 1.96 * found.std[name]))
     return {
