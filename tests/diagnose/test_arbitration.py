@@ -5,11 +5,13 @@ parameters from a textbook's formulas and from Pinocchio's regressor.
 """
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from harness.diagnose.arbitration.arbitrate import arbitrate
+from harness.diagnose.arbitration.agreement import by_combination, by_number
+from harness.diagnose.arbitration.arbitrate import arbitrate, reservations
 from harness.diagnose.arbitration.base_parameters import ARMATURE, base_parameters, inertial_parameters
 from harness.diagnose.arbitration.transfer import transfer
 from harness.errors import InputError
@@ -164,6 +166,23 @@ def test_a_short_noisy_swing_leaves_friction_open() -> None:
     assert "leave open" in found["summary"]
 
 
+@pytest.mark.parametrize(("std", "says"), [(0.0004, "neither"), (0.0100, "open")])
+def test_a_number_that_an_interval_leaves_out_is_not_left_open(std: float, says: str) -> None:
+    """0.0122 ± 0.0008 N·m·s/rad of what is published as nothing, whose size is the natural one of 0.0005: thirty standard
+    deviations off. Of an interval that holds nothing too, no more can be said."""
+    number = SimpleNamespace(
+        label="viscous damping at servo", joint="servo", unit="N·m·s/rad", size=5e-4, positive=True, inertial=None
+    )
+    estimate = SimpleNamespace(
+        numbers=np.array([0.0122]), std=np.array([std]), x=np.array([24.4]), covariance=np.array([[(std / 5e-4) ** 2]]),
+        reference=None, fitted=SimpleNamespace(free=np.array([True])),
+        freed=SimpleNamespace(numbers=[number], of=lambda numbers: numbers / 5e-4),
+    )  # fmt: skip
+    for rows in (by_number, by_combination):
+        (row,) = rows(estimate, {"published": np.array([0.0])})
+        assert row["says"] == says
+
+
 def test_what_carries_over_to_another_unit() -> None:
     """The other unit rubs twice as much; all else is the same."""
     runs = releases(replace(TRUE, dry=2.0 * DRY), (1.4, 0.8, 1.1), NOISE, 7, duration=6.0)
@@ -177,6 +196,14 @@ def test_what_carries_over_to_another_unit() -> None:
     assert errors["first unit"] > 5.0 * NOISE
     assert errors["mended"] == pytest.approx(NOISE, rel=0.1)
     assert errors["refitted"] == pytest.approx(NOISE, rel=0.1)
+    assert "ratios alone" in found["summary"] and found["counted_by"] in found["summary"]
+    assert "more than noise" not in found["summary"]
+
+
+def test_a_law_that_no_model_has_is_a_reservation() -> None:
+    told = reservations(None, [{"channel": "a", "times_noise": 1.2}, {"channel": "b", "times_noise": 31.7}])
+    assert "b 32 times" in told and "a 1.2" not in told and "ratios" not in told
+    assert reservations(None, [{"channel": "a", "times_noise": 1.2}]) == ""
 
 
 @pytest.mark.parametrize(

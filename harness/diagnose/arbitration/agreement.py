@@ -17,7 +17,7 @@ from harness.diagnose.arbitration.numbers import Number
 
 Array = NDArray[np.float64]
 
-OPEN = 0.5  # of its size, beyond which half a 95 % interval leaves a number open
+OPEN = 0.5  # of its size, beyond which half a 95 % interval that holds every model leaves a number open
 PART = 0.2  # weight from which on a number is named in a combination
 MOST_NAMED = 5
 ALIKE = 0.01  # of its size, by which a number may be off and still be the same for every purpose
@@ -27,9 +27,9 @@ def by_number(estimate: Estimate, models: Mapping[str, Array]) -> list[dict[str,
     """One row a number: what each model says (K,) [SI], the recordings' estimate and its 95 % interval, and what
     follows.
 
-    ``says``: "agree" (the interval, wider by a hundredth of the number's size,
-    holds what every model says, and is narrow), "open" (it is wide), "neither" (it
-    holds none of them), or the name of the only model that it holds. Where free swings are counted by one number, that
+    ``says``: of an interval, wider by a hundredth of the number's size, that holds what every model says, "agree" (it is
+    narrow) or "open" (it is wide, and any of them may be right); else the name of the only model that it holds, or "neither":
+    an interval that leaves a value out speaks against it, however wide it is. Where free swings are counted by one number, that
     row says "reference".
     """
     out = []
@@ -45,10 +45,8 @@ def by_number(estimate: Estimate, models: Mapping[str, Array]) -> list[dict[str,
             says = "reference"
         elif held:
             says = "not freed"
-        elif WIDE * std > OPEN * number.size:
-            says = "open"
         elif len(inside) == len(models):
-            says = "agree"
+            says = "open" if WIDE * std > OPEN * number.size else "agree"
         elif len(inside) == 1:
             says = inside[0]
         else:
@@ -91,10 +89,8 @@ def by_combination(estimate: Estimate, models: Mapping[str, Array]) -> list[dict
         }
         inside = [name for name, far in away.items() if abs(far) <= WIDE + ALIKE / spread]
         apart = max(away.values()) - min(away.values())
-        if WIDE * spread > OPEN:
-            says = "open"
-        elif len(inside) == len(models):
-            says = "agree"
+        if len(inside) == len(models):
+            says = "open" if WIDE * spread > OPEN else "agree"
         elif len(inside) == 1:
             says = inside[0]
         elif len(models) > 1 and apart <= WIDE:

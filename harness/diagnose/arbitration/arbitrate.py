@@ -25,6 +25,7 @@ from harness.system import System
 Array = NDArray[np.float64]
 SCHEMA = "denoc.arbitration/1"
 REFITTED = "refitted"
+MORE_THAN_NOISE = 2.0  # from which on what fitted equations leave is worth a sentence
 
 
 @one_blas_thread()
@@ -74,17 +75,19 @@ def arbitrate(
     own = {name: values(s, every) for name, s in systems.items()}
     alike = counted_alike(own, every, estimate.reference, reference_size(estimate))
     rows, combinations = by_number(estimate, alike), by_combination(estimate, alike)
+    left = louder(asked, estimate)
+    counted = None if estimate.reference is None else every[estimate.reference].label
     prediction = predictions(asked, runs, {name: near[name] for name in names})
     return {
         "schema": SCHEMA,
         "models": names,
-        "summary": _summary(names, prediction, places, rows),
+        "summary": _summary(names, prediction, places, rows) + reservations(counted, left),
         "prediction": prediction,
         "where": places,
         "numbers": rows,
-        "counted_by": None if estimate.reference is None else every[estimate.reference].label,
+        "counted_by": counted,
         "combinations": combinations,
-        "louder": louder(asked, estimate),
+        "louder": left,
         "notes": notes(systems, first, second),
         "provenance": asked.made_from,
         "curves": curves(asked, runs),
@@ -204,6 +207,23 @@ def louder(asked: Question, estimate: Estimate) -> list[dict[str, Any]]:
         {"channel": c.name, "times_noise": float(np.sqrt(v))}
         for c, v in zip(asked.problem.channels, estimate.louder, strict=True)
     ]
+
+
+def reservations(counted_by: str | None, left: Sequence[Mapping[str, Any]]) -> str:
+    """What a summary says of all its numbers: that free swings tell ratios, and that the equations leave more than noise."""
+    told = ""
+    if counted_by is not None:
+        told += (
+            f" Free swings show ratios alone: all numbers are counted by the {counted_by}. Where that one is off itself, what is "
+            "told of the others is off by the same factor."
+        )
+    over = [f"{row['channel']} {row['times_noise']:.2g} times" for row in left if row["times_noise"] > MORE_THAN_NOISE]
+    if over:
+        told += (
+            f" Fitted too, the equations leave more than noise ({', '.join(over)}): a law that the rig has is missing in them, and "
+            "what it does is in these numbers. A diagnosis of either model may say which."
+        )
+    return told
 
 
 def reference_size(estimate: Estimate) -> float:

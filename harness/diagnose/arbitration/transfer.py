@@ -19,6 +19,7 @@ from harness.diagnose.arbitration.arbitrate import (
     notes,
     predictions,
     reference_size,
+    reservations,
     teller,
 )
 from harness.diagnose.arbitration.estimate import WIDE, estimated
@@ -95,18 +96,20 @@ def transfer(
             "the time was up before the model had run", mend="give a longer --time-limit, or none"
         ) from None
     prediction = predictions(asked, runs)
+    left = louder(asked, estimate)
+    counted = None if estimate.reference is None else every[estimate.reference].label
     combinations = by_combination(estimate, alike)
     for row in combinations:
         row["says"] = CARRIES["agree" if row["says"] == name else row["says"]]
     return {
         "schema": SCHEMA,
         "model": name,
-        "summary": _summary(name, prediction, rows, MENDED in runs),
+        "summary": _summary(name, prediction, rows, MENDED in runs) + reservations(counted, left),
         "prediction": prediction,
         "numbers": rows,
-        "counted_by": None if estimate.reference is None else every[estimate.reference].label,
+        "counted_by": counted,
         "combinations": combinations,
-        "louder": louder(asked, estimate),
+        "louder": left,
         "notes": notes({name: system}, system, system),
         "provenance": asked.made_from,
         "curves": curves(asked, runs),
