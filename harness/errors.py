@@ -111,7 +111,9 @@ def unforeseen(error: Exception) -> str:
     if isinstance(error, OSError) and error.errno is not None:
         # Of the machine, not of the code: a full disk, rights, too many open files.
         where = "" if error.filename is None else f"{error.filename}: "
-        return one_line(f"{where}{error.strerror} (make room, or name another place)")
+        gone = isinstance(error, FileNotFoundError)
+        mend = "it should be there: restore it, or begin afresh" if gone else "make room, or name another place"
+        return one_line(f"{where}{error.strerror} ({mend})")
     text = one_line(str(error)) or "no message"
     return f"a defect in denoc: {type(error).__name__}: {text} (DENOC_TRACEBACK=1 shows where)"
 

@@ -137,7 +137,7 @@ def _export(
 ) -> None:
     """Conceal, and write what others may see; says where the answers are."""
     from harness.errors import InputError
-    from harness.proof.export import export
+    from harness.proof.export import GUESSED, export, seed_of_export
     from harness.proof.run import conceal_all
 
     if to.exists() and (not to.is_dir() or any(to.iterdir())):
@@ -146,7 +146,9 @@ def _export(
         raise InputError("is where the answers are kept", source=to, mend="give --export a folder outside of --out")
     with progress("prove") as step:
         try:
-            conceal_all(
+            if seed is None and not (folder / "plan.json").exists():
+                seed = seed_of_export()
+            drawn_from, _ = conceal_all(
                 folder, seed=seed, counts=counts, short=short, workers=workers, dask=dask,
                 progress=lambda stage, done, of: step(done, of, stage),
             )  # fmt: skip
@@ -155,6 +157,12 @@ def _export(
     count = export(folder, to)
     screen = console(None)
     screen.print(f"wrote {count} cases without answers to {to}; keep {folder}, which has them", markup=False)
+    if drawn_from < GUESSED:
+        screen.print(
+            f"seed {drawn_from} is short: who tries all of that size can draw these cases, and their answers, again; "
+            "for entrants you do not know give no --seed",
+            markup=False,
+        )
 
 
 def _tell(proof: Proof, folder: Path, json_file: str | None, page: str = "report.html") -> None:

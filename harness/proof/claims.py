@@ -17,6 +17,7 @@ the file count as failed.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,8 +47,18 @@ def read_claims(path: Path) -> Claims:
     def wrong(what: str, mend: str = "see `denoc prove --help` and the README.md of an export") -> InputError:
         return InputError(what, source=path, mend=mend)
 
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        names = [name for name, _ in pairs]
+        for name in names:
+            if names.count(name) > 1:
+                raise wrong(f'has "{name}" more than once in one object', "write it with a JSON library")
+        return dict(pairs)
+
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        # With or without a mark of its encoding, as some editors write it.
+        data = json.loads(Path(path).read_text(encoding="utf-8-sig"), object_pairs_hook=once)
+    except RecursionError:
+        raise wrong("is nested too deep for any claims", "see the README.md of an export") from None
     except (OSError, UnicodeDecodeError) as error:
         raise wrong(f"cannot be read: {getattr(error, 'strerror', None) or error}", "give a JSON file") from None
     except json.JSONDecodeError as error:
@@ -65,16 +76,26 @@ def read_claims(path: Path) -> Claims:
             raise wrong(f'case {case} has no "findings", a list (empty if nothing is missing)')
         if said.get("verdict", "consistent") not in VERDICTS:
             raise wrong(f"case {case} has the verdict {said['verdict']!r}", f"one of {', '.join(VERDICTS)}")
+        if said["findings"] and said.get("verdict") == "consistent":
+            raise wrong(f"case {case} is consistent and has findings", "leave the one or the other away")
         for number, finding in enumerate(said["findings"], 1):
             _check(finding, f"case {case}, finding {number}", known, wrong)
         for key in ("heldout_rmse", "seconds"):
-            if not _number(said.get(key, 0.0)):
-                raise wrong(f"case {case} has a {key} that is no number: {said[key]!r}")
-    return Claims(str(data.get("entrant", Path(path).stem)), cases)
+            if not _number(said.get(key, 0.0)) or said.get(key, 0.0) < 0.0:
+                raise wrong(f"case {case} has a {key} that is no number of nothing or more: {str(said[key])[:40]!r}")
+    entrant = data.get("entrant") or Path(path).stem  # empty as in the template of an export
+    if not isinstance(entrant, str):
+        raise wrong('has an "entrant" that is no text', "name who claims this")
+    return Claims(entrant, cases)
 
 
 def _number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond any float
+        return False
 
 
 def _check(finding: Any, where: str, known: Mapping[str, set[str]], wrong: Any) -> None:
@@ -91,6 +112,12 @@ def _check(finding: Any, where: str, known: Mapping[str, set[str]], wrong: Any) 
         raise wrong(f'{where} has "parameters" that are no object')
     if not isinstance(finding.get("indistinguishable_from", []), list):
         raise wrong(f'{where} has "indistinguishable_from" that is no list')
+    for other in finding.get("indistinguishable_from", []):
+        if not isinstance(other, str) or other.partition("@")[0] not in known:
+            raise wrong(
+                f'{where} has {str(other)[:40]!r} in "indistinguishable_from", which the catalogue does not know',
+                "its words are in docs/effects.md",
+            )
     for name, estimate in finding.get("parameters", {}).items():
         if name not in known[effect]:
             raise wrong(
@@ -103,6 +130,8 @@ def _check(finding: Any, where: str, known: Mapping[str, set[str]], wrong: Any) 
             isinstance(ends, list) and len(ends) == 2 and all(map(_number, ends)) and ends[0] <= ends[1]
         ):
             raise wrong(f'{where}, {name} has a "ci95" that is not [low, high]')
+        if ends is not None and not ends[0] <= estimate["value"] <= ends[1]:
+            raise wrong(f'{where}, {name} has a "value" outside its own "ci95"')
 
 
 def as_found(said: Mapping[str, Any] | None) -> dict[str, Any]:

@@ -14,6 +14,15 @@ from harness.errors import InputError
 from harness.proof.seal import unseal
 
 NAMES = "exported.json"  # in the proof's folder: exported name -> case
+# Bits of a seed. Who has this code can draw the first rig of every seed and hold it against an exported model: of thirty-one bits
+# that takes days, of so many nobody can.
+SEED_BITS = 128
+GUESSED = 2**80  # a seed below it may be found so
+
+
+def seed_of_export() -> int:
+    """A fresh seed that cannot be tried out."""
+    return secrets.randbits(SEED_BITS) | 1 << (SEED_BITS - 1)
 
 
 def export(proof: Path, to: Path) -> int:
@@ -53,7 +62,7 @@ def answers(proof: Path) -> tuple[dict[str, dict[str, Any]], dict[str, str]]:
     """Sealed answers by case, held against their digests; and the exported name of each case that has one."""
     digests = _digests(proof)
     file = proof / NAMES
-    names = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    names = _table(file) if file.exists() else {}
     return {name: unseal(name, proof / "sealed", published) for name, published in digests.items()}, {
         name: shown for shown, name in names.items()
     }
@@ -70,13 +79,24 @@ def _digests(proof: Path) -> dict[str, str]:
             source=proof,
             mend="give the folder that `denoc prove --export` kept (its --out)",
         )
-    return dict(json.loads((proof / "digests.json").read_text(encoding="utf-8")))
+    return _table(proof / "digests.json")
+
+
+def _table(file: Path) -> dict[str, str]:
+    """A file of text by name; InputError where it is none."""
+    try:
+        read = json.loads(file.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
+        read = None
+    if not isinstance(read, dict) or not all(isinstance(value, str) for value in read.values()):
+        raise InputError("is damaged: no object of texts", source=file, mend="restore it from a copy of the folder")
+    return read
 
 
 def _names(proof: Path, digests: Mapping[str, str]) -> dict[str, str]:
     file = proof / NAMES
     if file.exists():
-        return dict(json.loads(file.read_text(encoding="utf-8")))
+        return _table(file)
     order = list(digests)
     secrets.SystemRandom().shuffle(order)
     width = max(3, len(str(len(order))))

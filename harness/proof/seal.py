@@ -63,7 +63,16 @@ def seal(case: Case, folder: Path, noise_free: Mapping[str, Mapping[str, Array]]
 def unseal(name: str, folder: Path, published: str) -> dict[str, Any]:
     """The answer of a case; InputError if it is not the one whose digest was published."""
     path = folder / f"{name}.json"
-    text = path.read_text(encoding="utf-8")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(
+            "the sealed answer is gone",
+            source=path,
+            mend="restore it from a copy of the folder, or run the proof afresh",
+        ) from None
+    except UnicodeDecodeError:
+        text = ""
     if digest(text) != published:
         raise InputError(
             "the sealed answer was changed after its digest was published", source=path, mend="run the proof afresh"

@@ -212,6 +212,7 @@ def test_the_commands_go_together(proof: Path, tmp_path, capsys) -> None:
         return int(ended.value.code or 0)
 
     assert status("--resume", kept, "--export", str(to)) == 0
+    assert "seed 20260 is short" in " ".join(capsys.readouterr().out.split())
     assert (
         status("--score", kept, "--claims", str(to / "claims.template.json"), "--json", str(tmp_path / "s.json")) == 0
     )
@@ -227,6 +228,24 @@ def test_the_commands_go_together(proof: Path, tmp_path, capsys) -> None:
         assert status(*arguments) == 2
         said = capsys.readouterr().err
         assert told in said and len(said.strip().splitlines()) == 1
+
+
+def test_the_seed_of_an_export_cannot_be_tried_out(tmp_path, monkeypatch) -> None:
+    # A rig of each of 2^31 seeds takes days to draw; a plan that nobody gave a seed has one of 128 bits.
+    drawn = []
+
+    def conceal_all(folder: Path, *, seed: int, **_: object) -> tuple[int, dict]:
+        drawn.append(seed)
+        return seed, {}
+
+    monkeypatch.setattr("harness.proof.run.conceal_all", conceal_all)
+    monkeypatch.setattr("harness.proof.export.export", lambda *_: 0)
+    for name in ("a", "b"):
+        with pytest.raises(SystemExit):
+            main(["prove", "--quick", "--out", str(tmp_path / name), "--export", str(tmp_path / f"to_{name}")])
+    assert len(set(drawn)) == 2 and min(drawn) >= 2**127
+    # Recordings can be drawn from it: entropy of any length.
+    assert np.random.default_rng([drawn[0], 0]).random() != np.random.default_rng([drawn[1], 0]).random()
 
 
 def _of_friction(**parameters) -> dict:
@@ -245,12 +264,64 @@ def _of_friction(**parameters) -> dict:
         (_of_friction(torque={"value": 1, "ci95": [2, 0]}), "[low, high]"),
         ({"c": {"findings": [], "verdict": "fine"}}, "verdict 'fine'"),
         ({"c": {"findings": [], "seconds": "3 s"}}, "seconds that is no number"),
+        ({"c": {"findings": [], "seconds": -3}}, "seconds that is no number of nothing or more"),
+        ({"c": {"findings": [], "heldout_rmse": 10**400}}, "heldout_rmse that is no number"),
+        (_of_friction(torque={"value": 1, "ci95": [2, 3]}), "outside its own"),
+        ({"c": {"findings": [{"effect": "coulomb_friction", "site": "p"}], "verdict": "consistent"}}, "has findings"),
+        (
+            {"c": {"findings": [{"effect": "coulomb_friction", "site": "p", "indistinguishable_from": [3]}]}},
+            "'3' in \"indistinguishable_from\"",
+        ),
+        (
+            {"c": {"findings": [{"effect": "coulomb_friction", "site": "p", "indistinguishable_from": ["sticktion"]}]}},
+            "'sticktion' in \"indistinguishable_from\"",
+        ),
     ],
 )
 def test_what_is_no_claims_file_is_told_in_one_line(cases: dict, told: str, tmp_path) -> None:
     with pytest.raises(InputError) as error:
         read_claims(_claims(tmp_path / "c.json", cases))
     assert told in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[" * 100_000 + "]" * 100_000, "nested too deep"),
+        ('{"schema": "denoc.claims/1", "cases": {"c": {"findings": []}, "c": {"findings": []}}}', '"c" more than once'),
+        ('{"schema": "denoc.claims/1", "entrant": 5, "cases": {"c": {"findings": []}}}', "no text"),
+    ],
+)
+def test_what_no_library_writes_is_told_in_one_line_too(text: str, told: str, tmp_path) -> None:
+    (tmp_path / "c.json").write_text(text)
+    with pytest.raises(InputError, match=told):
+        read_claims(tmp_path / "c.json")
+
+
+def test_a_mark_of_the_encoding_is_no_matter(tmp_path) -> None:
+    text = '{"schema": "denoc.claims/1", "entrant": "me", "cases": {"c": {"findings": []}}}'
+    (tmp_path / "c.json").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    assert read_claims(tmp_path / "c.json").entrant == "me"
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "told"),
+    [
+        ("digests.json", "{", "digests.json: is damaged"),
+        ("exported.json", "[]", "exported.json: is damaged"),
+        ("sealed/clean-0.json", None, "clean-0.json: the sealed answer is gone"),
+        ("sealed/clean-0.json", "{}", "was changed"),
+    ],
+)
+def test_a_damaged_folder_is_told_in_one_line(proof: Path, tmp_path, file: str, text: str | None, told: str) -> None:
+    kept = tmp_path / "kept"
+    shutil.copytree(proof, kept)
+    export(kept, tmp_path / "open")
+    (kept / file).unlink()
+    if text is not None:
+        (kept / file).write_text(text)
+    with pytest.raises(InputError, match=told):
+        score_of_claims(kept, tmp_path / "open" / "claims.template.json")
 
 
 def test_claims_of_a_class_and_of_strange_cases(proof: Path, tmp_path) -> None:
