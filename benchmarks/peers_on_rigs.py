@@ -5,8 +5,9 @@
 
 Rigs and their division are those of ``afternoon.py``. Errors are root mean squares [rad or m] over windows as there, from the
 first sample and with the initial state fitted; ``kept`` are the laws that a peer keeps, with 95 % intervals where it has them.
-A peer that is not made for a rig says so, and one that takes longer than the limit is ended, which the file says too. What a file
-has already is not made again, so that a run that was ended goes on.
+A peer that is not made for a rig says so, and one that takes more of the processor than the limit is ended, which the file says
+too; a machine that others use does not count against it. What a file
+has already is not made again, so that a run that was ended goes on; what was ended at a lower limit is.
 """
 
 from __future__ import annotations
@@ -45,18 +46,18 @@ class TooLong(BaseException):
 
 @contextmanager
 def limited(seconds: float | None) -> Iterator[None]:
-    """Raise ``TooLong`` within it after so many seconds of the clock."""
+    """Raise ``TooLong`` within it after so many seconds of the processor."""
 
     def over(*_: Any) -> None:
         raise TooLong
 
-    before = signal.signal(signal.SIGALRM, over)
-    signal.setitimer(signal.ITIMER_REAL, seconds or 0.0)
+    before = signal.signal(signal.SIGPROF, over)
+    signal.setitimer(signal.ITIMER_PROF, seconds or 0.0)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 class Asked(Case):
@@ -129,12 +130,20 @@ def ladder(case: Asked) -> Found:
 
 
 def figaroh(case: Asked) -> Found:
-    """FIGAROH on the effort, pushes from outside left out; with how it predicts the effort held out."""
+    """FIGAROH on the effort, pushes from outside left out; with how it predicts the effort held out, and its numbers where efforts
+    are taken as sampled, as those who published numbers of emps took them."""
     runs, held = case.free_of_pushes(case.train), case.free_of_pushes(case.heldout)
-    found = fit_figaroh(case.system, runs, held, max(swings(case.system)) / (2.0 * np.pi))
+    frequency = max(swings(case.system)) / (2.0 * np.pi)
+    found = fit_figaroh(case.system, runs, held, frequency)
+    sampled = fit_figaroh(case.system, runs, held, frequency, held=False)
     half = {k: 1.96 * v for k, v in found.std.items()}
     kept = [k for k, v in found.values.items() if k[:3] in ("fv_", "fs_", "off") and abs(v) > half[k]]
-    told = {"effort_rmse": found.effort_rmse, "effort_held_out": found.prediction, "physical_fit": found.physical}
+    told: dict[str, Any] = {
+        "effort_rmse": found.effort_rmse,
+        "effort_held_out": found.prediction,
+        "physical_fit": found.physical,
+    }
+    told |= {"efforts_held": found.held, "as_sampled": dict(sampled.values)}
     return found.free_run, {"kept": kept, "values": dict(found.values), "half95": half, **told}
 
 
@@ -157,7 +166,7 @@ PEERS: Mapping[str, Callable[[Asked], Found]] = {
 
 
 def ask(peer: str, case: Asked, limit: float | None = None) -> dict[str, Any]:
-    """One cell of the table; limit: of the clock [s], for what is fitted."""
+    """One cell of the table; limit: of the processor [s], for what is fitted."""
     began, worked = time.perf_counter(), time.process_time()
     try:
         with limited(limit):
@@ -167,10 +176,18 @@ def ask(peer: str, case: Asked, limit: float | None = None) -> dict[str, Any]:
     except NotForIt as error:
         return {"not_for_it": str(error)}
     except TooLong:
-        return {"ended_after_s": limit, "processor_seconds": round(time.process_time() - worked, 1)}
+        return {"ended_after_processor_s": limit, "seconds": round(time.perf_counter() - began, 1)}
     except Exception as error:  # a peer may fail in any way; the table says so
         return {"error": f"{type(error).__name__}: {error}"}
     return {**told, **errors, "seconds": round(seconds, 1), "processor_seconds": round(processor, 1)}
+
+
+def made(cell: Mapping[str, Any] | None, limit: float | None) -> bool:
+    """Whether a cell stands; one that was ended does where the limit is no higher now."""
+    if cell is None:
+        return False
+    ended = cell.get("ended_after_processor_s")
+    return ended is None or (limit is not None and limit <= ended)
 
 
 def main() -> None:
@@ -178,14 +195,14 @@ def main() -> None:
         __doc__ or "",
         peers={"nargs": "+", "choices": PEERS, "default": list(PEERS), "help": "default: all"},
         window=WINDOW,
-        limit={"type": float, "help": "end a peer after so many seconds of the clock; default: never"},
+        limit={"type": float, "help": "end a peer after so many seconds of the processor; default: never"},
     )
     target = Path(arguments.json) if arguments.json else None
     rows: dict[str, Any] = json.loads(target.read_text(encoding="utf-8"))["rigs"] if target and target.exists() else {}
     for rig in arguments.rigs or sorted(p.name for p in folder.iterdir() if (p / "model.urdf").exists()):
         case: Asked | None = None
         for peer in arguments.peers:
-            if peer in rows.get(rig, {}):
+            if made(rows.get(rig, {}).get(peer), arguments.limit):
                 continue
             case = case or Asked(rig, folder, Path(arguments.work), arguments.window)
             row = rows.setdefault(rig, {"unit": case.system.movable_joints[0].position_unit, "window_s": case.window})

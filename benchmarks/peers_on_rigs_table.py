@@ -25,8 +25,8 @@ def cell(entry: Mapping[str, Any] | None) -> str:
     """One peer on one rig."""
     if entry is None:
         return "not asked"
-    if "ended_after_s" in entry:
-        return f"ended after {entry['ended_after_s']:.0f} s"
+    if "ended_after_processor_s" in entry:
+        return f"ended after {entry['ended_after_processor_s']:.0f} s"
     return "failed" if "error" in entry else errors(entry)
 
 
