@@ -145,8 +145,8 @@ def _folds(outcome: Outcome) -> list[tuple[Window, ...]]:
     A single stretch is cut, and each part predicted from where it begins.
     """
     windows = outcome.training.windows
-    if len(windows) == 1 and windows[0].size >= MOST_FOLDS * FEWEST_IN_PART:
-        windows = tuple(equal_parts(windows[0], MOST_FOLDS))
+    if len(windows) == 1:
+        windows = tuple(equal_parts(windows[0], min(MOST_FOLDS, max(windows[0].size // FEWEST_IN_PART, 1))))
     runs = list(dict.fromkeys(w.run for w in windows))
     groups = [[w for w in windows if w.run == run] for run in runs] if len(runs) > 1 else [[w] for w in windows]
     count = min(len(groups), MOST_FOLDS)
