@@ -23,8 +23,8 @@ from scipy.integrate import solve_ivp
 
 import harness
 from harness.recording import Channel, Recording
-from harness.report.files import write_whole
 from harness.system.description import constant
+from harness.whole_files import write_whole
 
 WAVES = 40
 MASS, COM, REACH, ABOUT = 0.55, 0.14, 0.15, 0.0218  # kg, m, m; kg·m² about the joint with the rotor, without a weight

@@ -31,9 +31,9 @@ from harness.proof.peers.runs import as_run
 from harness.proof.seal import digest, unseal
 from harness.recording import read_recordings
 from harness.report.diagnosis.write import write_diagnosis
-from harness.report.files import staged
 from harness.system import Attachment, System
 from harness.system.write import write
+from harness.whole_files import staged
 
 from known_interventions_plain import LAWS, plain  # isort: skip
 from known_interventions_score import scored, shares  # isort: skip

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import InputError, unwritable
+from harness.whole_files import write_whole
 
 SCHEMA = "denoc.journal/1"
 
@@ -60,13 +61,7 @@ class Journal:
         self.path.unlink(missing_ok=True)
 
     def _write(self, lines: list[Any]) -> None:
-        partial = self.path.with_name(f".{self.path.name}.partial")
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            partial.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-            partial.replace(self.path)
-        except OSError as error:
-            raise unwritable(self.path, error) from error
+        write_whole(self.path, "".join(json.dumps(line) + "\n" for line in lines))
 
 
 def results_kept(path: Path) -> int:

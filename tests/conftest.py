@@ -22,7 +22,7 @@ QUICK = {
         "test_thinned_recordings", "test_trials", "test_turning_in_space", "test_turning_joints", "test_unequal_windows",
         "test_unnamed_force", "test_weak_contact", "test_what_acts", "test_zero_of_every_recording",
     ),
-    "proof": ("test_score", "test_truth", "test_same_recordings", "test_practitioner", "test_paper_damping"),
+    "proof": ("test_full_disk", "test_score", "test_truth", "test_same_recordings", "test_practitioner", "test_paper_damping"),
 }  # fmt: skip
 HERE = Path(__file__).parent
 

@@ -83,7 +83,7 @@ def audit(
     screen.print(Text(text, style=f"bold {colour}"))
     document = json_text(found.to_json())
     if out is not None:
-        from harness.report.files import write_folder
+        from harness.whole_files import write_folder
 
         write_folder(out, {"audit.json": document})
     write_json(document, json_file)

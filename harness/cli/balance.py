@@ -26,9 +26,9 @@ def diagnose_engine(
     from harness.errors import InputError, UnsupportedError
     from harness.recording import read_recording
     from harness.report.balance import balance_document, balance_picture, print_balance
-    from harness.report.files import write_folder
     from harness.report.json_text import json_text
     from harness.system import load
+    from harness.whole_files import write_folder
 
     if len(recordings) != 1:
         raise InputError("--engine takes one recording", mend="give them one after the other")

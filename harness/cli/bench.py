@@ -66,7 +66,7 @@ def bench(
     answer = document(rows, machine())
     print_bench(answer, screen)
     if out is not None:
-        from harness.report.files import write_folder
+        from harness.whole_files import write_folder
 
         for path in write_folder(out, bench_files(answer)):
             screen.print(f"wrote {path}", markup=False)

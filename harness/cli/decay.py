@@ -68,10 +68,10 @@ def decay(
     from harness.errors import InputError
     from harness.recording import read_recording
     from harness.recording.units import written
-    from harness.report.files import write_folder, write_whole
     from harness.report.json_text import json_text
     from harness.system import load
     from harness.system.lowering import freed, one_degree
+    from harness.whole_files import write_folder, write_whole
 
     if plot is not None and not plot.lower().endswith(".svg"):
         raise InputError(f"unknown ending {Path(plot).suffix!r}", source=plot, mend="name an .svg file")

@@ -41,7 +41,7 @@ def doctor(out: Path | None, json_file: str | None) -> int:
         ensure_ascii=False,
     )
     if out is not None:
-        from harness.report.files import write_folder
+        from harness.whole_files import write_folder
 
         write_folder(out, {"doctor.json": document + "\n"})
     write_json(document, json_file)

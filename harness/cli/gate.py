@@ -102,7 +102,7 @@ def gate(
     from harness.cases.users import names_of
     from harness.errors import InputError
     from harness.report import gate as said
-    from harness.report.files import write_whole
+    from harness.whole_files import write_whole
 
     if (why is not None or new or remove) and not accept:
         raise InputError("--why, --new and --remove go with --accept", mend="add --accept, or leave them out")

@@ -79,7 +79,7 @@ def write_json(text: str, json_file: str | None) -> None:
     if json_file == "-":
         click.echo(text, nl=False)
         return
-    from harness.report.files import write_whole
+    from harness.whole_files import write_whole
 
     write_whole(json_file, text)
 

@@ -73,9 +73,9 @@ def paper(
 
     from harness.errors import InputError
     from harness.report.columns import print_table
-    from harness.report.files import write_folder
     from harness.report.json_text import json_text
     from harness.report.paper import document, drawn, markdown_table
+    from harness.whole_files import write_folder
 
     if what not in DRAWN and (seed is not None or draws is not None):
         raise InputError(f"{what} conceals nothing", mend="leave out --seed and --draws")

@@ -10,6 +10,7 @@ import click
 
 from harness.cli.interrupt import Interrupted
 from harness.cli.options import console, output_options, progress, wide_options, write_json
+from harness.whole_files import nothing_in
 
 if TYPE_CHECKING:
     from harness.proof.run import Proof
@@ -97,7 +98,7 @@ def prove(
             raise InputError("--resume and --out name different folders", mend="give the one or the other")
         if not (folder / "plan.json").exists():
             raise InputError("holds no proof to go on with", source=folder, mend="give the folder of an earlier --out")
-    elif folder.exists() and any(path.suffix != ".partial" for path in folder.iterdir()):
+    elif folder.exists() and not nothing_in(folder):
         raise InputError("is not empty", source=folder, mend=f"give another --out, or go on with --resume {folder}")
     counts = QUICK if quick else FULL if cases is None else scaled(cases)
     if export is not None:
@@ -167,10 +168,10 @@ def _export(
 
 def _tell(proof: Proof, folder: Path, json_file: str | None, page: str = "report.html") -> None:
     """Table on the terminal, page in the folder, document where it is asked for."""
-    from harness.report.files import write_whole
     from harness.report.json_text import json_text
     from harness.report.proof import print_proof
     from harness.report.proof_page import proof_html
+    from harness.whole_files import write_whole
 
     document = proof.to_json()
     screen = console(json_file)

@@ -80,7 +80,7 @@ def _compare(before: Results, after: Results, out: Path | None, json_file: str |
 
     from harness.cases.between import between
     from harness.report.comparison import comparison_html, comparison_markdown, print_comparison
-    from harness.report.files import write_folder
+    from harness.whole_files import write_folder
 
     found = between(before, after)
     print_comparison(found, screen)

@@ -134,8 +134,8 @@ def _audit_import(
 ) -> int:
     from harness.cases.import_audit import audit_import
     from harness.errors import InputError
-    from harness.report.files import write_folder
     from harness.report.import_audit import import_audit_json, print_import_audit
+    from harness.whole_files import write_folder
 
     if not models:
         raise InputError("--audit-import needs a model", mend="denoc validate robot.urdf --audit-import")

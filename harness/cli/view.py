@@ -54,10 +54,10 @@ def view(
     from harness.report.animation.beside import beside, simulated
     from harness.report.animation.page import animation_html
     from harness.report.animation.scene import scene
-    from harness.report.files import write_whole
     from harness.report.json_text import json_text
     from harness.system import load
     from harness.system.lowering import freed, one_degree
+    from harness.whole_files import write_whole
 
     if out is not None and Path(out).suffix.lower() not in (".html", ".htm"):
         raise InputError(f"unknown ending {Path(out).suffix!r}", source=out, mend="use .html")

@@ -6,13 +6,13 @@ import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 from harness.cases.json_file import read_json
 from harness.errors import InputError
 from harness.fleet.question import Question
 from harness.fleet.units import Unit
 from harness.journal import code_digest
+from harness.whole_files import nothing_in, write_whole
 
 SCHEMA = "denoc.unit/1"
 PLAN = "plan.json"
@@ -36,7 +36,7 @@ def begin(folder: Path, question: Question) -> None:
                 f"holds answers with {what.replace('_', ' ')}", source=folder, mend="give the same, or another --out"
             )
         return
-    if folder.exists() and (not folder.is_dir() or any(p.suffix != ".partial" for p in folder.iterdir())):
+    if folder.exists() and (not folder.is_dir() or not nothing_in(folder)):
         raise InputError("is not empty, and holds no fleet's answers", source=folder, mend="give another --out")
     try:
         (folder / UNITS).mkdir(parents=True, exist_ok=True)
@@ -51,9 +51,7 @@ def answer_file(folder: Path, name: str) -> Path:
 
 def write(path: Path, document: Any) -> None:
     """Write JSON so that a reader finds it whole or not at all, also where two write it at once."""
-    partial = path.with_name(f".{uuid4().hex}.partial")
-    partial.write_text(json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def keep(

@@ -12,6 +12,7 @@ from typing import Any
 
 from harness.errors import InputError
 from harness.proof.seal import unseal
+from harness.whole_files import write_whole
 
 NAMES = "exported.json"  # in the proof's folder: exported name -> case
 # Bits of a seed. Who has this code can draw the first rig of every seed and hold it against an exported model: of thirty-one bits
@@ -101,7 +102,5 @@ def _names(proof: Path, digests: Mapping[str, str]) -> dict[str, str]:
     secrets.SystemRandom().shuffle(order)
     width = max(3, len(str(len(order))))
     names = {f"case-{k:0{width}d}": name for k, name in enumerate(order, 1)}
-    partial = file.with_suffix(".partial")
-    partial.write_text(json.dumps(names, indent=1) + "\n", encoding="utf-8")
-    partial.replace(file)
+    write_whole(file, json.dumps(names, indent=1) + "\n")
     return names

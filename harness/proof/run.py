@@ -26,6 +26,7 @@ from harness.proof.seal import digest, seal, unseal
 from harness.proof.truth import NoSolutionError
 from harness.proof.visibility import DETECTION_LIMIT
 from harness.proof.write import write_case
+from harness.whole_files import write_whole
 
 # Without flexible rigs, which take minutes each.
 QUICK = {"single": 16, "pair": 5, "triple": 1, "clean": 10, "outside": 8}
@@ -336,6 +337,4 @@ def _ticker(progress: Progress | None, stage: str, of: int, done: int = 0) -> Ca
 
 
 def _write(path: Path, data: Any) -> None:
-    partial_file = path.with_suffix(".partial")
-    partial_file.write_text(json.dumps(data, indent=1, allow_nan=True), encoding="utf-8")
-    partial_file.replace(path)
+    write_whole(path, json.dumps(data, indent=1, allow_nan=True))

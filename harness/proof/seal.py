@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from harness.errors import InputError
 from harness.proof.draw import Case
 from harness.proof.visibility import DETECTION_LIMIT
+from harness.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -52,11 +53,7 @@ def digest(text: str) -> str:
 def seal(case: Case, folder: Path, noise_free: Mapping[str, Mapping[str, Array]] | None = None) -> str:
     """Write the sealed answer and return its digest."""
     text = json.dumps({"salt": secrets.token_hex(16), **answer(case, noise_free)}, indent=1)
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{case.name}.json"
-    partial = path.with_suffix(".partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
+    write_whole(folder / f"{case.name}.json", text)
     return digest(text)
 
 

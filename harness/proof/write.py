@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from harness.proof.draw import Case
+from harness.whole_files import write_folder
 
 Array = NDArray[np.float64]
 
@@ -40,19 +43,15 @@ def write_case(case: Case, folder: Path, rng: np.random.Generator) -> dict[str, 
             data[column] = noisy
         frames.append(data)
     # Only now, so that a truth which turns out to have no solution leaves nothing behind.
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "model.toml").write_text(case.nominal.toml(), encoding="utf-8")
-    for number, frame in enumerate(frames, 1):
-        rows = np.column_stack(list(frame.values()))
-        header = ",".join(frame)
-        np.savetxt(
-            folder / f"run{number}.csv",
-            rows,
-            "%.9g",
-            ",",
-            header=header,
-            comments="",
-            encoding="utf-8",
-            newline="\n",
-        )
+    runs = {f"run{number}.csv": _table(frame) for number, frame in enumerate(frames, 1)}
+    write_folder(folder, {"model.toml": case.nominal.toml(), **runs})
     return noise_free
+
+
+def _table(frame: Mapping[str, Array]) -> str:
+    """Columns as comma-separated values, nine digits each."""
+    text = StringIO()
+    np.savetxt(
+        text, np.column_stack(list(frame.values())), "%.9g", ",", header=",".join(frame), comments="", newline="\n"
+    )
+    return text.getvalue()

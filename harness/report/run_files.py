@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from harness.errors import InputError, MissingPackageError
-from harness.report.files import staged, write_whole
+from harness.whole_files import staged, write_whole
 
 Columns = Mapping[str, Any]
 # Of joints that turn and of those that slide.

@@ -8,8 +8,8 @@ from pathlib import Path
 from harness.cases.gate import Judgement, SelfTest
 from harness.cases.results import Results
 from harness.errors import InputError
-from harness.report.files import write_folder
 from harness.system.suggest import did_you_mean
+from harness.whole_files import write_folder
 
 
 def _html(results: Results) -> str:

@@ -16,13 +16,13 @@ from lxml import html as lxml_html
 from harness.cases.case import Row, Series
 from harness.cases.results import Results
 from harness.errors import InputError
-from harness.report.files import staged, write_folder, write_whole
 from harness.report.html import html
 from harness.report.junit import junit
 from harness.report.markdown import markdown
 from harness.report.table_csv import table_csv
 from harness.report.terminal import print_results
 from harness.report.write import FILES, write_reports
+from harness.whole_files import staged, write_folder, write_whole
 
 NASTY = '<script>alert("x")</script> | a & b'
 PASSED = Row("swing", "mass_matrix", ("denoc", "mujoco"), 3e-10, 1e-8, "rad", "because", "pass", source="a book")

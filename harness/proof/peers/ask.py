@@ -28,6 +28,7 @@ from harness.proof.peers.servo_friction import servo_claims
 from harness.proof.peers.sysid import sysid_claims
 from harness.proof.score import CaseScore
 from harness.proof.seal import unseal
+from harness.whole_files import write_whole
 
 OURS = "denoc"
 PEERS: dict[str, Callable[[Path], dict[str, Any]]] = {
@@ -134,9 +135,4 @@ def own(out: Path, name: str) -> dict[str, Any]:
 
 def _save(path: Path, peer: str, said: dict[str, Any]) -> None:
     """Whole or not at all, after every case: each takes minutes."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial")
-    partial.write_text(
-        json.dumps({"schema": "denoc.claims/1", "entrant": peer, "cases": said}, indent=1), encoding="utf-8"
-    )
-    partial.replace(path)
+    write_whole(path, json.dumps({"schema": "denoc.claims/1", "entrant": peer, "cases": said}, indent=1))

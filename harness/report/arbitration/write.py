@@ -11,10 +11,10 @@ from typing import Any
 from harness.report.arbitration import rows
 from harness.report.arbitration.sections import Answer, Curves, Intervals, Motion, Table, Where
 from harness.report.diagnosis.page import when
-from harness.report.files import write_folder
 from harness.report.html import page
 from harness.report.sections.notes import ModelNotes
 from harness.report.sections.section import Section
+from harness.whole_files import write_folder
 
 TITLES = {
     "denoc.arbitration/1": ("arbitration", "Two models, the same recordings"),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.errors import InputError
-from harness.report.files import staged, write_folder
+from harness.whole_files import staged, write_folder
 
 if TYPE_CHECKING:
     from harness.diagnose.answer.diagnosis import Diagnosis

@@ -12,7 +12,6 @@ from harness.diagnose.answer.findings import Findings
 from harness.fleet import Fleet
 from harness.recording.units import written
 from harness.report.figures.canvas import INK, canvas, colour
-from harness.report.files import staged, write_whole
 from harness.report.fleet import rows
 from harness.report.fleet.rows import WORDS, Document, Shown
 from harness.report.fleet.terminal import extent
@@ -21,6 +20,7 @@ from harness.report.json_text import json_text
 from harness.report.sections.comparison import TEMPLATE, comparison
 from harness.report.sections.section import Section
 from harness.report.table_csv import tame
+from harness.whole_files import staged, write_whole
 
 COLUMNS = (
     "fleet_unit", "verdict", "complete", "failed", "effect", "site", "grade", "parameter", "value", "std", "low", "high", "unit",

@@ -66,6 +66,11 @@ def write_folder(folder: str | Path, files: Mapping[str, str | bytes]) -> list[P
         raise unwritable(folder, error) from error
 
 
+def nothing_in(folder: Path) -> bool:
+    """Whether a folder has nothing in it but what writing that was ended in the middle has left."""
+    return all(path.name.startswith(".") for path in folder.iterdir())
+
+
 def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
