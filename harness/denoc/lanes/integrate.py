@@ -62,13 +62,17 @@ LONGEST, PER_SAMPLE = (
     50_000,
     20,
 )  # steps after which a lane is given up: so many, and so many more for every sample asked for
+# Steps after which it is asked how far a lane has come, and how many it may need for the rest at that pace: where joints stick and
+# slide by turns without end it stands still, and would take a thousand times longer than a lane that moves.
+ASKED, HOPELESS = 500, 1e9
 
 # Per-lane bookkeeping, in vectors of eight lanes.
 CLOCK, STEP, USED, STALL, DIRTY, ALIVE, ERROR_5, ERROR_3, UNTIL, CUT, GRIPPED, SUSPECT, LOADED, MAY, WANTS = range(15)
 # How far a step is taken, where in it a mode changes (fraction), of which joint and how; what is being sampled; a growth.
 REACH, CHANGES, WHICH, WHAT, SAMPLED, GROWTH = range(15, 21)
 KINK = 21  # 1 where dry friction turns round within the step, as what creeps or gives way does within little time
-LEDGER = 22
+MARK = 22  # where a lane was when it was last asked how far it has come
+LEDGER = 23
 
 # Friction that is soft or creeps turns round within a ten thousandth of a second, which no stage may fall into. The estimate of
 # such a step's error is too small, by fifty times as a rule and by ten thousand at worst, and counts this many times.
@@ -325,6 +329,7 @@ def run_group(
     for lane in range(8):
         source = first_lane + min(lane, lanes - 1)
         ledger[CLOCK * 8 + lane] = time[0]
+        ledger[MARK * 8 + lane] = time[0]
         ledger[STEP * 8 + lane] = min(longest[source], 2e-3)
         ledger[STALL * 8 + lane] = 0.0
         ledger[DIRTY * 8 + lane] = 1.0
@@ -358,7 +363,15 @@ def run_group(
                 ws[j + CONTACT * 8] = 1.0
     for f in range(width):
         store(slopes, f * 8, spread(0.0))
-    for _ in range(LONGEST + PER_SAMPLE * time.shape[0]):
+    for taken in range(LONGEST + PER_SAMPLE * time.shape[0]):
+        if taken > 0 and taken % ASKED == 0:
+            for lane in range(lanes):
+                t = ledger[CLOCK * 8 + lane]
+                left = time[max(counts[first_lane + lane] - 1, 0)] - t
+                if left * ASKED > HOPELESS * (t - ledger[MARK * 8 + lane]):
+                    # Its samples stay what they were (nan).
+                    ledger[ALIVE * 8 + lane] = 0.0
+                ledger[MARK * 8 + lane] = t
         # Where a lane stands on a break of the effort, the next segment begins.
         anyone = 0
         dirty = 0
