@@ -20,7 +20,7 @@ from harness.cases.beams import (
 )
 from harness.cases.case import NATIVE, Bench, Case, Row, Series
 from harness.cases.checks import EnergyKept, Measured
-from harness.cases.checks.beam_blame import by_frequencies
+from harness.cases.checks.beam_blame import afloat, by_frequencies
 from harness.cases.checks.beam_frequency import BeamFrequencyTruth
 from harness.cases.checks.deflection import Accuracy, DeflectionAgreement
 from harness.cases.checks.period import CITES, period_ratio
@@ -28,7 +28,6 @@ from harness.cases.pendulums import HUB
 from harness.compare.spectrum import match_modes, parted, swing
 from harness.errors import UnsupportedError
 from harness.system import Link, System
-from harness.system.description import constant
 
 HORIZONTAL = (("pivot", -math.pi / 2.0),)
 ANCF = "exudyn_ancf"
@@ -71,7 +70,7 @@ def weightless(check: BeamFrequencyTruth, system: System) -> Measured:
 
 def _weightless(bench: Bench, modes: int) -> dict[float, float]:
     """Ratios of ANCF's bending frequencies without gravity to the native ones, by those [Hz]."""
-    floating = replace(bench.system, gravity=constant(np.zeros(3)))
+    floating = afloat(bench.system)
     zero = np.zeros(len(bench.system.coordinate_names))
     ours, theirs = (np.asarray(bench.build(name, floating).frequencies(zero)) for name in (NATIVE, ANCF))
     # What swings does not without weight.

@@ -10,7 +10,7 @@ import click
 
 from harness.cli.interrupt import Interrupted
 from harness.cli.options import console, output_options, progress, wide_options, write_json
-from harness.whole_files import nothing_in
+from harness.whole_files import nothing_in, write_whole
 
 if TYPE_CHECKING:
     from harness.proof.run import Proof
@@ -171,7 +171,6 @@ def _tell(proof: Proof, folder: Path, json_file: str | None, page: str = "report
     from harness.report.json_text import json_text
     from harness.report.proof import print_proof
     from harness.report.proof_page import proof_html
-    from harness.whole_files import write_whole
 
     document = proof.to_json()
     screen = console(json_file)

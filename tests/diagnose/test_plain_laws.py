@@ -28,7 +28,8 @@ def _set(criterion: float, held: float, *names: str) -> Any:
 def _told(monkeypatch: pytest.MonkeyPatch, best: Any, *others: Any, sure: bool = False) -> Any:
     study = SimpleNamespace(criterion=lambda f: f.criterion, fits={f.hypothesis.identity: f for f in (best, *others)})
     monkeypatch.setattr(module, "judge", lambda outcome, fitted: SimpleNamespace(cost=fitted.held))
-    return plain_laws(SimpleNamespace(study=study), best, sure=sure)  # type: ignore[arg-type]
+    outcome: Any = SimpleNamespace(study=study)
+    return plain_laws(outcome, best, sure=sure)
 
 
 NOTHING = _set(388.0, 100.0)

@@ -37,18 +37,19 @@ def by_frequencies(
     place: dict[str, object] = {} if mode is None else {"mode": mode + 1}
     chosen = sorted(ratios)
     start = np.zeros(len(system.coordinate_names)) if at is None else at
-    own = np.asarray(Denoc(system).frequencies(start))
+    own = _frequencies(system, start)
     pairs = dict(match_modes(np.asarray(true), own))
     chosen = [k for k in chosen if k in pairs]
     also = weightless or {}
     if len(chosen) + len(also) < 2:
         return "", place or None
     where = [pairs[k] for k in chosen]
-    there = [nearest(_afloat(system, start), frequency) for frequency in also]
+    floating = _frequencies(afloat(system), start) if also else np.zeros(0)
+    there = [int(np.abs(floating - frequency).argmin()) for frequency in also]
 
     def answer(of: System) -> Array:
-        values = np.asarray(Denoc(of).frequencies(start))[where]
-        return np.log(np.append(values, _afloat(of, start)[there] if there else ()))
+        values = _frequencies(of, start)[where]
+        return np.log(np.append(values, _frequencies(afloat(of), start)[there] if there else ()))
 
     found = explain(system, answer, np.log([*(ratios[k] for k in chosen), *also.values()]), squares)
     if not found:
@@ -56,13 +57,14 @@ def by_frequencies(
     return sentence(found, other), place | found[0].number.place
 
 
-def _afloat(system: System, start: Array) -> Array:
-    """Frequencies without gravity [Hz]."""
-    return np.asarray(Denoc(replace(system, gravity=constant(np.zeros(3)))).frequencies(start))
+def afloat(system: System) -> System:
+    """The system without gravity."""
+    return replace(system, gravity=constant(np.zeros(3)))
 
 
-def nearest(values: Array, value: float) -> int:
-    return int(np.abs(values - value).argmin())
+def _frequencies(system: System, start: Array) -> Array:
+    """Of the native dynamics [Hz]."""
+    return np.asarray(Denoc(system).frequencies(start))
 
 
 def by_forces(bench: Bench, name: str, q: Array, qd: Array) -> tuple[str, dict[str, object]]:

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, filtfilt
 
-from harness.compare.peers.runs import NotForIt, Run, heldout_error
+from harness.compare.peers.runs import NotForIt, Run, heldout_error, pushed, ways
 from harness.compare.peers.servo_friction import swing_of_one_joint
 from harness.system import JointType, System
 from harness.system.write import write
@@ -70,13 +70,10 @@ class Identified:
 
     def free_run(self, state: Array, time: Array, tau: Array | None) -> Array:
         """Positions (T, 1) from a state (2,)."""
-        pushed = np.zeros(len(time))
-        if tau is not None:
-            acting = Run(time, tau, tau).acting(self.held).efforts
-            assert acting is not None
-            pushed = acting[:, 0]
         a, b, c = self.gravity
-        out = swing_of_one_joint(state, time, pushed - c, self.inertia, a, b, self.viscous, self.dry)
+        out = swing_of_one_joint(
+            state, time, pushed(time, tau, self.held) - c, self.inertia, a, b, self.viscous, self.dry
+        )
         return out[:, None]
 
 
@@ -98,7 +95,7 @@ def fit_figaroh(
         # Pinocchio has cosine and sine of such a joint as positions, FIGAROH one column a joint.
         system = system.replace_joint(replace(joint, type=JointType.REVOLUTE))
     found = []
-    for way in (False, True) if held is None else (held,):
+    for way in ways(train, held):
         known, judged = ([run.at_samples(way) for run in some] for some in (train, heldout))
         found += [replace(_fitted(system, known, judged, above * frequency), held=way) for above in ABOVE]
     return min(found, key=lambda one: heldout_error(one.free_run, train))

@@ -33,11 +33,6 @@ class Run:
     efforts: Array | None = None
 
     @property
-    def ways(self) -> tuple[bool, ...]:
-        """Whether its efforts may be held from sample to sample: a recording does not say it."""
-        return (False, True) if self.driven else (False,)
-
-    @property
     def driven(self) -> bool:
         return self.efforts is not None and bool(np.any(self.efforts))
 
@@ -69,13 +64,8 @@ class Run:
         return self if self.efforts is not None or every < 2 else Run(self.time[::every], self.positions[::every])
 
     def acting(self, held: bool) -> Run:
-        """Efforts that act on average from each sample to the next: as sampled where a controller holds them, between the two
-        where they are smooth."""
-        if self.efforts is None or held:
-            return self
-        return Run(
-            self.time, self.positions, np.vstack([0.5 * (self.efforts[:-1] + self.efforts[1:]), self.efforts[-1:]])
-        )
+        """Efforts that act on average from each sample to the next; see ``acting``."""
+        return self if self.efforts is None else Run(self.time, self.positions, acting(self.efforts, held))
 
     def at_samples(self, held: bool) -> Run:
         """Efforts at the samples themselves, where held ones jump: half of what was and of what comes."""
@@ -92,6 +82,24 @@ class Run:
             np.polynomial.polynomial.polyfit(self.time[:count] - self.time[0], p[:count], 2) for p in self.positions.T
         ]
         return np.array([f[0] for f in fits] + [f[1] for f in fits])
+
+
+def acting(efforts: Array, held: bool) -> Array:
+    """Efforts (T, n) that act on average from each sample to the next: as sampled where a controller holds them, between the two
+    where they are smooth."""
+    return efforts if held else np.vstack([0.5 * (efforts[:-1] + efforts[1:]), efforts[-1:]])
+
+
+def pushed(time: Array, tau: Array | None, held: bool) -> Array:
+    """The same of the one joint of a rig, (T,); nothing where no effort (T, 1) is known."""
+    return np.zeros(len(time)) if tau is None else np.ascontiguousarray(acting(tau, held)[:, 0])
+
+
+def ways(runs: Sequence[Run], held: bool | None = None) -> tuple[bool, ...]:
+    """Whether efforts may be held from sample to sample: as told, or both where something drives and nobody says it."""
+    if held is not None:
+        return (held,)
+    return (False, True) if any(run.driven for run in runs) else (False,)
 
 
 def as_run(system: System, recording: Recording) -> Run:

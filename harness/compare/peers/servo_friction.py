@@ -31,7 +31,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.compare.peers.runs import Run, heldout_error
+from harness.compare.peers.runs import Run, heldout_error, pushed
 
 Array = NDArray[np.float64]
 
@@ -156,13 +156,9 @@ class Servo:
         """Positions (T, 1) from a state as it reads (2,)."""
         p = np.array([self.values[name] for name in NAMES])
         out = np.empty(len(time))
-        pushed = np.zeros(len(time))
-        if tau is not None:
-            acting = Run(time, tau, tau).acting(self.held).efforts
-            assert acting is not None
-            pushed = np.ascontiguousarray(acting[:, 0])
         directional = self.model in DIRECTIONAL
-        _swing(state[0], state[1], time, pushed, self.arm.inertia, self.arm.cosine, self.arm.sine, p, directional, out)
+        effort = pushed(time, tau, self.held)
+        _swing(state[0], state[1], time, effort, self.arm.inertia, self.arm.cosine, self.arm.sine, p, directional, out)
         return out[:, None]
 
 

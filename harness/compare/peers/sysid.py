@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.compare.peers.runs import Run, heldout_error
+from harness.compare.peers.runs import Run, heldout_error, ways
 from harness.system import Link, System
 from harness.system.description import constant
 from harness.system.write import write
@@ -481,13 +481,11 @@ def fit_sysid(
     interval = float(np.median(np.diff(runs[0].time)))
     step = interval / max(1, int(np.ceil(interval / STEP - 1e-6)))
     rig = _rig(system, runs, step)
-    driven = any(r.driven for r in runs)
-    inertial = inertial or (DRIVEN if driven else FREE)
+    inertial = inertial or (DRIVEN if rig.driven else FREE)
     best: tuple[float, Any, dict[str, float], Any, bool] | None = None
     for freed in inertial:
-        if best is not None:  # the first set has said whether efforts are held
-            held = best[-1]
-        for way in [bool(held)] if held is not None or not driven else [False, True]:
+        # The first set says whether efforts are held.
+        for way in ways(runs, held if best is None else best[-1]):
             residual, in_pieces = (_residual(rig, some, step, way) for some in (runs, pieces))
             parameters, nominal = _parameters(rig, len(runs), freed)
             of_pieces, _ = _parameters(rig, len(pieces), freed)

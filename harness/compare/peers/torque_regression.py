@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from harness.compare.peers.runs import NotForIt, Run
+from harness.compare.peers.runs import NotForIt, Run, pushed, ways
 from harness.denoc import Denoc
 from harness.system import System
 
@@ -74,17 +74,16 @@ class Sparse:
         p[0] += self.system.movable_joints[0].damping
         p[1] += self.system.movable_joints[0].friction
         out = np.empty(len(time))
-        pushed = np.zeros(len(time)) if tau is None else np.ascontiguousarray(tau[:, 0])
-        _swing(state[0], state[1], np.ascontiguousarray(time), pushed, inertia, weight, p, self.soft, self.held, out)
+        sampled = pushed(time, tau, held=True)
+        _swing(state[0], state[1], np.ascontiguousarray(time), sampled, inertia, weight, p, self.soft, self.held, out)
         return out[:, None]
 
 
 def fit_regression(system: System, train: Sequence[Run], heldout: Sequence[Run]) -> Sparse:
     """Terms for every joint; see above. Raises ImportError where pysindy is not installed."""
-    ways = (False, True) if any(run.driven for run in train) else (False,)
     found = [
         replace(_fitted(system, [r.at_samples(way) for r in train], [r.at_samples(way) for r in heldout]), held=way)
-        for way in ways
+        for way in ways(train)
     ]
     return min(found, key=lambda one: one.error)
 

@@ -259,7 +259,6 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     )
     deadline.begin(Stage.CRITICISM)
     reached.wanted = wanted
-    instead: Fit | None = None
     if outcome.evidence is None:
         best, remains, incomplete, doubted, unproven = _criticised(outcome, wanted, reached)
     else:
@@ -270,6 +269,7 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     incomplete = incomplete or bool(doubted) or outcome.force is not None
     reached.settled, reached.remains, reached.incomplete, reached.criticised = best, remains, incomplete, True
     claims = _claims(outcome, best, remains)
+    instead = None
     if outcome.evidence is not None:
         instead = plain_laws(outcome, best, sure=any(claim.of_class >= SURE for claim in claims))
     if instead is not None:

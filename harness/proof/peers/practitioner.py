@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import norm
 
+from harness.compare.peers.runs import ways
 from harness.proof.peers.afternoon_motion import Law, Motion
 from harness.proof.peers.runs import Run, as_run, finding
 from harness.system import System
@@ -83,7 +84,7 @@ class Practitioner:
         self.windows = [w.thinned() for r, g in zip(runs, gaps, strict=True) for w in r.cut(window, g)]
         short = FIRST_WINDOW if window is None else min(window, FIRST_WINDOW)
         self.short = [w.thinned() for r, g in zip(runs, gaps, strict=True) for w in r.cut(short, g)]
-        self.held = held
+        self.ways = ways(runs, held)
         self.driven = any(r.driven for r in runs)
         speeds = [np.abs(np.diff(r.positions, axis=0) / np.diff(r.time)[:, None]) for r in self.short]
         self.fastest = np.max([np.quantile(s, 0.999, axis=0) for s in speeds], axis=0)
@@ -209,16 +210,14 @@ class Practitioner:
         law_of = partial(self._law, names)
         best: tuple[Array, Array, Array] | None = None
         best_held = False
-        ways = [bool(self.held)] if self.held is not None or not self.driven else [False, True]
-        if near is not None:
-            ways = [near.held]
+        tried = self.ways if near is None else (near.held,)
         ends: list[Array] = []
         for start in self._starts(names) if near is None else [self._like(names, near)]:
-            close, *_ = self._fit(law_of, start, bounds, self.short, ways[0], ROUNDS // 2)
+            close, *_ = self._fit(law_of, start, bounds, self.short, tried[0], ROUNDS // 2)
             if any(np.allclose(close, other, rtol=1e-3, atol=1e-4) for other in ends):
                 continue
             ends.append(close)
-            for held in ways:
+            for held in tried:
                 found = self._fit(law_of, close, bounds, self.windows, held, ROUNDS)
                 if best is None or float(found[1] @ found[1]) < float(best[1] @ best[1]):
                     best, best_held = found, held
