@@ -101,12 +101,13 @@ def recording(
 
 
 def four_bar(
-    seconds: float = 5.0, closing: str = CLOSED, seen: str = "crank", step: str = "0.0001", **hidden: float
-) -> list[Recording]:
-    """Two recordings of one joint of the four-bar."""
+    seconds: float = 5.0, closing: str = CLOSED, seen: str = "crank", step: str = "0.0001",
+    starts: Sequence[float] = STARTS, **hidden: float,
+) -> list[Recording]:  # fmt: skip
+    """Two recordings of one joint of the four-bar, let go at these angles of the crank [rad]."""
     text = FOUR_BAR.format(**NOTHING | hidden, closing=closing).replace('timestep="0.0001"', f'timestep="{step}"')
     out = []
-    for k, crank in enumerate(STARTS):
+    for k, crank in enumerate(starts):
         time, q = motion(text, closed(crank), np.zeros(3), seconds)
         place = ("crank", "pin", "rocker").index(seen)
         out.append(recording(f"run{k}", time, {(seen, "position"): q[:, place]}, 5e-4, k))
