@@ -25,10 +25,11 @@ def folder(tmp_path_factory):
     decay = 0.5 * damping / inertia
     rate = np.sqrt(moment / inertia - decay**2)
     rng = np.random.default_rng(0)
+    # Of a joint that the models have not: left out, and said to be.
     for k, angle in enumerate((0.05, 0.04, 0.03), 1):
         q = angle * np.exp(-decay * time) * (np.cos(rate * time) + decay / rate * np.sin(rate * time))
-        table = np.column_stack([time, q + 1e-4 * rng.standard_normal(len(time))])
-        np.savetxt(made / f"run{k}.csv", table, delimiter=",", header="time,pivot.position", comments="")
+        table = np.column_stack([time, q + 1e-4 * rng.standard_normal(len(time)), 0.1 * np.sin(time)])
+        np.savetxt(made / f"run{k}.csv", table, delimiter=",", header="time,pivot.position,elbow.position", comments="")
     for name, joint, own in (("good", "pivot", 2e-3), ("bad", "pivot", 8e-3), ("other", "hinge", 2e-3)):
         (made / f"{name}.urdf").write_text(URDF.format(joint=joint, damping=own))
     return made
@@ -55,12 +56,14 @@ def test_documents_and_pages_are_written(folder, tmp_path, capfd):
         )
         == 0
     )
-    shown = capfd.readouterr().out
+    shown, noted = capfd.readouterr()
     assert "good.urdf" in shown and "viscous damping at pivot" in shown
+    assert "note: run1: elbow.position: is of a joint that the model has not" in noted
     for name in ("arbitration", "transfer"):
         document = json.loads((tmp_path / f"{name}.json").read_text())
         schema = json.loads((SCHEMAS / f"denoc.{name}-1.json").read_text())
         jsonschema.validate(document, schema)
+        assert sum("elbow.position" in note for note in document["notes"]) == 3
         page = (tmp_path / f"{name}.html").read_text()
         assert "viscous damping at pivot" in page and 'class="plot"' in page
     whole = json.loads((tmp_path / "all.json").read_text())
@@ -76,6 +79,7 @@ def test_documents_and_pages_are_written(folder, tmp_path, capfd):
         ((), ("--model", "--compare")),
         (("--compare", "good.urdf", "other.urdf"), ("other.urdf", "'pivot'", "hinge")),
         (("--compare", "good.urdf", "none.urdf"), ("none.urdf",)),
+        (("--compare", "good.urdf", "good.urdf"), ("good.urdf", "twice")),
         (("--transfer", "good.urdf", "--tolerance", "0.1"), ("--tolerance", "--model")),
     ],
 )

@@ -48,6 +48,9 @@ def arbitrate(
     """
     if len(models) != 2:
         raise InputError(f"{len(models)} models to compare", mend="give two")
+    files = [m.source if isinstance(m, System) else m for m in models]
+    if models[0] is models[1] or (all(files) and len({Path(str(f)).resolve() for f in files}) == 1):
+        raise InputError("is given twice", source=files[0] or labels(models)[0], mend="compare it with another model")
     deadline = deadline_of(time_limit)
     names = labels(names or models)
     first = prepared(models[0])
@@ -88,7 +91,7 @@ def arbitrate(
         "counted_by": counted,
         "combinations": combinations,
         "louder": left,
-        "notes": notes(systems, first, second),
+        "notes": [*notes(systems, first, second), *asked.quality],
         "provenance": asked.made_from,
         "curves": curves(asked, runs),
     }

@@ -35,11 +35,13 @@ FAR = 4.0  # times the noise's variance, beyond which other beginnings are tried
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """Recordings posed to a first model. made_from: as ``provenance`` tells it."""
+    """Recordings posed to a first model. made_from: as ``provenance`` tells it; quality: what was found in the recordings, and
+    what was done about it."""
 
     problem: Problem
     deadline: Deadline
     made_from: dict[str, Any]
+    quality: tuple[str, ...] = ()
 
     @property
     def likelihood(self) -> Likelihood:
@@ -110,7 +112,10 @@ def question(
             mend="map a column to <joint>.position; models are judged on it",
         )
     told = provenance(system, [system], read, held)
-    return Question(problem, deadline or Deadline(), told)
+    found = tuple(
+        f"{r.name}: {note.words()}" for r in (*read, *([held] if held is not None else [])) for note in r.quality
+    )
+    return Question(problem, deadline or Deadline(), told, found)
 
 
 def labels(models: Sequence[str | Path | System]) -> list[str]:

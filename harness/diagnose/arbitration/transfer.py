@@ -110,7 +110,7 @@ def transfer(
         "counted_by": counted,
         "combinations": combinations,
         "louder": left,
-        "notes": notes({name: system}, system, system),
+        "notes": [*notes({name: system}, system, system), *asked.quality],
         "provenance": asked.made_from,
         "curves": curves(asked, runs),
     }
