@@ -150,7 +150,7 @@ def _export(
             if seed is None and not (folder / "plan.json").exists():
                 seed = seed_of_export()
             drawn_from, _ = conceal_all(
-                folder, seed=seed, counts=counts, short=short, workers=workers, dask=dask,
+                folder, seed=seed, counts=counts, short=short, disguised=True, workers=workers, dask=dask,
                 progress=lambda stage, done, of: step(done, of, stage),
             )  # fmt: skip
         except KeyboardInterrupt:

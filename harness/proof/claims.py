@@ -28,8 +28,10 @@ import numpy as np
 from harness.effects.catalogue import catalogue
 from harness.errors import InputError
 from harness.proof.score import CaseScore, Share, score_case
+from harness.proof.sharpness import sharpness
 
 SCHEMA = "denoc.claims/1"
+OWN = ("findings", "verdict", "heldout_rmse", "seconds")  # what an entrant says of a case
 VERDICTS = ("consistent", "explained", "partly_explained", "unexplained")
 
 
@@ -80,6 +82,10 @@ def read_claims(path: Path) -> Claims:
             raise wrong(f"case {case} is consistent and has findings", "leave the one or the other away")
         for number, finding in enumerate(said["findings"], 1):
             _check(finding, f"case {case}, finding {number}", known, wrong)
+        told = [f"{f['effect']} at {f['site']}" for f in said["findings"]]
+        for twice in told:
+            if told.count(twice) > 1:
+                raise wrong(f"case {case} claims {twice} more than once", "claim it once")
         for key in ("heldout_rmse", "seconds"):
             if not _number(said.get(key, 0.0)) or said.get(key, 0.0) < 0.0:
                 raise wrong(f"case {case} has a {key} that is no number of nothing or more: {str(said[key])[:40]!r}")
@@ -162,16 +168,17 @@ def tally(
 ) -> dict[str, Any]:
     """One line of the table of peers: named, false, coverage, error held out, seconds.
 
-    named_single: the truth is what was claimed or what that was said to be indistinguishable from; named_exactly: the
-    former alone. asked leaves out what a method is not made for (not_for_it). heldout_over_noise: median over cases of
-    the error held out, in standard deviations of the sensor's noise. coverage95: intervals of rightly named effects
-    that hold the truth. claims: how often each effect was claimed, by what was concealed.
+    named_single: the truth is what was claimed or what that was said to be indistinguishable from, as far as that is believed
+    (``alike``); named_exactly: the former alone; worth_single, listed_single, interval_width, interval_score: ``sharpness``. What
+    was asked and not answered is not named. asked leaves out what a method is not made for (not_for_it). heldout_over_noise:
+    median over cases of the error held out, in standard deviations of the sensor's noise. coverage95: intervals of rightly named
+    effects that hold the truth. claims: how often each effect was claimed, by what was concealed.
     """
     passed_by = {name for name, what in said.items() if "skipped" in what}
     scores = [s for s in scores if s.name not in passed_by]
     answered = [s for s in scores if s.verdict != "error"]
     clean = [s for s in answered if s.kind == "clean"]
-    single = [s for s in answered if s.kind == "single"]
+    single = [s for s in scores if s.kind == "single"]
     inside = [low <= true <= high for s in answered if s.in_class for _, _, true, _, _, low, high in s.parameters]
     errors = [
         float(said[s.name]["heldout_rmse"]) / float(answers[s.name]["noise_std"])
@@ -180,7 +187,7 @@ def tally(
     ]
     seconds = [s.seconds for s in answered if np.isfinite(s.seconds)]
     claimed: dict[str, dict[str, int]] = {}
-    for s in clean + single:
+    for s in (*clean, *(s for s in single if s.verdict != "error")):
         row = claimed.setdefault(s.planted[0][0] if s.planted else "nothing", {})
         for effect in {e for e, _ in s.found} or {"nothing"}:
             row[effect] = row.get(effect, 0) + 1
@@ -191,7 +198,8 @@ def tally(
         "clean_false": _pair([bool(s.found) for s in clean]),
         "named_single": _pair([s.in_class for s in single]),
         "named_exactly": _pair([s.exact for s in single]),
-        "false_beside_single": _pair([bool(s.false) for s in single]),
+        **sharpness(scores),
+        "false_beside_single": _pair([bool(s.false) for s in single if s.verdict != "error"]),
         "coverage95": _pair(inside),
         "heldout_over_noise": float(np.median(errors)) if errors else None,
         "seconds": float(np.median(seconds)) if seconds else None,

@@ -10,6 +10,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.proof.alike import FAMILIES
 from harness.proof.concealments import CONCEALMENTS, Concealment
 from harness.proof.outside import OUTSIDE
 from harness.proof.rigs import Rig, deviate, draw_rig
@@ -21,22 +22,9 @@ Array = NDArray[np.float64]
 RATES = (100.0, 200.0, 250.0, 500.0)
 # Of a quick proof's recordings: how many, and at most how long [s] and at what rate [Hz].
 SHORT_RUNS, SHORT_DURATION, SHORT_RATE = 2, 6.0, 250.0
+# Share of disguised cases with a large rotor, and of those that state a law which acts as stated.
+DISGUISED = 0.15
 FAINTEST = 1.0  # visibility that what is concealed has at least
-# Effects that leave one and the same trace on an angle, or cannot both be planted at one place.
-FAMILIES = (
-    {"coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction"},
-    {"sensor_offset", "base_tilt", "constant_torque", "sensor_drift", "sensor_zero", "com_side_offset"},
-    {"payload_mass", "added_inertia", "com_offset", "clock_skew", "joint_stiffness", "sensor_gain"},
-    {"sensor_delay", "sensor_lowpass", "sensor_highpass", "late_release"},
-    # What lies beside the line is the link's own mass, in one piece.
-    {"com_side_offset", "payload_mass"},
-    {"com_side_offset", "link_flexibility"},
-    {"base_tilt", "base_excitation"},
-    {"sensor_nonlinearity", "cubic_stiffness", "sensor_gain", "encoder_interpolation"},
-    # A spring whose rest is free takes a constant torque up exactly.
-    {"joint_stiffness", "constant_torque"},
-    {"joint_flexibility", "backlash", "link_flexibility", "base_compliance", "base_excitation"},
-)
 
 
 class UnseenError(RuntimeError):
@@ -161,13 +149,45 @@ def _rank(c: Concealment) -> int:
     return 0 if c.site == "link" else 1 + len(ADDING)
 
 
+def _large_rotors(rig: Rig, rng: np.random.Generator) -> Rig:
+    """The rig with rotors that matter in its motion."""
+    motor = [replace(s, armature=float(rng.uniform(0.05, 0.3)) * s.inertia_about_joint) for s in rig.segments]
+    return replace(rig, segments=tuple(motor))
+
+
+def _stated(
+    rig: Rig, names: Sequence[str], rng: np.random.Generator, top: float
+) -> tuple[str, int, dict[str, float]] | None:
+    """A law beside what is concealed that the model may state as it acts: effect, number of the joint, parameters; or None."""
+    beside = [
+        name
+        for name in sorted({c.stated for c in CONCEALMENTS.values() if c.stated})
+        if not any(name == other or any({name, other} <= family for family in FAMILIES) for other in names)
+    ]
+    if not beside:
+        return None
+    name, k = str(rng.choice(beside)), int(rng.integers(len(rig.segments)))
+    c = CONCEALMENTS[name]
+    return (
+        name,
+        k,
+        {
+            key: float(x)
+            for key, x in c.parameters(1.0, c.draw(rng, rig.segments[k], top), rig.segments[k], top).items()
+        },
+    )
+
+
 def draw_case(
-    kind: str, seed: int, index: int, *, effects: Sequence[str] = (), target: float | None = None, short: bool = False
-) -> Case:
+    kind: str, seed: int, index: int, *, effects: Sequence[str] = (), target: float | None = None, short: bool = False,
+    disguised: bool = False,
+) -> Case:  # fmt: skip
     """One case.
 
     kind: "clean", "single", "pair", "triple", "outside"; effects: names to conceal (drawn if empty; for "outside" the kind).
     target: visibility d to aim at (drawn log-uniformly if None). short: two short recordings at moderate rates.
+    disguised: also give some models what only those of certain concealments have otherwise (a large rotor, an effect that is stated
+    and acts as stated), so that no model tells what is concealed; other draws of a seed stay as they are.
     Raises UnseenError where what is drawn would not show.
     """
     rng = np.random.default_rng([seed, index, crc32(kind.encode())])
@@ -175,9 +195,11 @@ def draw_case(
     chosen = [CONCEALMENTS[name] for name in names]
     two = rng.random() < 0.3 and kind != "outside" and all(2 in c.joints for c in chosen)
     rig = draw_rig(rng, 2 if two else 1)
+    aside = np.random.default_rng([seed, index, crc32(b"disguise")])
     if any(c.needs_armature for c in chosen):
-        motor = [replace(s, armature=float(rng.uniform(0.05, 0.3)) * s.inertia_about_joint) for s in rig.segments]
-        rig = replace(rig, segments=tuple(motor))
+        rig = _large_rotors(rig, rng)
+    elif disguised and aside.random() < DISGUISED:
+        rig = _large_rotors(rig, aside)
     driven = any(c.needs_drive for c in chosen) or rng.random() < 0.2
     driven = driven and not any(c.needs_freedom for c in chosen)
     runs, top = _draw_runs(rng, rig, driven, short)
@@ -200,6 +222,14 @@ def draw_case(
             draws[i] |= known
             attached = ((c.stated, _site(rig, stated, k), known),)
             rig, true = replace(rig, stated=attached), replace(true, stated=attached)
+    known_law = None
+    # What is outside the catalogue may rub at the same joint.
+    if disguised and kind != "outside" and not rig.stated and aside.random() < DISGUISED:
+        known_law = _stated(rig, names, aside, top)
+    if known_law:
+        name, k, values = known_law
+        attached = ((name, _site(rig, CONCEALMENTS[name], k), values),)
+        rig, true = replace(rig, stated=attached), replace(true, stated=attached)
     # How strong things have to be is sought with smooth efforts.
     recorded = _held(runs, sensor, np.random.default_rng([seed, index, crc32(b"held")])) if driven else runs
     strange = str(effects[0]) if kind == "outside" and effects else str(rng.choice(list(OUTSIDE)))
@@ -218,6 +248,9 @@ def draw_case(
                 c.plant(scene, k, {**draws[i], **p} if c.stated else p)
             elif c.stated:
                 CONCEALMENTS[c.stated].plant(scene, k, draws[i])
+        if known_law:
+            name, k, values = known_law
+            CONCEALMENTS[name].plant(scene, k, values)
         if kind == "outside" and outside > 0.0:
             OUTSIDE[strange](scene, np.random.default_rng(own), outside, top)
         return scene

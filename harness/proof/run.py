@@ -23,6 +23,8 @@ from harness.proof.flexible import EFFECTS, draw_flexible
 from harness.proof.outside import OUTSIDE
 from harness.proof.score import CaseScore, Summary, score_case, summarise
 from harness.proof.seal import digest, seal, unseal
+from harness.proof.sharpness import sharpness
+from harness.proof.sites import refuse_strange
 from harness.proof.truth import NoSolutionError
 from harness.proof.visibility import DETECTION_LIMIT
 from harness.proof.write import write_case
@@ -36,6 +38,8 @@ FULL = {
 
 SLOWEST_FIRST = ("triple", "pair", "flexible-single", "outside", "single", "flexible-clean", "clean")
 EFFECTS_BY_KIND = {"single": tuple(CONCEALMENTS), "outside": tuple(OUTSIDE), "flexible single": EFFECTS}
+# A strip whose model has one mode lacks others, and one that does not stiffen lacks that: whoever reads the model knows.
+GIVEN_AWAY = ("higher_mode", "geometric_stiffening")
 
 REDRAWS, REDRAW_STRIDE = 20, 100_000
 
@@ -76,7 +80,7 @@ class Proof:
 
         shares = (
             "named_single", "named_single_exactly", "named_pairs", "named_triples", "clean_false", "outside_told",
-            "outside_apart_told", "at_floor", "side_right", "site_right", "false_anywhere", "failed",
+            "outside_apart_told", "told_in_vain", "at_floor", "side_right", "site_right", "false_anywhere", "failed",
         )  # fmt: skip
         return {
             "schema": "denoc.proof/1",
@@ -86,6 +90,7 @@ class Proof:
             **{name: pair(name) for name in shares},
             "coverage95": s.coverage95.value if s.coverage95.of else None,
             "coverage95_count": pair("coverage95"),
+            **sharpness(self.scores),
             "wilson95": {name: list(getattr(s, name).interval) for name in (*shares, "coverage95")},
             "confusion": s.confusion,
             "confusion_right": s.confusion_right,
@@ -96,11 +101,20 @@ class Proof:
         }
 
 
-def tasks(counts: Mapping[str, int]) -> list[Task]:
+def effects_of(kind: str, disguised: bool = False) -> list[str]:
+    """What cases of a kind conceal in turn; disguised: without what no model can do without giving it away."""
+    return [
+        e
+        for e in EFFECTS_BY_KIND.get(kind, ("",))
+        if not (disguised and kind.startswith("flexible") and e in GIVEN_AWAY)
+    ]
+
+
+def tasks(counts: Mapping[str, int], disguised: bool = False) -> list[Task]:
     """The cases of a proof; singles and outside kinds go round robin over all effects, so that none is left out."""
     rows: list[Task] = []
     for kind, count in counts.items():
-        names = list(EFFECTS_BY_KIND.get(kind, ("",)))
+        names = effects_of(kind, disguised)
         rows += [Task(kind, i, names[i % len(names)]) for i in range(count)]
     return rows
 
@@ -112,7 +126,7 @@ def scaled(cases: int) -> dict[str, int]:
 
 
 @one_blas_thread()
-def conceal(task: Task, seed: int, out: Path, short: bool = False) -> tuple[str, str]:
+def conceal(task: Task, seed: int, out: Path, short: bool = False, disguised: bool = False) -> tuple[str, str]:
     """Draw a case, write what diagnosis may see, seal the answer; (name, digest). What is sealed already is left as it is.
 
     On one thread of linear algebra, for several add up in another order, and a seed stands for the same recordings to the last
@@ -122,13 +136,13 @@ def conceal(task: Task, seed: int, out: Path, short: bool = False) -> tuple[str,
     if sealed.exists():
         # The answer is sealed last, so that all the rest is there.
         return task.name, digest(sealed.read_text(encoding="utf-8"))
-    effect = _shuffled(task, seed)
+    effect = _shuffled(task, seed, disguised)
     for attempt in range(REDRAWS):
         index = task.index + attempt * REDRAW_STRIDE
         # A rig whose dry friction has no solution (Painlevé's paradox), found at the draw or at the recording, is drawn again, and
         # so is one on which what is concealed does not show.
         try:
-            case = replace(_draw(task.kind, seed, index, effect, short), name=task.name)
+            case = replace(_draw(task.kind, seed, index, effect, short, disguised), name=task.name)
             rng = np.random.default_rng([seed, index, crc32(task.kind.encode())])
             noise_free = write_case(case, out / "cases" / case.name, rng)
         except (NoSolutionError, UnseenError):
@@ -137,17 +151,17 @@ def conceal(task: Task, seed: int, out: Path, short: bool = False) -> tuple[str,
     raise NoSolutionError(f"no rig was found on which {effect or task.kind} has a solution and shows")
 
 
-def _draw(kind: str, seed: int, index: int, effect: str, short: bool) -> Case:
+def _draw(kind: str, seed: int, index: int, effect: str, short: bool, disguised: bool) -> Case:
     if kind.startswith("flexible"):
         return draw_flexible(kind.removeprefix("flexible "), seed, index, effect)
-    return draw_case(kind, seed, index, effects=(effect,) if effect else (), short=short)
+    return draw_case(kind, seed, index, effects=(effect,) if effect else (), short=short, disguised=disguised)
 
 
-def _shuffled(task: Task, seed: int) -> str:
+def _shuffled(task: Task, seed: int, disguised: bool = False) -> str:
     """Round robin from a place that the seed chooses, so that a quick proof tries other effects each time."""
     if not task.effect:
         return ""
-    names = list(EFFECTS_BY_KIND[task.kind])
+    names = effects_of(task.kind, disguised)
     order = np.random.default_rng([seed, len(names)]).permutation(len(names))
     return names[int(order[names.index(task.effect)])]
 
@@ -185,11 +199,15 @@ def conceal_all(
     seed: int | None = None,
     counts: Mapping[str, int] = QUICK,
     short: bool = True,
+    disguised: bool = False,
     workers: int | None = None,
     dask: str | None = None,
     progress: Progress | None = None,
 ) -> tuple[int, dict[str, str]]:
-    """Plan a proof, or take up the plan that is there, and seal its cases; its seed and digests. See ``prove``."""
+    """Plan a proof, or take up the plan that is there, and seal its cases; its seed and digests. See ``prove``.
+
+    disguised: so that no model tells what is concealed in it (``draw_case``), for entrants who know how cases are drawn.
+    """
     plan_file = out / "plan.json"
     if plan_file.exists():
         plan = json.loads(plan_file.read_text(encoding="utf-8"))
@@ -200,16 +218,17 @@ def conceal_all(
                 mend="give another --out or no --seed",
             )
         seed, counts, short = int(plan["seed"]), plan["counts"], bool(plan.get("short", False))
+        disguised = bool(plan.get("disguised", False))
     else:
         seed = secrets.randbelow(2**31) if seed is None else seed
         out.mkdir(parents=True, exist_ok=True)
-        _write(plan_file, {"seed": seed, "counts": dict(counts), "short": short})
-    todo = tasks(counts)
+        _write(plan_file, {"seed": seed, "counts": dict(counts), "short": short, "disguised": disguised})
+    todo = tasks(counts, disguised)
     digests_file = out / "digests.json"
     if not digests_file.exists():
         ticks = _ticker(progress, "conceal", len(todo))
         named = parallel_map(
-            partial(conceal, seed=seed, out=out, short=short),
+            partial(conceal, seed=seed, out=out, short=short, disguised=disguised),
             todo,
             workers=workers,
             dask=dask,
@@ -287,9 +306,10 @@ def score_so_far(out: Path) -> Proof:
 def score_of_claims(out: Path, file: Path) -> Proof:
     """What another tool claims of the cases of a proof, under their exported names or the proof's own, scored as a diagnosis is.
 
-    Raises InputError where the file is no ``denoc.claims/1``, names cases that are not in the proof, or answers were tampered with.
+    Raises InputError where the file is no ``denoc.claims/1``, names cases or sites that are not in the proof, or answers were
+    tampered with.
     """
-    from harness.proof.claims import read_claims, score_claims, tally
+    from harness.proof.claims import OWN, read_claims, score_claims, tally
     from harness.proof.export import answers as sealed
 
     claims = read_claims(file)
@@ -302,7 +322,13 @@ def score_of_claims(out: Path, file: Path) -> Proof:
             source=file,
             mend="give the folder that these cases came from",
         )
-    said = {cases[name]: what for name, what in claims.cases.items()}
+    said: dict[str, Mapping[str, Any]] = {}
+    for name, what in claims.cases.items():
+        if cases[name] in said:
+            raise InputError(f"claims something of {name} under two names", source=file, mend="give each case once")
+        refuse_strange(what, name, out / "cases" / cases[name], file)
+        # What else stands there is the entrant's own; that a case was passed by is not for an entrant to say.
+        said[cases[name]] = {key: what[key] for key in OWN if key in what}
     scores = score_claims(said, answers)
     seed = int(json.loads((out / "plan.json").read_text(encoding="utf-8"))["seed"])
     entry = {claims.entrant: tally(scores, said, answers)}

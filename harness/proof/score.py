@@ -11,6 +11,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from harness.diagnose.answer.diagnosis import one_by_one
+from harness.proof.alike import as_well, believed
 from harness.proof.apart import apart
 
 SENSOR_EFFECTS = (
@@ -18,6 +19,7 @@ SENSOR_EFFECTS = (
     "sensor_drift", "sensor_saturation", "sensor_hum", "sensor_zero", "clock_skew",
 )  # fmt: skip
 INPUT_EFFECTS = ("actuator_gain", "actuator_delay", "actuator_deadzone")
+NOT_EXPLAINED = ("unexplained", "partly_explained")
 AT_FLOOR = 1.2  # held-out residual over the noise floor that still counts as explained
 
 
@@ -58,8 +60,9 @@ class CaseScore:
     """How one case went.
 
     exact: the set of effects and sites is the planted one; in_class: it is, once every finding may be replaced by one that
-    it was said to be indistinguishable from. missed, false: planted effects not found, findings not planted (neither
-    themselves nor through their class). parameters: (effect, name, true, value, std, low, high). floor: held-out over noise floor;
+    it was said to be indistinguishable from, as far as that is believed (``alike.believed``). missed, false: planted effects not
+    found, findings not planted (neither themselves nor through their class). listed: of every finding, among how many it is told,
+    itself included. parameters: (effect, name, true, value, std, low, high). floor: held-out over noise floor;
     held_fitted: whether that is no prediction, since a finding shows in the data held out alone and is fitted to them, too.
     outside: what was concealed if it is not of the catalogue; apart: how far what was told is from it, in noise, if it was told as
     explained.
@@ -84,12 +87,22 @@ class CaseScore:
     outside: str = ""
     apart: float = float("nan")
     held_fitted: bool = False
+    listed: tuple[int, ...] = ()
+
+    @property
+    def worth(self) -> float:
+        """Discounted accuracy: 1 over the number of sets of effects that what was said leaves open, 0 where none is the truth.
+
+        Who lists what does not belong there loses as much as by guessing: see Zaffalon, Corani and Mauá, Int. J. Approx. Reason.
+        53 (2012) 1282.
+        """
+        return float(1.0 / np.prod(self.listed)) if self.in_class else 0.0
 
     @property
     def right(self) -> bool:
         """Whether what was said is what should have been said: named in class, nothing where nothing is, or not explained."""
         if self.kind == "outside":
-            return self.verdict in ("unexplained", "partly_explained")
+            return self.verdict in NOT_EXPLAINED
         if self.planted:
             return self.in_class
         return not self.found and self.verdict == "consistent"
@@ -108,23 +121,19 @@ def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -
     # What is only possible is no claim.
     findings = [f for f in one_by_one(found["findings"]) if f.get("grade") != "possible"]
     named = tuple((f["effect"], f["site"]) for f in findings)
-    classes = {
-        (f["effect"], f["site"]): {f["effect"]} | {_effect(x) for x in f.get("indistinguishable_from", [])}
-        for f in findings
-    }
     left = list(planted)
-    false = []
-    exact_hits = 0
-    for item in named:
+    others = []
+    for f in findings:
+        item = (f["effect"], f["site"])
         if item in left:
             left.remove(item)
-            exact_hits += 1
-    for item in named:
-        if item in planted:
-            continue
-        match = next((p for p in left if p[0] in classes[item]), None)
+        else:
+            others.append(f)
+    false = []
+    for f in others:
+        match = next((p for p in left if believed(f, *p)), None)
         if match is None:
-            false.append(item)
+            false.append((f["effect"], f["site"]))
         else:
             left.remove(match)
     exact = set(named) == set(planted) and len(named) == len(planted)
@@ -167,19 +176,17 @@ def score_case(name: str, answer: Mapping[str, Any], found: Mapping[str, Any]) -
         tuple(left), tuple(false), side_right, site_right, tuple(values), max(ratios, default=float("nan")),
         float(found.get("seconds", float("nan"))), outside=strange, apart=apart(answer, found.get("predicted", ())),
         held_fitted=any(f.get("shows_only_in") for f in findings),
+        listed=tuple(1 + sum(1 for _ in as_well(f)) for f in findings),
     )  # fmt: skip
-
-
-def _effect(text: str) -> str:
-    """The effect's name in ``effect`` or ``effect@site``."""
-    return text.split("@", 1)[0]
 
 
 @dataclass(frozen=True)
 class Summary:
     """Shares over all cases; effects in pairs and triples count as visible above twice the detection limit each.
 
-    at_floor: of what is called explained, without those cases whose data held out have been fitted to.
+    at_floor: of what is called explained and says how well, without those cases whose data held out have been fitted to.
+    clean_false: of clean cases that were answered. told_in_vain: of cases with nothing outside the catalogue, those told as not or
+    not wholly explained; who says so everywhere has all of ``outside_told``.
     outside_apart_told: of what is outside the catalogue, without those cases in which a model told as explaining them is nearer to
     the truth than twice the limit: what nobody could have told from it.
     """
@@ -191,6 +198,7 @@ class Summary:
     clean_false: Share
     outside_told: Share
     outside_apart_told: Share
+    told_in_vain: Share
     coverage95: Share
     at_floor: Share
     side_right: Share
@@ -218,8 +226,9 @@ def summarise(scores: Sequence[CaseScore], limit: float) -> Summary:
     single = [s for s in scores if s.kind == "single" and visible(s)]
     pairs = [s for s in scores if s.kind == "pair" and visible(s)]
     triples = [s for s in scores if s.kind == "triple" and visible(s)]
-    clean = [s for s in scores if s.kind == "clean"]
+    clean = [s for s in scores if s.kind == "clean" and s.verdict != "error"]
     outside = [s for s in scores if s.kind == "outside" and visible(s)]
+    within = [s for s in scores if s.kind != "outside" and s.verdict != "error"]
     inside = [t[5] <= t[2] <= t[6] for s in scores if s.in_class and s.verdict == "explained" for t in s.parameters]
     explained = [s for s in scores if s.verdict == "explained" and s.kind != "outside"]
     confusion: dict[str, Counter[str]] = {}
@@ -248,11 +257,12 @@ def summarise(scores: Sequence[CaseScore], limit: float) -> Summary:
         named_single_exactly=share([s.exact for s in single]),
         named_pairs=share([s.in_class for s in pairs]),
         named_triples=share([s.in_class for s in triples]),
-        clean_false=share([bool(s.found) or s.verdict not in ("consistent", "error") for s in clean]),
+        clean_false=share([bool(s.found) or s.verdict != "consistent" for s in clean]),
         outside_told=share([s.right for s in outside]),
         outside_apart_told=share([s.right for s in outside if s.right or not s.apart < 2.0 * limit]),
+        told_in_vain=share([s.verdict in NOT_EXPLAINED for s in within]),
         coverage95=share(inside),
-        at_floor=share([s.floor <= AT_FLOOR for s in explained if not s.held_fitted]),
+        at_floor=share([s.floor <= AT_FLOOR for s in explained if not s.held_fitted and np.isfinite(s.floor)]),
         side_right=share([bool(s.side_right) for s in single if s.side_right is not None]),
         site_right=share([bool(s.site_right) for s in single if s.site_right is not None]),
         false_anywhere=share([bool(s.false) for s in scores if s.kind != "outside"]),

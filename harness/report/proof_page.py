@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from harness.report.figures.canvas import FAINT, INK, canvas, colour
 from harness.report.html import page
-from harness.report.proof import SHARES, extent
+from harness.report.proof import SHARES, extent, sharpness_in_words
 from harness.report.sections.section import Section
 
 Document = Mapping[str, Any]
@@ -34,7 +34,7 @@ class Shares:
             "rows": rows,
             "seed": document["seed"],
             "extent": extent(document),
-            "coverage": document.get("coverage95"),
+            "sentences": sharpness_in_words(document),
         }
 
 

@@ -10,10 +10,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from harness.cli.main import main
+from harness.effects.catalogue import catalogue
 from harness.errors import InputError
+from harness.proof.alike import mistaken_for
 from harness.proof.claims import as_found, read_claims, score_claims, tally
+from harness.proof.concealments import CONCEALMENTS
 from harness.proof.export import export
 from harness.proof.run import _scored, score_of_claims
+from harness.proof.score import Share, score_case, summarise
 from harness.proof.seal import digest
 
 MODEL = """name = "rig"
@@ -108,11 +112,129 @@ def test_claims_are_scored_against_the_answers(proof: Path, tmp_path) -> None:
     assert row["named_single"] == [1, 1] and row["clean_false"] == [0, 1] and row["failed"] == 0
     assert row["coverage95"] == [len(parameters), len(parameters)] and row["seconds"] == 3.0
     # An invention on the clean case, and no answer on the other.
-    wrong = {names["clean-0"]: {"findings": [{"effect": "coulomb_friction", "site": "nowhere"}]}}
+    wrong = {names["clean-0"]: {"findings": [{"effect": "coulomb_friction", "site": "pivot"}]}}
     found = score_of_claims(proof, _claims(tmp_path / "b.json", wrong))
     row = found.peers["me 1"]
-    assert row["clean_false"] == [1, 1] and row["failed"] == 1 and row["named_single"] == [0, 0]
+    assert row["clean_false"] == [1, 1] and row["failed"] == 1
+    # What was asked and not answered is not named: who answers only what is easy gains nothing.
+    assert row["named_single"] == [0, 1] and row["false_beside_single"] == [0, 0]
     assert found.summary.failed.hits == 1
+
+
+EVERYTHING = sorted(catalogue())
+
+
+@pytest.mark.parametrize("named", sorted(CONCEALMENTS))
+def test_who_lists_the_whole_catalogue_gains_nothing(named: str) -> None:
+    """Concealed in turn is every effect that a proof conceals at one joint; one and the same claim is made of each."""
+    site = {"joint": "pivot", "link": "rod", "channel": "pivot.position", "base": "base"}
+    at = {e: site.get(catalogue()[e].site, "loop") for e in EVERYTHING}
+    answers = {e: {"kind": "single", "planted": [{"effect": e, "site": at[e], "parameters": {}}], "visibility": [50.0]}
+               for e in CONCEALMENTS}  # fmt: skip
+    claim = {"effect": named, "site": at[named], "indistinguishable_from": [e for e in EVERYTHING if e != named]}
+    said = {e: {"findings": [claim]} for e in answers}
+    row = tally(score_claims(said, answers), said, answers)
+    assert row["listed_single"] == len(EVERYTHING)
+    # By itself it is right once; with its list no more than where it may be mistaken, and worth no more than one guess.
+    assert row["named_single"][0] <= 1 + len(mistaken_for(named)) <= len(EVERYTHING) / 3
+    assert row["worth_single"] * len(answers) <= row["named_single"][0] / len(EVERYTHING) + 1e-12 < 0.3
+    honest = {e: {"findings": [{**claim, "indistinguishable_from": []}]} for e in answers}
+    assert tally(score_claims(honest, answers), honest, answers)["worth_single"] >= row["worth_single"]
+
+
+def test_a_list_of_two_true_equivalents_is_worth_a_half_and_each_filler_lowers_it() -> None:
+    tilt = {
+        "kind": "single",
+        "planted": [{"effect": "base_tilt", "site": "base", "parameters": {}}],
+        "visibility": [50.0],
+    }
+
+    def worth(*others: str, site: str = "p.position") -> float:
+        said = {"x": {"findings": [{"effect": "sensor_offset", "site": site, "indistinguishable_from": list(others)}]}}
+        return tally(score_claims(said, {"x": tilt}), said, {"x": tilt})["worth_single"]
+
+    assert worth("base_tilt") == worth("base_tilt", "base_tilt") == 0.5
+    assert worth("base_tilt", "sensor_zero") == pytest.approx(1.0 / 3.0)
+    assert worth("base_tilt", "quadratic_drag") == pytest.approx(1.0 / 3.0)
+    assert worth("sensor_zero") == worth() == 0.0
+    # Nobody takes drag for a tilt: listing it does not make it so.
+    said = {"x": {"findings": [{"effect": "quadratic_drag", "site": "p", "indistinguishable_from": ["base_tilt"]}]}}
+    (score,) = score_claims(said, {"x": tilt})
+    assert not score.in_class and score.false == (("quadratic_drag", "p"),)
+
+
+def test_an_effect_at_another_joint_is_not_the_one_concealed() -> None:
+    answer = {
+        "kind": "single",
+        "planted": [{"effect": "coulomb_friction", "site": "elbow", "parameters": {}}],
+        "visibility": [9.0],
+    }
+
+    def right(*listed: str) -> bool:
+        finding = {"effect": "coulomb_friction", "site": "shoulder", "indistinguishable_from": list(listed)}
+        (score,) = score_claims({"x": {"findings": [finding]}}, {"x": answer})
+        return score.in_class
+
+    # A bare name is of the finding's own joint; the other joint has to be said.
+    assert not right() and not right("stribeck_friction") and right("coulomb_friction@elbow")
+    finding = {"effect": "stribeck_friction", "site": "shoulder", "indistinguishable_from": ["coulomb_friction"]}
+    (score,) = score_claims({"x": {"findings": [finding]}}, {"x": answer})
+    assert not score.in_class
+
+
+def test_intervals_without_end_hold_the_truth_and_say_so() -> None:
+    answers = {str(k): {"kind": "single", "planted": [{"effect": "coulomb_friction", "site": "p", "parameters": {"torque": 0.01}}],
+                        "visibility": [50.0]} for k in range(2)}  # fmt: skip
+
+    def row(*ends: tuple[float, float]) -> dict:
+        said = {}
+        for name, (low, high) in zip(answers, ends, strict=True):
+            torque = {"value": 0.5 * (low + high), "ci95": [low, high]}
+            said[name] = {"findings": [{"effect": "coulomb_friction", "site": "p", "parameters": {"torque": torque}}]}
+        return tally(score_claims(said, answers), said, answers)
+
+    sharp, endless = row((0.009, 0.011), (0.0095, 0.0105)), row((-1e308, 1e308), (-1e308, 1e308))
+    assert sharp["coverage95"] == endless["coverage95"] == [2, 2]
+    assert sharp["interval_width"] == pytest.approx(0.15) and sharp["interval_score"] == pytest.approx(0.15)
+    assert endless["interval_width"] == endless["interval_score"] == np.inf
+    # Half of them endless: a median of widths does not show it, the score does. One that misses costs forty times its distance.
+    assert row((0.009, 0.011), (-1e3, 1e3))["interval_score"] > 1e4
+    assert row((0.009, 0.011), (0.011, 0.012))["interval_score"] == pytest.approx((0.2 + 0.1 + 40 * 0.1) / 2)
+
+
+def test_slips_of_a_claims_file_are_refused_and_not_scored(proof: Path, tmp_path) -> None:
+    export(proof, tmp_path / "open")
+    names = {name: shown for shown, name in json.loads((proof / "exported.json").read_text()).items()}
+    case = names["single-0"]
+
+    def told(*findings: dict, **more: object) -> str:
+        with pytest.raises(InputError) as error:
+            score_of_claims(proof, _claims(tmp_path / "s.json", {case: {"findings": list(findings)}, **more}))
+        assert "\n" not in str(error.value)
+        return str(error.value)
+
+    friction = {"effect": "coulomb_friction", "site": "pivot"}
+    text = told({"effect": "coulomb_friction", "site": "pivt"})
+    assert f"case {case}, finding 1 has coulomb_friction at 'pivt'" in text and "there: pivot" in text
+    text = told(friction, {"effect": "payload_mass", "site": "pivot"})
+    assert "finding 2" in text and "sits at a link; there: rod" in text
+    assert "there: pivot.position" in told({"effect": "sensor_offset", "site": "pivot"})
+    assert "base_tilt at 'pivot'" in told({**friction, "indistinguishable_from": ["base_tilt@pivot"]})
+    assert "there: none" in told({"effect": "loop_clearance", "site": "pivot"})
+    assert "coulomb_friction at pivot more than once" in told(friction, friction)
+    assert "under two names" in told(**{"single-0": {"findings": []}})
+    # That a case was passed by is not for an entrant to say.
+    said = {case: {"findings": [], "skipped": "too hard"}}
+    (row,) = score_of_claims(proof, _claims(tmp_path / "p.json", said)).peers.values()
+    assert (row["asked"], row["not_for_it"], row["named_single"]) == (2, 0, [0, 1])
+
+
+def test_a_remainder_everywhere_is_told() -> None:
+    clean = {"kind": "clean", "planted": [], "visibility": []}
+    outside = {"kind": "outside", "planted": [{"effect": "gust", "site": "p", "parameters": {}}], "visibility": [50.0]}
+    said = {"verdict": "unexplained", "findings": [], "seconds": 1.0}
+    summary = summarise([score_case("c", clean, said), score_case("o", outside, said)], 5.0)
+    assert summary.outside_told == Share(1, 1) and summary.told_in_vain == Share(1, 1)
 
 
 def test_the_example_enters_and_sees_friction_by_hand(proof: Path, tmp_path) -> None:

@@ -43,7 +43,7 @@ def test_exact_class_missed_and_false() -> None:
     exact = score_case("a", hidden("coulomb_friction"), told("coulomb_friction"))
     assert exact.exact and exact.in_class and not exact.false and not exact.missed
     assert exact.parameters[0][2:4] == (1.1, 1.0)
-    by_class = score_case("b", hidden("base_tilt"), told("sensor_offset", classes=("base_tilt@base",)))
+    by_class = score_case("b", hidden("base_tilt"), told("sensor_offset", classes=("base_tilt",)))
     assert not by_class.exact and by_class.in_class
     wrong = score_case("c", hidden("base_tilt"), told("coulomb_friction"))
     assert wrong.missed == (("base_tilt", "pivot"),) and wrong.false == (("coulomb_friction", "pivot"),)

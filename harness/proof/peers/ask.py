@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import time
+import tomllib
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -80,7 +81,7 @@ def compare_peers(
 
     most: cases asked of each peer, see ``to_ask``.
     """
-    chosen = to_ask(scores, most)
+    chosen = to_ask([s for s in scores if not _stated(out / "cases" / s.name)], most)
     digests = json.loads((out / "digests.json").read_text(encoding="utf-8"))
     result: dict[str, Any] = {}
     found = {s.name: own(out, s.name) for s in chosen}
@@ -120,6 +121,11 @@ def compare_peers(
         result.setdefault(OURS, tally(list(chosen), found, answers))
         result[peer] = tally(score_claims(asked, answers), asked, answers)
     return result
+
+
+def _stated(folder: Path) -> bool:
+    """Whether a case's model states an effect."""
+    return bool(tomllib.loads((folder / "model.toml").read_text(encoding="utf-8")).get("effect"))
 
 
 def own(out: Path, name: str) -> dict[str, Any]:
