@@ -12,6 +12,7 @@ import msgspec
 from harness.errors import InputError
 
 T = TypeVar("T")
+_HALVES = re.compile(r"\\u[dD][89a-fA-F]")
 
 
 def read_json(path: str | Path, *, missing: str = "there is no such file", mend: str, restore: str = "") -> Any:
@@ -33,13 +34,19 @@ def read_json(path: str | Path, *, missing: str = "there is no such file", mend:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError("is not a text file", source=path, line=line, mend=restore) from error
     try:
-        return json.loads(text, object_pairs_hook=_once)
+        document = json.loads(text, object_pairs_hook=_once)
+        if _HALVES.search(text):
+            # Half of a pair of code units alone is no letter, and cannot be written anywhere.
+            json.dumps(document, ensure_ascii=False).encode()
+        return document
     except json.JSONDecodeError as error:
         raise InputError(
             f"is not JSON: {error.msg}", source=path, line=error.lineno, column=error.colno, mend=restore
         ) from error
     except RecursionError:
         raise InputError("is nested too deep", source=path, mend=restore) from None
+    except UnicodeEncodeError:
+        raise InputError("is damaged: it holds half a letter", source=path, mend=restore) from None
     except ValueError as error:  # two members of one name, or a whole number of thousands of digits
         raise InputError(f"is damaged: {error}", source=path, mend=restore) from error
 

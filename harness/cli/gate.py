@@ -137,18 +137,18 @@ def gate(
         with progress("planted defects") as step, resumable("gate", kept):
             trials = gates.self_test(full=self_test == "full", workers=workers, progress=step, journal=journal)
     judgement = None if before is None else gates.judge(results, before)
+    files = names_of([Path(model) for model in models])
     screen = console(json_file)
     if judgement is not None or trials is not None:
         # What a part of a run lacks stays as it was, and is told once it is accepted.
         shown = judgement
         if judgement is not None and accept:
             shown = replace(judgement, rows=tuple(row for row in judgement.rows if row.row is not None))
-        said.print_judgement(shown, trials, screen)
-    files = names_of([Path(model) for model in models])
+        said.print_judgement(shown, trials, screen, files)
     if out is not None:
         from harness.report.write import write_reports
 
-        write_reports(results, out, judgement=judgement, trials=trials)
+        write_reports(results, out, judgement=judgement, trials=trials, models=files)
     write_json(said.as_dict(results, judgement, trials), json_file)
     if sarif is not None:
         write_whole(sarif, said.sarif(judgement, files))
@@ -156,7 +156,7 @@ def gate(
         for line in said.github_annotations(judgement, files):
             click.echo(line)
     if summary is not None:
-        said.append_summary(summary, said.markdown(results, judgement, trials, before))
+        said.append_summary(summary, said.markdown(results, judgement, trials, before, files))
     if journal is not None:
         # Last: hours of planted defects are not lost to a disk that is full where one of these files goes.
         journal.remove()

@@ -19,6 +19,10 @@ Cell = str | Text
 GAP = 2
 # Sentences squeezed narrower than this are a tower of words, which nobody reads; names of a few words may be.
 READABLE, SENTENCE = 20, 48
+# So many lines of a last column beside its row: a sentence of more reads better beneath, over the whole width.
+TALL = 2
+# Heads that need not be said again where their column stands beneath its row.
+UNSAID = ("", "note", "what changed")
 INDENT = 4
 _NUMBER = r"[-+−]?\d[\d.,]*(e[-+]?\d+)?"
 _FIGURE = re.compile(rf"{_NUMBER}( (±|…|→) {_NUMBER})?( ?%)?")
@@ -67,14 +71,14 @@ def print_table(
     if title:
         console.print(Text(title, style="italic"))
     rows_of_text = [row for row in body if not isinstance(row, Heading)]
-    widths = _widths(heads, rows_of_text, console.width)
-    if widths is not None:
-        _side_by_side(console, heads, body, widths)
-        return
+    beside = _widths(heads, rows_of_text, console.width)
     short = heads[:-1] if len(heads) > 2 and not heads[-1].figures else []
-    widths = _widths(short, [row[:-1] for row in rows_of_text], console.width) if short else None
-    if widths is not None:
-        _side_by_side(console, short, body, widths, heads[-1].head)
+    above = _widths(short, [row[:-1] for row in rows_of_text], console.width) if short else None
+    tower = beside is not None and any(len(row[-1].wrap(console, beside[-1])) > TALL for row in rows_of_text)
+    if beside is not None and not (tower and above is not None):
+        _side_by_side(console, heads, body, beside)
+    elif above is not None:
+        _side_by_side(console, short, body, above, heads[-1].head)
     else:
         _stacked(console, heads, body)
 
@@ -126,7 +130,7 @@ def _side_by_side(
     last: str = "",
 ) -> None:
     """last: head of a column that stands beneath each row."""
-    label = "" if last in ("", "note") else f"{last}: "
+    label = "" if last in UNSAID else f"{last}: "
     table = _grid(heads, widths)
     table.add_row(*_parted([Text(head.head, style="bold") for head in heads]))
     for row in body:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -31,11 +32,20 @@ def sections_for(results: Results) -> list[Section]:
     return [Summary(), Distances(), *(Story(kind) for kind in kinds), Notes(), Table(), Versions()]
 
 
-def html(results: Results, title: str = "DeNOC validation", *, judgement: Judgement | None = None) -> str:
-    """The page: styles, pictures and figures inlined, no script needed, every text escaped; judgement: of a gate, goes first."""
+def html(
+    results: Results,
+    title: str = "DeNOC validation",
+    *,
+    judgement: Judgement | None = None,
+    models: Mapping[str, Path] | None = None,
+) -> str:
+    """The page: styles, pictures and figures inlined, no script needed, every text escaped.
+
+    judgement: of a gate, goes first. models: the file of each case, for the line that changed.
+    """
     sections = sections_for(results)
     if judgement is not None:
-        title, sections = "DeNOC gate", [Gate(judgement), *sections]
+        title, sections = "DeNOC gate", [Gate(judgement, models or {}), *sections]
     return page(title, results, sections, results.created)
 
 

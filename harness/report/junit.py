@@ -7,7 +7,7 @@ from junitparser import Failure, JUnitXml, Skipped, TestCase, TestSuite
 from harness.cases.gate import Judgement
 from harness.cases.results import Results
 from harness.report import words
-from harness.report.gate.screen import why
+from harness.report.gate.places import why
 
 
 def junit(results: Results, judgement: Judgement | None = None) -> bytes:

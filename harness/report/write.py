@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from harness.cases.gate import Judgement, SelfTest
@@ -57,11 +57,12 @@ def write_reports(
     *,
     judgement: Judgement | None = None,
     trials: SelfTest | None = None,
+    models: Mapping[str, Path] | None = None,
 ) -> list[Path]:
     """Write the formats asked for (all by default) into a folder; returns their paths.
 
     judgement: of a gate, for what it has to say in JUnit XML, first on the page, and in gate.md besides. trials: of its planted
-    defects, for gate.md.
+    defects, for gate.md. models: the file of each case, for the line that changed.
     Raises InputError for an unknown format or a folder that cannot be written to.
     """
     for name in formats or ():
@@ -76,11 +77,11 @@ def write_reports(
         from harness.report.junit import junit
 
         files["junit.xml"] = junit(results, judgement)
-        files["gate.md"] = markdown(results, judgement, trials)
+        files["gate.md"] = markdown(results, judgement, trials, files=models)
         if "report.html" in files:
             from harness.report.html import html
 
-            files["report.html"] = html(results, judgement=judgement)
+            files["report.html"] = html(results, judgement=judgement, models=models)
     if PICTURES in (formats or ()):
         from harness.report.pictures import pictures
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +23,17 @@ _SHAPES = ("mesh", "texture", "hfield", "skin")
 _MOST_NAMED = 4
 # Where things are and how they are turned: of numbers whose squares overflow MuJoCo makes no direction, and says nothing.
 _FRAMES = ("pos", "axis", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto", "ref")
+# What masses and inertias are computed from.
+_AMOUNTS = ("size", "mass", "density", "diaginertia", "fullinertia")
 
 
 @dataclass(frozen=True)
 class Places:
-    """Folders that files may lie in, and those that relative names may be meant from."""
+    """Folders that files may lie in, those that relative names may be meant from, and elements of the document and its includes."""
 
     allowed: tuple[Path, ...]
     meant_from: frozenset[Path]
+    elements: frozenset[str] = frozenset()
 
     def may_open(self, target: Path) -> bool:
         return any(target.is_relative_to(folder) for folder in self.allowed)
@@ -48,12 +52,19 @@ def places(root: Any, source: Path | None, allow: Sequence[Path] = ()) -> Places
     folder = (source.parent if source is not None else Path.cwd()).resolve()
     allowed = (folder, *(path.resolve() for path in allow))
     meant_from: set[Path] = set()
-    _walk(root, source, folder, allowed, meant_from, set())
-    return Places(allowed, frozenset(meant_from))
+    elements: set[str] = set()
+    _walk(root, source, folder, allowed, meant_from, elements, set())
+    return Places(allowed, frozenset(meant_from), frozenset(elements))
 
 
 def _walk(
-    root: Any, source: Path | None, here: Path, allowed: tuple[Path, ...], meant_from: set[Path], seen: set[Path]
+    root: Any,
+    source: Path | None,
+    here: Path,
+    allowed: tuple[Path, ...],
+    meant_from: set[Path],
+    elements: set[str],
+    seen: set[Path],
 ) -> None:
     around = {here, allowed[0]}
     for compiler in root.iter("compiler"):
@@ -64,6 +75,7 @@ def _walk(
     for element in root.iter():
         if not isinstance(element.tag, str):
             continue
+        elements.add(element.tag)
         _refuse_boundless(element, source)
         if element.tag in _SHAPES:
             continue
@@ -79,20 +91,23 @@ def _walk(
             # Includes, and whole models attached as assets, may name files in their turn.
             if element.tag in ("include", "model") and target.is_file() and target not in seen:
                 seen.add(target)
-                _walk(parse_xml(target.read_bytes(), target), target, target.parent, allowed, meant_from, seen)
+                _walk(
+                    parse_xml(target.read_bytes(), target), target, target.parent, allowed, meant_from, elements, seen
+                )
 
 
 def _refuse_boundless(element: Any, source: Path | None) -> None:
-    """Refuse a place or a direction of numbers beyond any mechanism."""
-    for key in _FRAMES:
+    """Refuse a place, a direction or a mass of numbers beyond any mechanism, and of what is no number."""
+    for key in (*_FRAMES, *_AMOUNTS):
         for word in element.get(key, "").split():
             try:
                 number = float(word)
             except ValueError:  # MuJoCo says so
                 continue
-            if abs(number) > NUMBER:
+            if not abs(number) <= NUMBER:
+                said = "is NaN or infinite" if not isfinite(number) else f"of {number:.3g} is beyond any mechanism"
                 raise InputError(
-                    f"<{element.tag}>: {key} of {number:.3g} is beyond any mechanism",
+                    f"<{element.tag}>: {key} {said}",
                     mend="check the number and its unit",
                     source=source,
                     line=element.sourceline,
@@ -122,7 +137,8 @@ def take_out_shapes(mujoco: Any, spec: Any, known: Places, source: Path | None) 
             )
         geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
         geom.meshname, geom.hfieldname, geom.size = "", "", [0.01, 0.0, 0.0]
-    textures = [texture for texture in spec.textures if _names_a_file(texture)]
+    # Nothing moves otherwise for a texture; one that is painted takes the memory that its size asks for.
+    textures = list(spec.textures)
     skins = [skin for skin in spec.skins if skin.file and not known.readable(skin.file)]
     for material in spec.materials:
         if textures:
@@ -136,10 +152,6 @@ def take_out_shapes(mujoco: Any, spec: Any, known: Places, source: Path | None) 
     return [
         f"{len(told)} shape(s) not read ({listed}): missing or outside the model's folder, and no body's mass is theirs"
     ]
-
-
-def _names_a_file(texture: Any) -> bool:
-    return bool(texture.file) or any(texture.cubefiles)
 
 
 def _why_not(name: str, known: Places) -> str:

@@ -34,6 +34,7 @@ from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
 from harness.system.mjcf_loops import loops
+from harness.system.mjcf_trial import GROWING, try_apart
 from harness.system.rotation import about_axis, from_quaternion
 from harness.system.soft_constraints import limit_law
 from harness.system.topology import arrange
@@ -60,8 +61,7 @@ def read_mjcf(
     fluid, higher damping and stiffness) becomes a line in ``System.notes``.
     Raises InputError with MuJoCo's own message.
     """
-    known = places(root, source, allow)
-    spec, model, notes = _compile(data, root, source, known)
+    spec, model, notes = _loaded(data, root, source, allow)
     names = names_of_joints(model)
     drives, told_drives = actuators(model, names)
     following, followed = mimics(model, names)
@@ -94,6 +94,20 @@ def read_mjcf(
     system = replace(system, notes=(*system.notes, *check_loops(system, lines)))
     check_dynamics(system, lines=lines)
     return system
+
+
+def _loaded(data: bytes, root: Any, source: Path | None, allow: Sequence[Path]) -> tuple[Any, Any, list[str]]:
+    """Specification, compiled model and what is to be told of reading it; tried apart first where it can grow."""
+    known = places(root, source, allow)
+    if known.elements & GROWING:
+        try_apart(data, source, allow)
+    return _compile(data, root, source, known)
+
+
+def load(data: bytes, source: Path | None, allow: Sequence[Path] = ()) -> Any:
+    """A document as MuJoCo compiles it here and now; InputError with its message where it refuses it."""
+    root = parse_xml(data, source)
+    return _compile(data, root, source, places(root, source, allow))[1]
 
 
 def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tuple[Any, Any, list[str]]:
@@ -163,7 +177,7 @@ def compiled(path: Path, *, allow: Sequence[Path] = ()) -> Any:
     """A URDF or MJCF file as MuJoCo reads it by itself, compiled; InputError with its message where it refuses the file."""
     data = path.read_bytes()
     root = parse_xml(data, path)
-    return _compile(data, root, path, places(root, path, allow))[1]
+    return _loaded(data, root, path, allow)[1]
 
 
 def names_of_joints(model: Any) -> list[str]:

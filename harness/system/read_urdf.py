@@ -17,7 +17,7 @@ from harness.system.rotation import from_quaternion, from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.topology import arrange
 from harness.system.urdf_left_out import left_out
-from harness.system.xml_source import prefix_and_name
+from harness.system.xml_source import plain_number, prefix_and_name
 
 # Limits this large [rad, m, N·m, …] stand for none, in files whose readers insist on a number.
 NO_LIMIT = 1e9
@@ -155,7 +155,7 @@ class _Reader:
             return default
         words = text.split()
         try:
-            values = [float(word) for word in words]
+            values = [plain_number(word) for word in words]
         except ValueError:
             self.refuse(element, f"{owner}: {key}={text!r} is not a number", "write plain decimal numbers in SI")
         if len(values) != size:

@@ -25,6 +25,9 @@ _GAZEBO_LINK = {
     "turnGravityOff": "gravity switched off",
     "gravity": "gravity switched off",
 }
+_ONCE = (
+    "inertial", "mass", "inertia", "origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller",
+)  # fmt: skip
 _MOST_NAMED = 4
 
 
@@ -68,7 +71,18 @@ def number(text: str | None) -> float:
 
 def left_out(root: Any, base: str) -> tuple[str, ...]:
     """What would act in Gazebo, Drake or MuJoCo, by joint and link."""
-    return (*_joints(root), *_rotors(root), *_gazebo(root), *_massless(root, base), *_foreign(root))
+    return (*_twice(root), *_joints(root), *_rotors(root), *_gazebo(root), *_massless(root, base), *_foreign(root))
+
+
+def _twice(root: Any) -> Iterator[str]:
+    """Elements of which there may be one: here, as in urdfdom, the first counts; MuJoCo refuses such a file."""
+    for owner in root:
+        if owner.tag not in ("link", "joint"):
+            continue
+        for element in (owner, *owner.findall("inertial")):
+            tags = [child.tag for child in element if child.tag in _ONCE]
+            for tag in dict.fromkeys(tag for tag in tags if tags.count(tag) > 1):
+                yield f"{owner.tag} {owner.get('name')!r}: of {tags.count(tag)} <{tag}> the first counts"
 
 
 def _joints(root: Any) -> Iterator[str]:

@@ -155,6 +155,14 @@ def test_a_part_of_a_run_cannot_take_the_rest_out_of_the_file():
     assert "did not run" in reasons(results(ROW), change.accepted)[other.key]
 
 
+def test_a_part_of_a_run_lets_go_of_no_row_that_was_not_possible():
+    """Only where its engines are compared now: another engine's rows of the case say nothing of it."""
+    change = accept(results(ROW), accepted(ROW, SKIPPED), "without the other engine")
+    assert (change.removed, change.kept) == ((), (SKIPPED.key,))
+    now = replace(ROW, engines=("denoc", "far"))
+    assert accept(results(ROW, now), accepted(ROW, SKIPPED), "it is installed now").removed == (SKIPPED.key,)
+
+
 @pytest.mark.parametrize("name", ["other", "other/period", "other/period/denoc+analytic", "oth*"])
 def test_rows_are_let_go_by_name(name):
     other = replace(ROW, case="other")

@@ -14,11 +14,13 @@ from attempts import KINDS, PENDULUM, READ, attempt, tried, valid_file
 from damage import ANGLE, RECORDINGS, TIME
 
 import harness
+from harness.cases.results import read_results
 from harness.errors import InputError
 from harness.recording import read_recording
 from harness.recording.formats import apart, reader_process
 from harness.recording.units import factor_to_si
-from harness.system import audit
+from harness.system import audit, mjcf_trial
+from harness.system.read_mjcf import compiled
 
 MANY = 60
 
@@ -270,3 +272,100 @@ def test_the_kinds_are_all_read() -> None:
     assert set(READ) | set(RECORDINGS) == set(KINDS)
     assert {"parquet", "hdf5", "matlab", "netcdf", "numpy_arrays", "mcap", "rosbag"} == set(apart.KINDS)
     assert set(reader_process.KINDS) == set(apart.KINDS)
+
+
+GROWN = (
+    '<mujoco>{}<worldbody><body name="b"><joint axis="0 1 0"/><geom size="0.1" mass="1" pos="0 0 -1"/>{}</body></worldbody>'
+    "</mujoco>"
+)
+
+
+def mjcf(tmp_path: Path, top: str = "", body: str = "") -> Path:
+    file = tmp_path / "model.xml"
+    file.write_text(GROWN.format(top, body))
+    return file
+
+
+THREE = '<replicate count="3" offset="1 0 0"><body><joint axis="0 1 0"/><geom size="0.1"/></body></replicate>'
+
+
+@pytest.mark.parametrize(
+    ("instead", "said"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", r"MuJoCo crashes on it \(SIGSEGV\)"),
+        ("import time; time.sleep(60)", "MuJoCo does not load it within 1 s"),
+    ],
+)
+def test_a_trial_that_crashes_or_never_ends_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, instead: str, said: str
+) -> None:
+    """In the place of a document that ends MuJoCo, something that ends the trial's process."""
+    monkeypatch.setattr(mjcf_trial, "LONGEST", 1)
+    monkeypatch.setattr(mjcf_trial, "_START", instead)
+    with pytest.raises(InputError, match=rf"model\.xml: {said}"):
+        harness.load(mjcf(tmp_path, body=THREE))
+
+
+def test_models_that_grow_a_little_are_read(tmp_path: Path) -> None:
+    assert len(harness.load(mjcf(tmp_path, body=THREE)).coordinate_names) == 4
+
+
+def test_painted_textures_are_not_made(tmp_path: Path) -> None:
+    """Nothing moves otherwise for them, and their sizes are what a file asks for."""
+    painted = '<asset><texture name="t" type="2d" builtin="flat" width="64" height="64"/></asset>'
+    assert compiled(mjcf(tmp_path, painted)).ntex == 0
+
+
+@pytest.mark.parametrize(
+    "geom", ['size="1e200" density="1"', 'size="0.1" mass="1" pos="nan 0 0"', 'size="0.1" density="1e300"']
+)
+def test_mjcf_of_what_no_body_has_is_refused(tmp_path: Path, geom: str) -> None:
+    file = tmp_path / "model.xml"
+    file.write_text(f'<mujoco><worldbody><body><joint axis="0 1 0"/><geom {geom}/></body></worldbody></mujoco>')
+    with pytest.raises(InputError, match=r"beyond any mechanism|NaN or infinite"):
+        harness.load(file)
+
+
+@pytest.mark.parametrize("mass", ["1_0", "\u0661", "0x10", "1,5"])
+def test_numbers_that_no_other_reader_takes(tmp_path: Path, mass: str) -> None:
+    """Python reads 1_0 as ten; urdfdom and MuJoCo do not."""
+    file = tmp_path / "model.urdf"
+    file.write_text(URDF.format(mass, "1"), encoding="utf-8")
+    with pytest.raises(InputError, match="is not a number"):
+        harness.load(file)
+
+
+@pytest.mark.parametrize("cell", ["\u0660.\u0667", "0_1.7"])
+def test_what_python_alone_reads_is_no_number_of_a_table(tmp_path: Path, cell: str) -> None:
+    file = written(tmp_path / "run.csv", TIME, ANGLE)
+    file.write_text(file.read_text().replace("0.7", cell, 1), encoding="utf-8")
+    with pytest.raises(InputError, match="is not a number"):
+        read_recording(file)
+
+
+def test_what_stands_twice_in_a_urdf_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "model.urdf"
+    file.write_text(URDF.format("1", "1").replace("<mass", '<mass value="1"/><mass', 1))
+    assert "link 'l': of 2 <mass> the first counts" in harness.load(file).notes
+
+
+def test_an_archive_in_an_archive_ends_somewhere(tmp_path: Path) -> None:
+    import gzip
+
+    content = b"time,pivot.position\n"
+    for _ in range(1200):
+        content = gzip.compress(content, 1, mtime=0)
+    file = tmp_path / "run.csv.gz"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match=r"run\.csv\.gz: is packed more than 4 times over"):
+        read_recording(file)
+
+
+def test_half_a_letter_in_json(tmp_path: Path) -> None:
+    file = tmp_path / "results.json"
+    valid = valid_file("results.json", tmp_path).decode()
+    file.write_text(valid.replace('"note": ""', '"note": "\\ud83d\\ude00"', 1))
+    assert read_results(file).rows[0].note == "\U0001f600"
+    file.write_text(valid.replace('"note": ""', '"note": "\\ud800"', 1))
+    with pytest.raises(InputError, match="half a letter"):
+        read_results(file)

@@ -63,9 +63,8 @@ def accept(
                 f"--remove names {row.key}, which this run holds",
                 mend="leave it out, or take the check out of its case",
             )
-    ran = {row.case for row in results.rows}
-    # A row that only said why nothing was compared is no loss once its case has run without it.
-    idle = {key for key, e in old.items() if e.verdict == "skipped" and key.rsplit("/", 2)[0] in ran}
+    # A row that only said why nothing was compared is no loss once these engines were compared on its case.
+    idle = {key for key, e in old.items() if e.verdict == "skipped" and _compared_now(key, results)}
     kept = {key: e for key, e in old.items() if key not in rows and key not in gone and key not in idle}
     removed = sorted(old.keys() - rows.keys() - kept.keys())
     added, common = sorted(rows.keys() - old.keys()), sorted(rows.keys() & old.keys())
@@ -92,6 +91,13 @@ def accept(
     shares = dict(before.shares if before is not None else SHARES)
     figures = Accepted({**kept, **rows}, shares, history, recorded)
     return Change(figures, *map(tuple, (added, changed, removed, sorted(kept), loosened)))
+
+
+def _compared_now(key: str, results: Results) -> bool:
+    """Whether a run compares the engines of an accepted row on its case."""
+    case, _, engines = key.rsplit("/", 2)
+    named = set(engines.split("+"))
+    return any(row.case == case and row.verdict != "skipped" and named <= set(row.engines) for row in results.rows)
 
 
 def _entry(row: Row) -> Entry:

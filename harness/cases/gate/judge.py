@@ -11,6 +11,9 @@ from harness.cases.case import NATIVE, Row
 from harness.cases.gate.accepted import Accepted, Entry
 from harness.cases.results import Results
 
+# How the commonest reason begins: a difference beyond its limit.
+LEFT = "left the line"
+
 
 @dataclass(frozen=True)
 class Judged:
@@ -50,9 +53,10 @@ class Judgement:
 def judge(results: Results, accepted: Accepted) -> Judgement:
     """Hold a run against the accepted figures.
 
-    A row closes the gate if it fails; if it is not finite; if it was never accepted, or accepted and now missing; if
-    its limit or unit changed; and if it grew by more than its quantity's share of what is allowed. Exact digits are not
-    compared: they differ between processors. Accepted figures that were changed by hand close it altogether.
+    A row closes the gate if it fails; if it is not finite; if it was never accepted, or accepted and now missing; if it
+    passes only because its limit was loosened; if its unit changed; and if it grew by more than its quantity's share of
+    what is allowed. Exact digits are not compared: they differ between processors. Accepted figures that were changed by
+    hand close it altogether.
     """
     twice = [key for key, count in Counter(row.key for row in results.rows).items() if count > 1]
     judged = [_judge(row, accepted.rows.get(row.key), accepted, row.key in twice) for row in results.rows]
@@ -92,7 +96,7 @@ def _judge(row: Row, entry: Entry | None, accepted: Accepted, twice: bool) -> Ju
     change = None if known is None else row.difference - known
     reason = ""
     if row.verdict != "pass" or not row.difference <= row.allowed:
-        reason = f"left the line: {row.difference:.2e} where {row.allowed:.0e} is allowed"
+        reason = f"{LEFT}: {row.difference:.2e} where {row.allowed:.0e} is allowed"
     elif entry.verdict != "pass" or entry.allowed is None or known is None:
         reason = "was skipped when the figures were accepted"
     elif row.unit != entry.unit:

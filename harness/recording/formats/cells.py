@@ -37,12 +37,17 @@ def number(cell: str, delimiter: str) -> float | None:
         return float("nan") if text else None
     if delimiter != "," and "," in text and "." not in text:
         text = text.replace(",", ".")  # decimal comma
-    if "_" in text:
-        return None  # Python reads 1_000; a table does not mean it
+    if not _plain(text):
+        return None
     try:
         return float(text)
     except ValueError:
         return None
+
+
+def _plain(text: str) -> bool:
+    """Whether a number in it is one to every program: Python reads 1_000 and digits of other scripts as well."""
+    return "_" not in text and text.isascii()
 
 
 def is_number(cell: str, delimiter: str) -> bool:
@@ -53,10 +58,11 @@ def is_number(cell: str, delimiter: str) -> bool:
 def read_cells(path: Path, name: str, cells: Sequence[str], lines: Sequence[int], delimiter: str) -> Cells:
     """A column of numbers, or of calendar stamps as seconds from the first; any other has a fault that names the cell."""
     try:
-        values = np.array(cells, dtype=np.float64)
+        # As Python reads them: what only that takes is looked at cell by cell.
+        values = np.array(cells, dtype=np.float64) if _plain("".join(cells)) else None
     except ValueError:
-        pass
-    else:
+        values = None
+    if values is not None:
         largest = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
         if largest > EXACT and all(cell.strip().lstrip("+-").isdigit() for cell in cells):
             whole = [int(cell) for cell in cells]

@@ -22,6 +22,7 @@ PACKED: dict[bytes, tuple[str, Callable[..., Any]]] = {
     b"BZh": ("archive", bz2.open),
     b"\xfd7zXZ\x00": ("archive", lzma.open),
 }
+MOST_LAYERS = 4  # an archive can be made that holds itself
 # Readers bring heavy packages along, so each is loaded when a file asks for it. MATLAB 7.3 is HDF5 behind 512 bytes of text.
 READERS = (
     (b"PAR1", "parquet", "read_parquet"),
@@ -60,8 +61,8 @@ def read_table(path: Path) -> Table:
     return _read_file(path, path)
 
 
-def _read_file(path: Path, file: Path) -> Table:
-    """path: as the user knows it. file: where its bytes are, unpacked."""
+def _read_file(path: Path, file: Path, layers: int = 0) -> Table:
+    """path: as the user knows it. file: where its bytes are, unpacked. layers: how often it was unpacked."""
     try:
         with file.open("rb") as stream:
             head = stream.read(512)
@@ -73,7 +74,7 @@ def _read_file(path: Path, file: Path) -> Table:
         raise InputError("the file is empty", mend="record again or name another file", source=path)
     for magic, (kind, opened) in PACKED.items():
         if head.startswith(magic):
-            return _unpacked(path, file, kind, opened)
+            return _unpacked(path, file, kind, opened, layers + 1)
     for magic, module, reader in READERS:
         if head.startswith(magic):
             return read_apart(module, reader, path, file)
@@ -83,7 +84,9 @@ def _read_file(path: Path, file: Path) -> Table:
     return read_text(path, file.read_bytes(), READABLE)
 
 
-def _unpacked(path: Path, file: Path, kind: str, opened: Callable[..., Any]) -> Table:
+def _unpacked(path: Path, file: Path, kind: str, opened: Callable[..., Any], layers: int) -> Table:
+    if layers > MOST_LAYERS:
+        raise InputError(f"is packed more than {MOST_LAYERS} times over", mend="unpack it yourself", source=path)
     most = most_memory(file.stat().st_size)
     with tempfile.TemporaryDirectory() as folder:
         inner = Path(folder) / "unpacked"
@@ -109,7 +112,7 @@ def _unpacked(path: Path, file: Path, kind: str, opened: Callable[..., Any]) -> 
             if isinstance(failure, InputError):
                 raise
             raise _damaged(path, kind, failure) from None
-        return _read_file(path, inner)
+        return _read_file(path, inner, layers)
 
 
 def _damaged(path: Path, kind: str, failure: Exception) -> InputError:

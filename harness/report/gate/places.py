@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.cases.gate import Judged, Judgement
-from harness.report.gate.screen import why
+from harness.report import words
 from harness.system.source_lines import line_of
 
 
@@ -29,11 +29,12 @@ def places(judgement: Judgement | None, files: Mapping[str, Path]) -> list[Place
     for judged in judgement.failed:
         case = judged.key.rsplit("/", 2)[0]
         path = files.get(case)
-        found.append(Place(judged, path, None if path is None else _line(judged, path), why(judged)))
+        found.append(Place(judged, path, None if path is None else line_in(judged, path), why(judged)))
     return found
 
 
-def _line(judged: Judged, path: Path) -> int | None:
+def line_in(judged: Judged, path: Path) -> int | None:
+    """The line of a model's file that a row is about, from 1; None where the file has none."""
     where = dict(judged.row.first_divergence or {}) if judged.row is not None else {}
     value = str(where.get("value", ""))
     names = [where.get(key) for key in ("link", "joint", "body", "coordinate", "signal")]
@@ -47,3 +48,11 @@ def _line(judged: Judged, path: Path) -> int | None:
             if line is not None:
                 return line
     return None
+
+
+def why(judged: Judged) -> str:
+    """Why a row closes the gate, where and when."""
+    row = judged.row
+    if row is None or row.verdict != "fail":
+        return judged.reason
+    return "; ".join(filter(None, [judged.reason, words.divergence(row), row.note]))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.cases.gate import Judgement
+from harness.report.gate.closing import is_description
 from harness.report.gate.places import Place, places
 
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
@@ -56,14 +57,19 @@ def _relative(path: Path) -> str:
 
 
 def github_annotations(judgement: Judgement, files: Mapping[str, Path]) -> list[str]:
-    """Lines that GitHub Actions turns into annotations of the files in a pull request."""
+    """Lines that GitHub Actions turns into annotations of the files in a pull request.
+
+    It shows ten of a step: numbers of a description that changed stand first, and what several engines say is said once.
+    """
     lines = []
-    for place in places(judgement, files):
+    for place in sorted(places(judgement, files), key=lambda place: not is_description(place.judged)):
         case, quantity, _ = place.judged.key.rsplit("/", 2)
         where = ""
         if place.path is not None:
             where = f"file={_property(_relative(place.path))}" + (f",line={place.line}" if place.line else "") + ","
-        lines.append(f"::error {where}title={_property(f'{case}: {quantity}')}::{_message(place.said)}")
+        title = case if place.judged.row is None else f"{case}: {quantity}"
+        lines.append(f"::error {where}title={_property(title)}::{_message(place.said)}")
+    lines = list(dict.fromkeys(lines))
     if judgement.reference:
         lines.append(f"::error title=denoc gate::{_message('the reference ' + judgement.reference)}")
     return lines

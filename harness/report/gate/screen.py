@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from itertools import groupby
 from pathlib import Path
 
 from rich.console import Console
 from rich.text import Text
 
-from harness.cases.gate import Change, Judged, Judgement, SelfTest
-from harness.report import closing, words
-from harness.report.columns import figures, print_table
+from harness.cases.gate import Change, Judgement, SelfTest
+from harness.report.columns import Heading, figures, print_table
+from harness.report.gate import closing
 
 
-def print_judgement(judgement: Judgement | None, trials: SelfTest | None, console: Console) -> None:
-    """What closed the gate, row by row, and how the gate did against planted defects."""
+def print_judgement(
+    judgement: Judgement | None,
+    trials: SelfTest | None,
+    console: Console,
+    files: Mapping[str, Path] | None = None,
+) -> None:
+    """What closed the gate, case by case, and how the gate did against planted defects; files: the model of each case."""
     if judgement is not None:
         if judgement.reference:
             advice = "compare it with version control; `denoc gate --accept --why …` accepts it as it is"
@@ -24,9 +31,7 @@ def print_judgement(judgement: Judgement | None, trials: SelfTest | None, consol
             text = f"{count} of {len(judgement.rows)} rows close the gate." if count else "There is no row to judge."
         console.print(Text(text, style="bold green" if judgement.rows and not count else "bold red"))
         if judgement.failed:
-            heads = [figures(head) if head in ("accepted", "now") else head for head in closing.HEADS]
-            rows = [tuple(Text(cell) for cell in line.cells) for line in closing.lines(judgement)]
-            print_table(console, heads, rows)
+            _print_lines(closing.lines(judgement, files), console)
         for name, (before, now) in judgement.versions_changed.items():
             console.print(Text(f"{name}: accepted with {before}, run with {now}", style="dim"))
     if trials is not None:
@@ -43,6 +48,16 @@ def print_judgement(judgement: Judgement | None, trials: SelfTest | None, consol
                 console.print(Text(f"  {trial.defect}: {fate}", style="red"))
 
 
+def _print_lines(lines: list[closing.Line], console: Console) -> None:
+    """Figures in columns under the name of their case; what changed, where, when and why beneath."""
+    heads = [figures(head) if head in closing.FIGURES else head for head in closing.HEADS[2:7]]
+    rows: list[Heading | tuple[Text, ...]] = []
+    for case, members in groupby(lines, key=lambda line: line.case):
+        rows.append(Heading(case))
+        rows += [tuple(Text(cell) for cell in (*line.cells[2:7], line.said)) for line in members]
+    print_table(console, [*heads, closing.HEADS[0]], rows)
+
+
 def print_change(change: Change, path: Path, console: Console) -> None:
     """What an acceptance has done to the file."""
     counts = ((change.added, "added"), (change.changed, "changed"), (change.removed, "removed"))
@@ -56,11 +71,3 @@ def print_change(change: Change, path: Path, console: Console) -> None:
         if keys:
             names = ", ".join(keys[:4]) + (" …" if len(keys) > 4 else "")
             console.print(Text(f"  {len(keys)} {word}: {names}", style="yellow"))
-
-
-def why(judged: Judged) -> str:
-    """Why a row closes the gate, where and when."""
-    row = judged.row
-    if row is None or row.verdict != "fail":
-        return judged.reason
-    return "; ".join(filter(None, [judged.reason, words.divergence(row), row.note]))

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from harness.cases.gate import Accepted, Judged, Judgement, SelfTest
 from harness.cases.results import Results
 from harness.errors import unwritable
-from harness.report import closing, words
+from harness.report import words
+from harness.report.gate import closing
 from harness.report.markdown import line, plain
 
 
 def markdown(
-    results: Results, judgement: Judgement | None, trials: SelfTest | None, accepted: Accepted | None = None
+    results: Results,
+    judgement: Judgement | None,
+    trials: SelfTest | None,
+    accepted: Accepted | None = None,
+    files: Mapping[str, Path] | None = None,
 ) -> str:
-    """GitHub-flavoured Markdown of a gate: the verdict, what closes it, what else moved, and the last acceptance."""
+    """GitHub-flavoured Markdown of a gate: the verdict, what closes it, what else moved, and the last acceptance.
+
+    files: the model of each case, for the line that changed.
+    """
     lines = ["## Dynamics gate", ""]
     if judgement is not None:
-        lines += _verdict(results, judgement)
+        lines += _verdict(judgement, files)
     if trials is not None:
         planted = len(trials.trials)
         caught = sum(trial.caught for trial in trials.trials)
@@ -37,7 +46,7 @@ def markdown(
     return "\n".join(lines)
 
 
-def _verdict(results: Results, judgement: Judgement) -> list[str]:
+def _verdict(judgement: Judgement, files: Mapping[str, Path] | None) -> list[str]:
     failed = judgement.failed
     lines = []
     if judgement.reference:
@@ -45,11 +54,11 @@ def _verdict(results: Results, judgement: Judgement) -> list[str]:
     if failed:
         lines += [f"**Closed**: {len(failed)} of {len(judgement.rows)} rows.", ""]
         lines += [
-            line(("case", "quantity", "engines", "accepted", "now", "what changed, where and why")),
-            line(["---"] * 6),
+            line(("what changed, where, when and why", *closing.HEADS[1:7])),
+            line(["---"] * 7),
         ]
-        closes = closing.lines(judgement)
-        lines += [line((c.case, c.quantity, c.engines, c.accepted, c.now, c.said)) for c in closes[:50]]
+        closes = closing.lines(judgement, files)
+        lines += [line((c.said, *c.cells[1:7])) for c in closes[:50]]
         if len(closes) > 50:
             lines.append(f"\n… and {len(closes) - 50} more.")
         lines.append("")

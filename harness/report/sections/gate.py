@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from harness.cases.gate import Judgement
 from harness.cases.results import Results
-from harness.report import closing
+from harness.report.gate import closing
 
 
 @dataclass(frozen=True)
 class Gate:
-    """judgement: of the run that the page is about."""
+    """judgement: of the run that the page is about; files: the model of each case, for the line that changed."""
 
     judgement: Judgement
+    files: Mapping[str, Path] = field(default_factory=dict)
     anchor: str = "gate"
     title: str = "Gate"
     template: str = "gate.html"
@@ -30,6 +32,7 @@ class Gate:
             "headline": headline,
             "ok": self.judgement.ok,
             "heads": closing.HEADS,
-            "rows": [line.cells for line in closing.lines(self.judgement)],
+            "figures": closing.FIGURES,
+            "rows": [line.cells for line in closing.lines(self.judgement, self.files)],
             "versions": self.judgement.versions_changed,
         }

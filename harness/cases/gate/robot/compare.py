@@ -21,6 +21,7 @@ from harness.engines import registry
 from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import EngineUnavailableError, InputError
 from harness.system import System
+from harness.system.rotation import to_rpy
 
 RECORDED = "recorded"
 SAME = 1e-9
@@ -89,8 +90,26 @@ def _described(bench: Bench, kind: Kind, held: Mapping[str, Any], now: Mapping[s
             for label, a, b in _leaves(member, before[name].get(member), after[name].get(member)):
                 apart = _apart(a, b)
                 if apart > SAME:
-                    changes.append((apart, name, label, f"{label} of {word} {name!r}: {_said(a)} → {_said(b)}"))
+                    changes.append((apart, name, label, _changed(label, f"{word} {name!r}", a, b)))
     return _row(bench, kind.quantity, word, changes)
+
+
+def _changed(label: str, owner: str, a: Any, b: Any) -> str:
+    """What changed from what to what: of a tensor the components that did, of a rotation its angles, as in URDF."""
+    try:
+        x, y = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    except (TypeError, ValueError):
+        x = y = np.zeros(0)
+    if label == "inertia" and x.shape == y.shape == (3, 3):
+        scale = max(np.abs(x).max(), np.abs(y).max())
+        pairs = [(i, j) for i in range(3) for j in range(i, 3) if abs(x[i, j] - y[i, j]) > SAME * scale]
+        told = ", ".join(f"{'xyz'[i]}{'xyz'[j]} {_said(float(x[i, j]))} → {_said(float(y[i, j]))}" for i, j in pairs)
+        return f"inertia of {owner}: {told}"
+    if label == "rotation" and x.shape == y.shape == (3, 3):
+        before, after = (_said([round(float(angle), 9) + 0.0 for angle in to_rpy(turn)]) for turn in (x, y))
+        if before != after:
+            return f"rotation of {owner} (roll, pitch, yaw): {before} → {after} rad"
+    return f"{label} of {owner}: {_said(a)} → {_said(b)}"
 
 
 def _leaves(label: str, a: Any, b: Any) -> Iterator[tuple[str, Any, Any]]:
