@@ -1,10 +1,11 @@
 """Effects told beside a force that no law of the catalogue describes: what is found, and what is found that is not there.
 
-``python benchmarks/beside_random_forces.py [--cases N] [--seed S] [--work DIR]``
+``python benchmarks/beside_random_forces.py [--cases N] [--seed S] [--wander SHARE] [--work DIR]``
 
 Every case is an arm on one joint, dropped from several heights or driven by a recorded effort, with a force over angle and
 speed that is a draw of a Gaussian process (random waves; Rahimi and Recht, NIPS 20 (2007) 1177), of its own size and lengths,
 less what smooth plain laws (a weight, a spring, a constant, damping) say of it.
+With --wander, friction of every recording, dry and viscous alike, is another one by about that share, as of bearings that warm up.
 In two of five nothing else differs from the model; in the others it carries a weight, rubs more, or is damped more. SciPy
 integrates. Answers already in the work folder are used again; the table counts findings that are told for more than possible.
 """
@@ -55,7 +56,8 @@ EFFECTS = {"payload_mass": "mass", "coulomb_friction": "torque", "viscous_dampin
 
 @dataclass(frozen=True)
 class Case:
-    """What differs from the model: the force's standard deviation [N·m] and lengths [rad, rad/s], and one effect of a size."""
+    """What differs from the model: the force's standard deviation [N·m] and lengths [rad, rad/s], and one effect of a size; and by
+    which share friction differs between recordings."""
 
     number: int
     driven: bool
@@ -65,9 +67,10 @@ class Case:
     effect: str
     size: float
     seed: int
+    wander: float = 0.0
 
 
-def drawn(number: int, seed: int) -> Case:
+def drawn(number: int, seed: int, wander: float = 0.0) -> Case:
     """One case; the size of what is added is one that an engineer would look for."""
     random = np.random.default_rng([seed, number])
     effect = ("", "payload_mass", "", "coulomb_friction", "viscous_damping")[number % 5]
@@ -77,7 +80,7 @@ def drawn(number: int, seed: int) -> Case:
     return Case(
         number, bool(random.random() < 0.4), float(np.exp(random.uniform(np.log(0.005), np.log(0.05)))),
         (float(random.uniform(0.3, 1.0)), float(random.uniform(1.5, 5.0))), float(10 ** random.uniform(-4.0, -2.7)),
-        effect, float(size), int(random.integers(2**31)),
+        effect, float(size), int(random.integers(2**31)), wander,
     )  # fmt: skip
 
 
@@ -106,6 +109,7 @@ def recorded(case: Case) -> list[Recording]:
     # What of the draw a plain law says is taken out: a weight would otherwise be told that is not there, and rightly.
     region = np.array([a.ravel() for a in np.meshgrid(np.linspace(-1.5, 1.5, 31), np.linspace(-8.0, 8.0, 31))])
     named = np.linalg.lstsq(_plain(region), _waved(region, waves, phases), rcond=None)[0]
+    levels = np.exp(case.wander * np.random.default_rng([case.seed, 1]).normal(size=4))
     time_ = np.arange(0.0, 6.0 if case.driven else 2.5, 0.01)
     out = []
     for k in range(4):
@@ -114,11 +118,13 @@ def recorded(case: Case) -> list[Recording]:
         start = 0.0 if case.driven else -float(random.uniform(0.5, 1.5))
         effort = np.sum(sizes[:, None] * np.sin(2.0 * np.pi * frequencies[:, None] * time_ + starts[:, None]), axis=0)
 
-        def slope(t: float, y: np.ndarray, effort: np.ndarray = effort) -> tuple[float, float]:
+        def slope(
+            t: float, y: np.ndarray, effort: np.ndarray = effort, level: float = levels[k]
+        ) -> tuple[float, float]:
             force = case.force * float((_waved(y[:, None], waves, phases) - _plain(y[:, None]) @ named)[0])
-            rubbing = friction * np.tanh(y[1] / SHARPNESS)
+            rubbing = level * (friction * np.tanh(y[1] / SHARPNESS) + damping * y[1])
             acting = np.interp(t, time_, effort) + force
-            return y[1], float((acting - weight * np.sin(y[0]) - damping * y[1] - rubbing) / about)
+            return y[1], float((acting - weight * np.sin(y[0]) - rubbing) / about)
 
         found = solve_ivp(slope, (0.0, time_[-1]), (start, 0.0), t_eval=time_, method="LSODA", rtol=1e-8, atol=1e-10)
         read = found.y[0] + case.noise * random.normal(size=len(time_))
@@ -162,6 +168,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--wander", type=float, default=0.0)
     parser.add_argument("--work", type=Path, default=Path("beside_random_forces"))
     asked = parser.parse_args()
     asked.work.mkdir(parents=True, exist_ok=True)
@@ -169,9 +176,9 @@ def main() -> None:
     model.write_text(MODEL, encoding="utf-8")
     rows = []
     for number in range(asked.cases):
-        kept = asked.work / f"{asked.seed}-{number}.json"
+        kept = asked.work / f"{asked.seed}-{number}{f'-{asked.wander:g}' if asked.wander else ''}.json"
         if not kept.exists():
-            write_whole(kept, json.dumps(answered(drawn(number, asked.seed), model), indent=1))
+            write_whole(kept, json.dumps(answered(drawn(number, asked.seed, asked.wander), model), indent=1))
         row = json.loads(kept.read_text(encoding="utf-8"))
         score = scored(row)
         rows.append((row, score))

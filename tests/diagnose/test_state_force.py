@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -130,3 +132,47 @@ def test_numbers_are_as_uncertain_as_generalised_least_squares_says(
     loud = np.tile(np.repeat(np.maximum(sums.left / sums.counts, 1.0), 30), 2)
     information = shared.T @ (shared / loud[:, None]) + np.diag(numbers.stiff)
     assert force.spread(sums, None) == pytest.approx(np.sqrt(np.diag(np.linalg.inv(information))), rel=1e-9)
+
+
+LEVEL = np.array([False, False, True, False, False, True])
+
+
+@pytest.fixture
+def with_levels(two_windows: tuple[StateForce, list[Window], list[Profiled]]) -> StateForce:
+    """The same nodes, of which the last one of each joint is what one recording has of friction beside all."""
+    force, _, _ = two_windows
+    return replace(force, level=LEVEL)
+
+
+def test_what_is_one_recordings_own_has_a_size_of_its_own_and_goes_with_nothing_else(with_levels: StateForce) -> None:
+    sizes, lengths = np.array([0.3, 0.05, 0.02, 0.07]), np.array([0.5, 1.5])
+    apart = (with_levels.at[:, None] - with_levels.at[None]) / lengths
+    expected = np.exp(-0.5 * np.sum(apart**2, axis=-1))
+    for k in range(6):
+        for j in range(6):
+            if k != j and (k // 3 != j // 3 or LEVEL[k] or LEVEL[j]):
+                expected[k, j] = 0.0
+    size = np.array([0.3, 0.3, 0.02, 0.05, 0.05, 0.07])
+    root = with_levels.prior_root(Force(sizes, lengths, np.ones(2)))
+    assert root @ root.T == pytest.approx(size[:, None] * (expected + 1e-6 * np.eye(6)) * size, abs=1e-9)
+
+
+def test_the_likeliest_size_of_levels_is_one_that_nothing_near_it_beats(
+    two_windows: tuple[StateForce, list[Window], list[Profiled]], with_levels: StateForce
+) -> None:
+    _, windows, free = two_windows
+    # A thousandth of the natural torque is a reading as loud as the noise, so that three of them are far from nothing.
+    answers = {w: 1e3 * with_levels.answers[w] * (LEVEL if w.run == 0 else ~LEVEL) for w in windows}
+    force = replace(with_levels, answers=answers)
+    pushed = [replace(free[0], residual=free[0].residual + 3e-3 * answers[windows[0]] @ LEVEL), free[1]]
+    sums = force.sums(windows, pushed)
+    found = force.likeliest(sums)
+    assert np.all(found.force.sizes[2:] > 5e-4)
+    assert found.nodes[LEVEL] == pytest.approx(3e-3, abs=1e-3)
+
+    def surprise(z: np.ndarray) -> float:
+        return force.surprise(sums, Force(np.exp(z), found.force.lengths, found.force.louder))
+
+    best = np.log(found.force.sizes)
+    again = minimize(surprise, best, method="Nelder-Mead", bounds=[(b - 1.0, b + 1.0) for b in best])
+    assert again.fun > found.value - 0.05

@@ -29,6 +29,7 @@ from harness.diagnose.criticism.check import Form
 from harness.diagnose.criticism.locate import Mismatch, locate
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.estimation.intervals import Estimate
+from harness.diagnose.levels.between_recordings import between_recordings
 from harness.diagnose.levels.differing_levels import Differing
 from harness.diagnose.problem.deadline import Stage
 from harness.diagnose.selection.investigation import Outcome, as_read
@@ -48,6 +49,7 @@ RANKED = ("the errors of other sets on data held out", NO_FINDING)
 ERRORS = ("errors before and after", NO_FINDING)
 LEFT = ("where the force that is left out lies", NO_FINDING)
 FORMULA = ("what the force that is left out looks like", NO_FINDING)
+BETWEEN = ("by how much friction differs between recordings", NO_FINDING)
 PREDICTING = ("the model that predicts best", NO_FINDING)
 
 
@@ -73,7 +75,8 @@ def answer(
     again = {key: repeatability(outcome, how, key) for key in claims}
     foretold = deadline.attempt(*FORETOLD, lambda: foretells(outcome, conclusion), lambda: False, spared=True)
     grades = {k: grade(outcome, conclusion, claim, values[k], again[k], foretold) for k, claim in claims.items()}
-    left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion), lambda: None, spared=True)
+    between = deadline.attempt(*BETWEEN, lambda: between_recordings(outcome, conclusion.best), dict[str, float])
+    left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion, between), lambda: None, spared=True)
     form = deadline.attempt(*FORMULA, lambda: formula(outcome, conclusion), lambda: None)
     best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None)
     zeros: dict[str, list[Zero]] = {key: [] for key in values}

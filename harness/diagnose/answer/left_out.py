@@ -16,13 +16,17 @@ from harness.effects.scale import references
 
 @dataclass(frozen=True)
 class AtJoint:
-    """The force left out at one joint: standard deviation, its unit, its share of the natural force there, its memory [s]."""
+    """The force left out at one joint: standard deviation, its unit, its share of the natural force there, its memory [s].
+
+    between: standard deviation between recordings of friction there; 0 where they need none of their own.
+    """
 
     joint: str
     size: float
     unit: str
     share: float
     memory: float
+    between: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -44,14 +48,19 @@ class LeftOut:
             row: dict[str, Any] = {
                 "joint": one.joint, "size": one.size, "unit": one.unit, "share": one.share, "memory": one.memory
             }  # fmt: skip
+            if one.between > 0.0:
+                row["between_recordings"] = one.between
             if self.place is not None and self.place.joint == one.joint:
                 row["place"] = {"where": self.place.where, "share": self.place.share, "of_time": self.place.of_time}
             rows.append(row)
         return rows
 
 
-def left_out(outcome: Outcome, conclusion: Conclusion) -> LeftOut | None:
-    """The force that the best set leaves out; None where noise is all that is left."""
+def left_out(outcome: Outcome, conclusion: Conclusion, between: Mapping[str, float]) -> LeftOut | None:
+    """The force that the best set leaves out; None where noise is all that is left.
+
+    between: by how much friction differs between recordings, by joint.
+    """
     force = outcome.force
     if force is None:
         return None
@@ -59,7 +68,7 @@ def left_out(outcome: Outcome, conclusion: Conclusion) -> LeftOut | None:
     for joint, size in zip(force.joints, force.sizes, strict=True):
         unit = outcome.problem.system.joint(joint).force_unit
         natural = references(outcome.problem.system, joint).torque
-        rows.append(AtJoint(joint, size, unit, size / natural, force.memory))
+        rows.append(AtJoint(joint, size, unit, size / natural, force.memory, between.get(joint, 0.0)))
     return LeftOut(tuple(rows), place_of(outcome, left_force(outcome, conclusion.best, force)))
 
 

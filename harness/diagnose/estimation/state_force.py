@@ -43,6 +43,9 @@ MOST_NODES = 240  # of the grids over the state, all joints together: bounds the
 FEWEST_A_SIDE, MOST_A_SIDE = 5, 11
 SHORTEST, LONGEST = 0.15, 5.0  # over which the force changes, in standard deviations of position and velocity
 USUAL = 0.01  # of the natural torque: what a model that is right leaves of the forces that it has; the scale of a Cauchy prior
+USUAL_LEVEL = 0.001  # the same of friction that is a recording's own: a tenth of what joints have, a hundredth or two
+KINDS = 2  # of friction that recordings may have more or less of: dry and viscous
+TURNING = 0.1  # standard deviations of the velocity, over which dry friction changes sides
 BEYOND = 3  # steps of a grid, over which a force is continued where no motion passed
 SMOOTHED = 1e-6  # of their mean square, added to nodes that few readings tell
 ROUNDING, LARGEST_ADDED = 1e-15, 1e-6  # of the largest square, added to a matrix that rounding has made indefinite
@@ -53,8 +56,9 @@ JITTER = 1e-6  # of the variance, so that covariances of long lengths can be fac
 class Force:
     """Size and shape of a force over the state, and the noise beside it.
 
-    sizes: standard deviations at every joint, in natural torques; lengths: over which it changes in position and in velocity, in
-    standard deviations of these; louder: variance beside it of every channel, in units of the sensors'.
+    sizes: standard deviations at every joint, in natural torques, and after these, of levels if there are any; lengths: over which
+    it changes in position and in velocity, in standard deviations of these; louder: variance beside it of every channel, in units
+    of the sensors'.
     """
 
     sizes: Array
@@ -112,10 +116,11 @@ class StateForce:
     """Forces at the nodes of grids over the joints' states, and what the whitened channels answer to them.
 
     joint: (k,) of every node, and where it stands, position and velocity (k, 2), in standard deviations of these. answers: (M, k)
-    by window. motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the
-    joints; torque: natural force that nodes are in. together: samples of every channel that err together beside the force. shape:
-    of the force that the reference leaves, where the search for that of others begins. known: what has been worked out beside the
-    force, by set and windows; begun: the same from parts of these sets.
+    by window. level: which nodes are no place of a grid but friction that one recording has more or less of than all, (k,).
+    motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the joints; torque:
+    natural force that nodes are in. together: samples of every channel that err together beside the force. shape: of the force
+    that the reference leaves, where the search for that of others begins. known: what has been worked out beside the force, by set
+    and windows; begun: the same from parts of these sets.
     """
 
     joint: NDArray[np.intp]
@@ -133,15 +138,32 @@ class StateForce:
     units: Array = field(default_factory=lambda: np.ones((0, 2)))
     known: dict[Set, Any] = field(default_factory=dict)
     begun: set[tuple[Set, frozenset[str]]] = field(default_factory=set)
+    level: NDArray[np.bool_] | None = None
 
     @property
     def joints(self) -> int:
         return int(self.joint.max()) + 1 if len(self.joint) else 0
 
+    @cached_property
+    def over_grid(self) -> NDArray[np.bool_]:
+        """Which nodes are places of the grids over the state, (k,)."""
+        return np.ones(len(self.joint), dtype=bool) if self.level is None else ~self.level
+
+    @cached_property
+    def group(self) -> NDArray[np.intp]:
+        """Which of the sizes is that of every node, (k,)."""
+        return np.where(self.over_grid, self.joint, self.joint + self.joints)
+
+    @property
+    def usual(self) -> Array:
+        """How large each of the sizes usually is."""
+        levels = 0 if self.over_grid.all() else self.joints
+        return np.concatenate([np.full(self.joints, USUAL), np.full(levels, USUAL_LEVEL)])
+
     def prior_root(self, force: Force) -> Array:
         """L with L Lᵀ the prior covariance of the forces at the nodes, in natural torques."""
         return np.asarray(
-            force.sizes[self.joint, None] * cholesky(self._correlation(force), lower=True, check_finite=False)
+            force.sizes[self.group, None] * cholesky(self._correlation(force), lower=True, check_finite=False)
         )
 
     @cached_property
@@ -150,8 +172,9 @@ class StateForce:
         return self.at[:, None] - self.at[None]
 
     def _correlation(self, force: Force) -> Array:
-        correlation = _alike(self._apart, force.lengths) * (self.joint[:, None] == self.joint)
-        correlation[np.diag_indices(len(correlation))] += JITTER
+        correlation = _alike(self._apart, force.lengths) * (self.group[:, None] == self.group)
+        correlation[~self.over_grid] = 0.0
+        correlation[np.diag_indices(len(correlation))] = 1.0 + JITTER
         return np.asarray(correlation)
 
     def pushes(self, nodes: Array) -> dict[Window, Push]:
@@ -168,7 +191,7 @@ class StateForce:
 
         Where no motion passed, the prior's mean given the nodes (k,): it ends in nothing; a few steps beyond them as well.
         """
-        own = self.joint == number
+        own = (self.joint == number) & self.over_grid
         axes = [_further(axis) for axis in self.axes[number]]
         new = np.array([(p, v) for p in axes[0] for v in axes[1]]) / self.units[number]
         towards = _alike(new[:, None] - self.at[own], force.lengths)
@@ -180,7 +203,7 @@ class StateForce:
         """The forces at the nodes (k,) nearest to those in every step of the motions, (G − 1, joints), NaN where unknown."""
         out = np.zeros(len(self.joint))
         for number in range(self.joints):
-            own = self.joint == number
+            own = (self.joint == number) & self.over_grid
             shares = [self.shares[w][own] for w in forces]
             columns = np.hstack([0.5 * (s[:, 1:] + s[:, :-1]) for s in shares])
             values = np.concatenate([f[:, number] for f in forces.values()]) / self.torque
@@ -204,6 +227,32 @@ class StateForce:
             own = [found.moved(motion, place, shares[self.joint == k]) for k, place in enumerate(found.places)]
             answers[window] = np.nan_to_num(np.hstack(own))
         return replace(self, answers={**self.answers, **answers}, known={}, begun=set())
+
+    def with_levels(self, predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> StateForce | None:
+        """The same with friction that every recording has by itself, dry and viscous, as the motion of a fit answers to it.
+
+        None where there is one recording, or channels do not answer linearly.
+        """
+        runs = list(dict.fromkeys(w.run for w in fitted.windows))
+        found = responses(predictor, likelihood, fitted, self.torque, 0.0)
+        if found is None or len(runs) < 2:
+            return None
+        answers, size = dict(self.answers), KINDS * len(runs)
+        for window in fitted.windows:
+            motion, columns = found.motion(window), []
+            for number, place in enumerate(found.places):
+                if motion is None:
+                    columns.append(np.zeros((self.channels * window.size, size)))
+                    continue
+                own = _frictions(motion.qd[:, place] / self.units[number, 1], runs, window.run)
+                columns.append(np.nan_to_num(found.moved(motion, place, own)))
+            answers[window] = np.hstack([self.answers[window], *columns])
+        levels = size * self.joints
+        return replace(
+            self, answers=answers, known={}, begun=set(), at=np.vstack([self.at, np.zeros((levels, 2))]),
+            joint=np.concatenate([self.joint, np.repeat(np.arange(self.joints), size)]),
+            level=np.repeat([False, True], [len(self.joint), levels]),
+        )  # fmt: skip
 
     def sums(
         self,
@@ -252,7 +301,7 @@ class StateForce:
 
     def without(self, sums: Sums) -> float:
         """The same with no force at all."""
-        none = Force(np.full(self.joints, SMALLEST), np.ones(2), sums.louder)
+        none = Force(np.full(len(self.usual), SMALLEST), np.ones(2), sums.louder)
         return self._noise(sums, none, float(np.sum(sums.left / sums.louder / self.together))) + float(
             np.sum(sums.deviations**2)
         )
@@ -274,7 +323,7 @@ class StateForce:
         return np.asarray(scale), np.asarray(inside)
 
     def _noise(self, sums: Sums, force: Force, left: float) -> float:
-        usual = float(np.sum(cauchy_surprise(force.sizes / USUAL)))
+        usual = float(np.sum(cauchy_surprise(force.sizes / self.usual)))
         return usual + float(np.sum(sums.counts / self.together * np.log(force.louder))) + float(left)
 
     def _at(self, sums: Sums, force: Force) -> tuple[Likeliest, Array]:
@@ -302,14 +351,15 @@ class StateForce:
         gain = back.T @ (np.eye(k) - inverse.T @ inverse) @ back
         change = (gain - np.outer(pull, pull)) * (root @ root.T)
         rows = change.sum(axis=1)
-        usual = force.sizes / USUAL
-        sizes = 2.0 * np.bincount(self.joint, rows, self.joints) + 4.0 * usual**2 / (1.0 + usual**2)
+        usual = force.sizes / self.usual
+        sizes = 2.0 * np.bincount(self.group, rows, len(usual)) + 4.0 * usual**2 / (1.0 + usual**2)
         lengths = [float(np.sum(change * (self._apart[:, :, d] / force.lengths[d]) ** 2)) for d in (0, 1)]
         return Likeliest(value, force, both[:k], both[k:]), np.concatenate([sizes, slope_louder, lengths])
 
-    def likeliest(self, sums: Sums, near: Force | None = None) -> Likeliest:
-        """The least surprise over size, shape and loudness. near: where to begin, if something is known."""
-        joints, count = self.joints, self.channels
+    def likeliest(self, sums: Sums, near: Force | None = None, *, levels: bool = True) -> Likeliest:
+        """The least surprise over size, shape and loudness. near: where to begin, if something is known. levels: whether recordings
+        may have friction of their own."""
+        joints, count = len(self.usual), self.channels
         loud = sums.louder
 
         def force(z: Array) -> Force:
@@ -319,9 +369,10 @@ class StateForce:
             found, slope = self._at(sums, force(z))
             return found.value, slope
 
-        bounds = [(np.log(SMALLEST), np.log(LARGEST))] * joints + [(0.0, np.log(LOUDEST))] * count
+        largest = np.where(np.arange(joints) < self.joints, LARGEST, LARGEST if levels else SMALLEST)
+        bounds = [(np.log(SMALLEST), high) for high in np.log(largest)] + [(0.0, np.log(LOUDEST))] * count
         bounds += [(np.log(SHORTEST), np.log(LONGEST))] * 2
-        usual = np.concatenate([np.full(joints, np.log(2.0 * USUAL)), np.log(0.5 * loud + 0.5)])
+        usual = np.concatenate([np.log(2.0 * self.usual), np.log(0.5 * loud + 0.5)])
         starts = [np.concatenate([usual, np.log((0.4, 0.4))])]
         near = near or self.shape
         if near is None:
@@ -381,6 +432,14 @@ def over_the_state(found: Responses) -> StateForce | None:
         coordinates=tuple(found.probe.predictor.mechanism(found.probe.fitted.hypothesis).names), names=found.joints,
         torque=found.torque, axes=grids, units=np.array(units),
     )  # fmt: skip
+
+
+def _frictions(velocity: Array, runs: Sequence[int], run: int) -> Array:
+    """Dry and viscous friction of every recording along a motion of one of them, (KINDS·R, G). velocity: in standard deviations."""
+    out = np.zeros((KINDS * len(runs), len(velocity)))
+    own = KINDS * runs.index(run)
+    out[own], out[own + 1] = np.tanh(velocity / TURNING), velocity
+    return out
 
 
 def _root(matrix: Array) -> Array:

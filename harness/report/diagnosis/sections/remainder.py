@@ -29,6 +29,7 @@ class Remainder:
             "doubted": [key.replace("_", " ") for key in left.get("doubted") or ()],
             "tests": tests,
             "sizes": sizes,
+            "between": any(row.get("between_recordings") for row in sizes),
             "figure": rounded,
             "unit": written,
         }

@@ -1,0 +1,70 @@
+"""Friction that every recording has a little more or less of, beside a force over the state that all of them share.
+
+Recordings by SciPy's integration; levels as bearings that warm up have them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import harness
+from harness.recording import Channel, Recording
+from harness.system.description import constant
+
+MODEL = """
+name = "arm"
+gravity = [0.0, 0.0, -9.81]
+tolerance = 0.01
+[[joint]]
+name = "servo"
+type = "revolute"
+parent = "base"
+child = "arm"
+axis = [0, 1, 0]
+armature = 0.01
+damping = 0.05
+friction = 0.02
+[[link]]
+name = "arm"
+mass = 0.55
+com = [0.0, 0.0, -0.14]
+inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
+end = [0.0, 0.0, -0.15]
+"""
+LEVELS = (0.75, 1.3, 0.85, 1.1)
+ABOUT, WEIGHT = 0.01 + 1e-3 + 0.55 * 0.14**2, 9.81 * 0.55 * 0.14
+
+
+def drops(levels: tuple[float, ...]) -> list[Recording]:
+    """Drops from four heights with friction of these levels, and 0.03 N·m of a force over the angle that no law has."""
+    random, out = np.random.default_rng(3), []
+    time = np.arange(0.0, 2.5, 0.01)
+    for k, level in enumerate(levels):
+
+        def slope(_, y, level=level):
+            rubbing = level * (0.02 * np.tanh(y[1] / 1e-3) + 0.05 * y[1])
+            return y[1], (-WEIGHT * np.sin(y[0]) - rubbing + 0.03 * np.sin(3.0 * y[0] + 0.2 * y[1])) / ABOUT
+
+        start = (-1.4, -0.6, -1.0, -1.2)[k]
+        exact = solve_ivp(slope, (0.0, 2.5), (start, 0.0), t_eval=time, method="LSODA", rtol=1e-8, atol=1e-10).y[0]
+        channel = Channel(
+            "servo.position", "servo", "position", "rad", constant(exact + 2e-4 * random.normal(size=250))
+        )
+        out.append(Recording(f"drop{k}", f"drop{k}", constant(time), (channel,)))
+    return out
+
+
+@pytest.mark.parametrize("levels", [LEVELS, (1.0,) * 4])
+def test_by_how_much_friction_differs_between_recordings_is_told(levels, tmp_path) -> None:
+    model = tmp_path / "arm.toml"
+    model.write_text(MODEL)
+    found = harness.diagnose(drops(levels), model, only=("viscous_damping", "coulomb_friction", "payload_mass"))
+    (row,) = found.to_json()["discrepancy"]
+    if np.std(levels) == 0.0:
+        assert "between_recordings" not in row
+        return
+    # Dry friction differs by a quarter of 0.02 N·m, viscous friction by a quarter of 0.05 N·m·s/rad times 3 rad/s.
+    assert 0.3 * 0.02 * np.std(levels) < row["between_recordings"] < 3.0 * 0.05 * 3.0 * np.std(levels)
+    assert "Friction differs from recording to recording" in found.summary
