@@ -18,6 +18,7 @@ from harness.diagnose.conditioning.conventions import conventional
 from harness.diagnose.conditioning.free_motion import free_parts
 from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.conditioning.poses import in_charts
+from harness.diagnose.estimation import assemblies
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.inverse.efforts_first import efforts_first, instead
 from harness.diagnose.levels.differing_levels import differing_levels
@@ -156,6 +157,7 @@ def diagnose(
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
     tell("telling")
+    notes += assemblies.told(outcome.predictor, outcome.problem.runs)
     found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
     return replace(instead(found, first) or found, provenance=made_from, notes=notes)
 

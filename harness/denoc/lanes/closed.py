@@ -570,12 +570,13 @@ def _hold(plan: Any, ws: Any, dry: Any, found: int, response: int, lane: int) ->
 
 @lane_stepper
 def close_states(
-    rows: Any, states: Any, plan: Any, sizes: Any, size: int, stated: Any, dependent: Any, length: float
+    rows: Any, states: Any, plan: Any, sizes: Any, size: int, stated: Any, dependent: Any, length: float, near: float
 ) -> None:
     """Close positions and rates of states (B, 2 n) of rows (B, P) in place, independent coordinates as they are.
 
     size: vectors of the workspace. stated: a closed position (n,), from where others are reached by and by; dependent: the
-    coordinates that follow, as many as there are conditions; length: of the mechanism [m]. What cannot be closed becomes nan.
+    coordinates that follow, as many as there are conditions; length: of the mechanism [m]. near: of that length or in radians,
+    within which a state is closed from where it is. What cannot be closed becomes nan.
     """
     n, m = plan[COORDINATES], plan[CONDITIONS]
     ws = vectors(size)
@@ -602,7 +603,7 @@ def close_states(
         if within:
             continue
         paces = 1
-        if not open_by < NEAR:
+        if not open_by < near:
             farthest = 0.0
             for i in range(n):
                 if free[i] != 0.0:

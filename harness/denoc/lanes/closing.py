@@ -161,8 +161,9 @@ def _independent(system: System) -> tuple[tuple[tuple[Loop | Coupling, str], ...
     rank = usual_rank(system, stated)
     at = stated
     rng = np.random.default_rng(3)
-    best: tuple[float, tuple[tuple[Loop | Coupling, str], ...], Integers] | None = None
+    best: tuple[tuple[int, float], tuple[tuple[Loop | Coupling, str], ...], Integers] | None = None
     by_name = {loop.name: loop for loop in system.loops}
+    least = max(rank - (system.nv - _led(system, np.arange(system.nv))), 0)
     for _ in range(_TRIES):
         told = independent_conditions(system, at)
         if len(told) == rank:
@@ -172,9 +173,11 @@ def _independent(system: System) -> tuple[tuple[tuple[Loop | Coupling, str], ...
             dependent = _followers(system, jacobian)
             clear = _clearness(jacobian, dependent)
             conditions = tuple((by_name[found.names[k][0]], found.names[k][1]) for k in keep)
-            if best is None or clear > best[0]:
-                best = clear, conditions, dependent
-            if clear > _FREE_ENOUGH:
+            # At a dead point of what is to lead it follows; elsewhere it need not.
+            needless = _led(system, dependent) - least
+            if best is None or (-needless, clear) > best[0]:
+                best = (-needless, clear), conditions, dependent
+            if clear > _FREE_ENOUGH and needless <= 0:
                 break
         near, left = close(system, stated + 0.3 * rng.standard_normal(system.nv))
         at = near if worst(system, left) <= CLOSED else at
@@ -201,6 +204,12 @@ def _followers(system: System, jacobian: Array) -> Integers:
             direction = left[:, k] / np.linalg.norm(left[:, k])
             left = left - np.outer(direction, direction @ left)
     return np.array(taken, dtype=np.int64)
+
+
+def _led(system: System, places: Integers) -> int:
+    """How many of some coordinates are to lead."""
+    names = system.coordinate_names
+    return sum(names[k] in system.leading for k in places)
 
 
 def _clearness(jacobian: Array, dependent: Integers) -> float:

@@ -19,7 +19,7 @@ from harness.denoc.compiling import ahead
 from harness.denoc.joint_laws import laws
 from harness.denoc.joint_laws.address import compiled_law
 from harness.denoc.lanes.beams import beam_block_size, most_points, write_beams
-from harness.denoc.lanes.closed import GROUP_NUMBERS, LOOP_NUMBERS
+from harness.denoc.lanes.closed import GROUP_NUMBERS, LOOP_NUMBERS, NEAR
 from harness.denoc.lanes.closing import GROUP_SLOTS, Beyond, beyond, marked
 from harness.denoc.lanes.nodes import (
     BEAM,
@@ -315,10 +315,16 @@ class LaneModel:
         """Coordinates that follow the others by the loops."""
         return () if self._beyond is None else tuple(self.names[k] for k in self._beyond.dependent)
 
-    def closed(self, rows: Array, states: Array) -> Array:
+    @property
+    def placed(self) -> Array:
+        """Positions (n,) where the system places itself, with loops closed."""
+        return np.zeros(self.n) if self._beyond is None else self._beyond.stated.copy()
+
+    def closed(self, rows: Array, states: Array, near: float = NEAR) -> Array:
         """States (B, 2 n), positions then velocities, with loops closed: ``dependent`` coordinates as the others ask for.
 
         From a state that is not nearly closed, one is reached from where the system places itself; nan where there is none.
+        near: how far open, of the mechanism's size or in radians, a state may be to be closed from where it is.
         """
         if self._beyond is None or not self._beyond.loops:
             return states
@@ -328,7 +334,7 @@ class LaneModel:
         ahead.ready("closed")
         close_states(
             np.require(rows, np.float64, ["C", "W"]), out, self._beyond.for_recursion(0, self._tail), self.tables[2],
-            int(self.tables[2][0]), self._beyond.stated, self._beyond.dependent, self._beyond.length,
+            int(self.tables[2][0]), self._beyond.stated, self._beyond.dependent, self._beyond.length, near,
         )  # fmt: skip
         return out
 

@@ -46,9 +46,10 @@ def raw_residuals(outcome: Outcome, fitted: Fit) -> list[tuple[Array, Array]]:
 
 
 def rmse(outcome: Outcome, fitted: Fit, channel: int) -> float:
-    """Root mean square of a channel's residual over a fit's windows [channel unit]."""
+    """Root mean square of a channel's residual over a fit's windows [channel unit]; nan where it has no sample there."""
     pooled = np.concatenate([r[channel] for _, r in raw_residuals(outcome, fitted)])
-    return float(np.sqrt(np.nanmean(pooled**2)))
+    read = pooled[np.isfinite(pooled)]
+    return float(np.sqrt(np.mean(read**2))) if len(read) else np.nan
 
 
 def locate(outcome: Outcome, side: str, site: str) -> tuple[Mismatch, ...]:

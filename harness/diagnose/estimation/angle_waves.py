@@ -56,6 +56,8 @@ def _line(values: Array, angle: Array, extent: float, step: float) -> float | No
     A joint that turns more than once reads the same error every turn, so angles are taken within one.
     """
     first = FEWEST_PERIODS * 2.0 * np.pi / extent
+    if first > FASTEST:
+        return None
     spacing = 2.0 * np.pi / extent / OVERSAMPLING
     if extent >= 2.0 * np.pi:
         angle = np.mod(angle, 2.0 * np.pi)

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.assemblies import closed_as_recorded
 from harness.diagnose.estimation.objective import Objective, Residuals, States
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -111,4 +112,4 @@ def measured_state(problem: Problem, predictor: Predictor, window: Window, short
         if channel.quantity == "velocity" and channel.site in names:
             k = names.index(channel.site)
             state[len(names) + k] = local_state(run, c, window.first, span)[0]
-    return predictor.closed(state)
+    return closed_as_recorded(predictor, window, state) if problem.system.loops else state

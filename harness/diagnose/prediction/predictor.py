@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from harness.denoc.lanes.model import LaneModel
 from harness.denoc.lanes.rows import INERTIA_SLOTS
 from harness.denoc.motion.hold import kept
+from harness.diagnose.prediction.assembly import Assembly
 from harness.diagnose.prediction.coordinates import CLOCK_MARGIN
 from harness.diagnose.prediction.mechanisms import Mechanism, Mechanisms
 from harness.diagnose.prediction.recorded_efforts import RecordedEfforts
@@ -101,6 +102,8 @@ class Predictor(Mechanisms):
         self.runs = problem.runs
         self.finest_step = finest_step
         self.tolerance = TOLERANCE
+        # Where windows begin, by run and first sample; see ``estimation.assemblies``.
+        self.assemblies: dict[tuple[int, int], Assembly] = {}
         self._grids: dict[tuple[Window, float], Grid] = {}
         self._recorded = RecordedEfforts(problem, self)
         self.threads = threads_allowed()
