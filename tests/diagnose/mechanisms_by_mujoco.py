@@ -51,32 +51,6 @@ SLIDER_CRANK = """<mujoco><option timestep="0.0002" integrator="RK4" gravity="{g
 <body name="piston" pos="0.7 0 0"><joint name="slide" type="slide" axis="1 0 0" damping="{slide}"/>
  <geom type="box" size="0.03 0.03 0.03" mass="0.4"/><site name="b"/></body></worldbody>
 <equality><connect name="wrist" site1="a" site2="b" solref="0.001 1" solimp="0.9999 0.9999 0.001"/></equality></mujoco>"""
-
-# Two cranks 0.6 m apart of 0.3 m each, rods of 0.5 m that meet below: two degrees of freedom.
-FIVE_BAR = """<mujoco><option timestep="0.0002" integrator="RK4" gravity="0 0 -9.81"><flag contact="disable"/></option>
-<worldbody>
-<body name="upper_left"><joint name="left" axis="0 1 0" damping="{left}"/>
- <geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.01" mass="0.3"/>
- <body name="lower_left" pos="0 0 -0.3"><joint name="left_elbow" axis="0 1 0" damping="{left_elbow}"/>
-  <geom type="capsule" fromto="0 0 0 0.3 0 -0.4" size="0.01" mass="0.5"/><site name="a" pos="0.3 0 -0.4"/></body></body>
-<body name="upper_right" pos="0.6 0 0"><joint name="right" axis="0 1 0" damping="{right}"/>
- <geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.01" mass="0.35"/>
- <body name="lower_right" pos="0 0 -0.3"><joint name="right_elbow" axis="0 1 0" damping="{right_elbow}"/>
-  <geom type="capsule" fromto="0 0 0 -0.3 0 -0.4" size="0.01" mass="0.4"/><site name="b" pos="-0.3 0 -0.4"/></body></body>
-</worldbody>
-<equality><connect name="foot" site1="a" site2="b" solref="0.001 1" solimp="0.9999 0.9999 0.001"/></equality></mujoco>"""
-
-# Two jaws on a wrist that swings: the second one opens as far as the first.
-GRIPPER = """<mujoco><option timestep="0.0002" integrator="RK4" gravity="0 0 -9.81"><flag contact="disable"/></option>
-<worldbody>
-<body name="palm"><joint name="wrist" axis="0 1 0" damping="{wrist}"/>
- <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02" mass="0.6"/>
- <body name="thumb" pos="0.04 0 -0.2"><joint name="first" axis="0 1 0" damping="{first}" stiffness="1.5"/>
-  <geom type="capsule" fromto="0 0 0 0 0 -0.15" size="0.01" mass="0.2"/></body>
- <body name="finger" pos="-0.04 0 -0.2"><joint name="second" axis="0 1 0" damping="{second}"/>
-  <geom type="capsule" fromto="0 0 0 0 0 -0.15" size="0.01" mass="0.2"/></body></body></worldbody>
-<equality><joint name="gear" joint1="second" joint2="first" polycoef="0 -1 0 0 0" solref="0.001 1"
- solimp="0.9999 0.9999 0.001"/></equality></mujoco>"""
 NOTHING = {"crank": 0.0, "pin": 0.0, "rocker": 0.0, "dry": 0.0, "spring": 0.0}
 # Where the loop is closed: crank, pin, rocker [rad], by the law of cosines.
 STARTS = (-0.9, -2.3)
