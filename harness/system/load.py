@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from harness.system.read_mjcf import read_mjcf
 from harness.system.read_toml import read_toml
 from harness.system.read_urdf import read_urdf
 from harness.system.xml_source import parse_xml
+
+XML = (".urdf", ".xml", ".mjcf", ".xacro")  # endings of files that are expected to hold it
 
 
 def load(
@@ -45,7 +48,15 @@ def load(
             source=source,
         )
     if root is None:
-        return read_toml(_text(data, source), source, tolerance=tolerance, physical=physical)
+        text = _text(data, source)
+        if source.suffix.lower() in XML and not _is_toml(text):
+            raise InputError(
+                "holds no XML: it begins without '<'",
+                mend="give a URDF or MJCF; a path or an error page may have been saved in its place",
+                source=source,
+                line=1,
+            )
+        return read_toml(text, source, tolerance=tolerance, physical=physical)
     if root.tag == "robot":
         return read_urdf(root, source, tolerance=tolerance, physical=physical, floating=floating)
     if root.tag == "mujoco":
@@ -57,6 +68,14 @@ def load(
         source=source,
         line=root.sourceline,
     )
+
+
+def _is_toml(text: str) -> bool:
+    try:
+        tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return False
+    return True
 
 
 def _is_xml(data: bytes) -> bool:

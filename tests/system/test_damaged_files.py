@@ -69,3 +69,14 @@ def test_damage_is_told_in_one_line(tmp_path: Path, path: Path) -> None:
                 assert "\n" not in str(error)
                 assert len(str(error)) < 600
     assert refused > 5  # the damage is real
+
+
+@pytest.mark.parametrize("ending", ["urdf", "xml"])
+def test_a_model_that_ought_to_be_xml_and_is_none_is_not_told_as_toml(tmp_path: Path, ending: str) -> None:
+    file = tmp_path / f"robot.{ending}"
+    file.write_text("404: not found\n")
+    with pytest.raises(InputError, match=rf"robot\.{ending}:1: holds no XML"):
+        harness.load(file)
+    # What a file is called decides nothing where it can be read.
+    file.write_text((MODELS / "toml/flexible_pendulum.toml").read_text())
+    assert harness.load(file).joint_names
