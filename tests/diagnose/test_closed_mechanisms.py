@@ -4,8 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
-from mechanisms_by_mujoco import CLOSED, FOUR_BAR, NOTHING, ROPE, STARTS, four_bar, model_file
+from mechanisms_by_mujoco import (
+    CLOSED,
+    FOUR_BAR,
+    NOTHING,
+    ROPE,
+    SLIDER_CRANK,
+    STARTS,
+    four_bar,
+    model_file,
+    motion,
+    mounted,
+    recording,
+)
 
 from harness import diagnose
 from harness.system import load
@@ -50,6 +63,21 @@ def test_the_rocker_alone_tells_as_well(model, starts, elsewhere) -> None:
     (note,) = (note for note in found.notes if "more than one way" in note)
     assert note.count("not where the model places it") == (2 if elsewhere else 0)
     assert "cannot be told apart" not in note
+
+
+def test_the_slide_of_a_slider_crank_tells_where_it_is_damped(tmp_path) -> None:
+    # The model stands stretched, at the slide's dead point. Damping at the pin could do nearly all that the slide's does.
+    nothing = {"crank": 0.0, "pin": 0.0, "slide": 0.0, "gravity": "0 0 -9.81"}
+    recordings = []
+    for k, crank in enumerate((1.0, 2.2)):
+        time, q = motion(SLIDER_CRANK.format(**nothing | {"slide": 2.0}), mounted(crank), np.zeros(3), 4.0)
+        recordings.append(recording(f"run{k}", time, {("slide", "position"): q[:, 2]}, 5e-4, k))
+    model = load(model_file(tmp_path, SLIDER_CRANK.format(**nothing)))
+    found = diagnose(recordings, model, only=("viscous_damping", "coulomb_friction", "quadratic_drag"))
+    assert found.verdict == "explained"
+    assert [f"{f['effect']}@{f['site']}" for f in found.findings] == ["viscous_damping@slide"]
+    low, high = found.findings[0]["parameters"]["coefficient"]["ci95"]
+    assert low <= 2.0 <= high
 
 
 def test_a_gap_is_found_where_the_loop_is_closed(model) -> None:

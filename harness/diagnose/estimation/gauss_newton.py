@@ -35,7 +35,7 @@ class Stepping:
     """What steps obey wherever they begin.
 
     weights: of the priors, (P,). lower, upper: bounds, (P,). held: parameters that do not move, (P,). stiff: how stiffly the
-    initial states are held, (S,); see ``loosely_held``.
+    initial states are held, (S,); see ``loosely_held``. stay: those that are held where they are and not to zero, (S,).
     """
 
     windows: tuple[Window, ...]
@@ -44,6 +44,7 @@ class Stepping:
     upper: Array
     held: NDArray[np.bool_]
     stiff: Array
+    stay: NDArray[np.bool_]
 
     def prior(self, x: Array) -> float:
         """Weighted cost of the parameters by themselves."""
@@ -52,7 +53,7 @@ class Stepping:
     def trial(self, here: Linearisation, x: Array, states: States, damping: float) -> Trial:
         """The step that the linear view proposes under a damping."""
         step, free = _step(here, x, self, damping)
-        begun = np.array([states[w] for w in self.windows])
+        begun = np.where(self.stay, 0.0, np.array([states[w] for w in self.windows]))
         gain = _predicted_gain(here, self.weights, x, step)
         state_steps = following(here.triangles, step, damping, self.stiff, begun)
         predicted = gain - _left(here, step, state_steps)

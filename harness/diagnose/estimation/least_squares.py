@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from harness.diagnose.estimation.gauss_newton import Stepping, Trial
 from harness.diagnose.estimation.linearisation import Linearisation, eliminated, linearise, vibrating
 from harness.diagnose.estimation.objective import LOST, Objective, Residuals, States
-from harness.diagnose.estimation.window_states import best_states, loosely_held, settled, suspects
+from harness.diagnose.estimation.window_states import (
+    best_states,
+    following_by_loops,
+    loosely_held,
+    settled,
+    suspects,
+)
 from harness.diagnose.prediction.predictor import ABREAST
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
@@ -158,7 +164,9 @@ def _descend(
     weights = np.zeros(len(x))
     weights[: objective.nominal] = louder
     lower, upper = objective.bounds()
-    stepping = Stepping(windows, weights, lower, upper, held, loosely_held(objective.predictor, objective.hypothesis))
+    predictor, hypothesis = objective.predictor, objective.hypothesis
+    stiff, stay = loosely_held(predictor, hypothesis), following_by_loops(predictor, hypothesis)
+    stepping = Stepping(windows, weights, lower, upper, held, stiff, stay)
     current = dict(states)
     here = linearise(objective, x, current, upper=upper, fixed=held)
     prior = stepping.prior(x)
@@ -219,7 +227,7 @@ def _descend(
             gain = here.cost + prior - found[0] - trial_prior
         if gain > 0.0:
             reach = max(_reach(x, trial.x), *(_reach(current[w], trial.states[w]) for w in windows))
-            x, current, prior = trial.x, trial.states, trial_prior
+            x, current, prior = trial.x, predictor.with_followers(hypothesis, trial.x, trial.states), trial_prior
             if converged and reach < UNCHANGED:
                 here = eliminated(found[0], found[1], here.bases, here.shared)
                 break

@@ -43,9 +43,17 @@ def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
     joints = predictor.system.joint_names
     rate = SWING_SPEED * max((references(predictor.system, name).frequency for name in joints), default=1.0)
     dependent = predictor.mechanism(hypothesis).model.dependent
-    # What follows by a loop is told by the others; a step of it would do nothing.
     loose = np.array([0.0 if name in joints and name not in dependent else 1.0 / VIBRATION for name in names])
     return np.concatenate([loose, loose / rate])
+
+
+def following_by_loops(predictor: Predictor, hypothesis: Hypothesis) -> NDArray[np.bool_]:
+    """Which initial positions and velocities follow others by loops, (S,): steps of the others tell them.
+
+    A step of theirs would do nothing, but from zero loops would close in another way.
+    """
+    mechanism = predictor.mechanism(hypothesis)
+    return np.tile(np.array([name in mechanism.model.dependent for name in mechanism.names], dtype=bool), 2)
 
 
 def best_states(objective: Objective, x: Array, options: Sequence[States]) -> tuple[dict[Window, Array], Residuals]:

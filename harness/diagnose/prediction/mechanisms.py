@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from harness.denoc.lanes.model import LaneModel
 from harness.diagnose.prediction.coordinates import from_internal, start_vector, to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled, tolerances
+from harness.diagnose.problem.windows import Window
 from harness.effects.directions import sideways
 from harness.effects.effect import UserLaw
 from harness.effects.lanes import lane_model, lane_row, write_attachment
@@ -52,6 +54,16 @@ class Mechanisms:
         model = self.mechanism(Hypothesis()).model
         found = model.closed(lane_row(model, self.system)[None], state[None])[0]
         return found if np.isfinite(found).all() else state
+
+    def with_followers(self, hypothesis: Hypothesis, x: Array, states: Mapping[Window, Array]) -> dict[Window, Array]:
+        """States (2n,) of windows with what follows by loops where the others have moved to, as far as it can be."""
+        model = self.mechanism(hypothesis).model
+        if not model.dependent:
+            return dict(states)
+        own = np.array(list(states.values()))
+        found = model.closed(np.repeat(self.row(hypothesis, x)[None], len(own), axis=0), own)
+        lost = np.logical_not(np.isfinite(found).all(axis=1, keepdims=True))
+        return dict(zip(states, np.where(lost, own, found), strict=True))
 
     def effect_values(self, hypothesis: Hypothesis, k: int, x: Array) -> Array:
         """SI values of member k's parameters from the parameter vector (or vectors, last axis)."""
