@@ -18,6 +18,28 @@ from harness.recording import Channel, Recording
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
 
+# An arm on a geared servo, which damps and rubs.
+ARM = """
+name = "arm"
+gravity = [0.0, 0.0, -9.81]
+tolerance = 0.01
+[[joint]]
+name = "servo"
+type = "revolute"
+parent = "base"
+child = "arm"
+axis = [0, 1, 0]
+armature = 0.01
+damping = 0.05
+friction = 0.02
+[[link]]
+name = "arm"
+mass = 0.55
+com = [0.0, 0.0, -0.14]
+inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
+end = [0.0, 0.0, -0.15]
+"""
+
 GRAVITY = 9.81
 MASS, COM, INERTIA = 0.3, 0.25, 0.003
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from simulated_recordings import ARM
 
 import harness
 from harness.cli.main import status_of
@@ -17,26 +18,6 @@ from harness.recording import Channel, Recording
 from harness.report.diagnosis.write import write_diagnosis
 from harness.system.description import constant
 
-ARM = """
-name = "arm"
-gravity = [0.0, 0.0, -9.81]
-tolerance = 0.01
-[[joint]]
-name = "servo"
-type = "revolute"
-parent = "base"
-child = "arm"
-axis = [0, 1, 0]
-armature = 0.01
-damping = 0.05
-friction = 0.02
-[[link]]
-name = "arm"
-mass = 0.55
-com = [0.0, 0.0, -0.14]
-inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
-end = [0.0, 0.0, -0.15]
-"""
 ADDED = 0.3  # kg at the end
 ONE_HEIGHT = (-1.4, -1.4, -1.4, -1.4)  # rad
 HEIGHTS = (-1.4, -0.6, -1.0, -1.2)

@@ -8,31 +8,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from simulated_recordings import ARM
 
 import harness
 from harness.recording import Channel, Recording
 from harness.system.description import constant
 
-MODEL = """
-name = "arm"
-gravity = [0.0, 0.0, -9.81]
-tolerance = 0.01
-[[joint]]
-name = "servo"
-type = "revolute"
-parent = "base"
-child = "arm"
-axis = [0, 1, 0]
-armature = 0.01
-damping = 0.05
-friction = 0.02
-[[link]]
-name = "arm"
-mass = 0.55
-com = [0.0, 0.0, -0.14]
-inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
-end = [0.0, 0.0, -0.15]
-"""
 LEVELS = (0.75, 1.3, 0.85, 1.1)
 ABOUT, WEIGHT = 0.01 + 1e-3 + 0.55 * 0.14**2, 9.81 * 0.55 * 0.14
 
@@ -59,7 +40,7 @@ def drops(levels: tuple[float, ...]) -> list[Recording]:
 @pytest.mark.parametrize("levels", [LEVELS, (1.0,) * 4])
 def test_by_how_much_friction_differs_between_recordings_is_told(levels, tmp_path) -> None:
     model = tmp_path / "arm.toml"
-    model.write_text(MODEL)
+    model.write_text(ARM)
     found = harness.diagnose(drops(levels), model, only=("viscous_damping", "coulomb_friction", "payload_mass"))
     (row,) = found.to_json()["discrepancy"]
     if np.std(levels) == 0.0:
