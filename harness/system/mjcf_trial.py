@@ -9,11 +9,11 @@ from __future__ import annotations
 import pickle
 import signal
 import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from harness.errors import InputError
+from harness.limited_process import command, environment
 
 # Elements by which a short document becomes a large model.
 GROWING = frozenset(("replicate", "attach", "model", "flexcomp", "composite", "size", "hfield"))
@@ -24,9 +24,10 @@ _START = "from harness.system.mjcf_trial_process import work; work()"
 def try_apart(data: bytes, source: Path | None, allow: Sequence[Path]) -> None:
     """Let MuJoCo load a document in another process; InputError where that crashes or takes too long."""
     request = pickle.dumps((data, None if source is None else source.absolute(), [path.absolute() for path in allow]))
-    command = [sys.executable, "-c", f"import sys; sys.path[:] = {sys.path!r}; {_START}"]
     try:
-        status = subprocess.run(command, input=request, capture_output=True, timeout=LONGEST, check=False).returncode
+        status = subprocess.run(
+            command(_START), input=request, capture_output=True, timeout=LONGEST, env=environment(), check=False
+        ).returncode
     except subprocess.TimeoutExpired:
         raise InputError(
             f"MuJoCo does not load it within {LONGEST} s", mend="ask for fewer copies or smaller grids", source=source

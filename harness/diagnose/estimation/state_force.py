@@ -154,7 +154,7 @@ class StateForce:
         """Which of the sizes is that of every node, (k,)."""
         return np.where(self.over_grid, self.joint, self.joint + self.joints)
 
-    @property
+    @cached_property
     def usual(self) -> Array:
         """How large each of the sizes usually is."""
         levels = 0 if self.over_grid.all() else self.joints

@@ -12,7 +12,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import threading
 from functools import lru_cache
 from importlib import import_module
@@ -23,6 +22,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from harness.errors import InputError, MissingPackageError, UnsupportedError
+from harness.limited_process import command, environment, within_installed
 from harness.recording.formats.table import Table
 from harness.recording.recording import QualityNote
 
@@ -45,12 +45,7 @@ KEPT = 20.0  # [s] for which a process without work is kept
 
 def most_memory(size: int) -> int:
     """Bytes that reading a file of a size [bytes] may take: plenty, but not more than three quarters of what there is."""
-    most = max(LEAST_MEMORY, SWOLLEN * size)
-    try:
-        installed = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):  # not on Windows
-        return most
-    return min(most, installed * 3 // 4)
+    return within_installed(max(LEAST_MEMORY, SWOLLEN * size))
 
 
 def longest_time(size: int) -> float:
@@ -131,15 +126,12 @@ class ReaderProcess:
             self._idle.cancel()
         if self._process is not None and self._process.poll() is None:
             return
-        code = f"import sys; sys.path[:] = {sys.path!r}; {START}"
-        # One thread: small work, and every other would reserve memory that counts against the limit.
-        one = {f"{pool}_NUM_THREADS": "1" for pool in ("OMP", "OPENBLAS", "MKL")}
         self._process = subprocess.Popen(
-            [sys.executable, "-c", code],
+            command(START),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env={**os.environ, **one},
+            env=environment(),
         )
 
     def ask(self, request: dict[str, Any]) -> tuple[dict[str, Any], bytes] | None:

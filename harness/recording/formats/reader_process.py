@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import signal
@@ -14,6 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from harness.errors import InputError, MissingPackageError, UnsupportedError
+from harness.limited_process import limit
 from harness.recording.formats.apart import AGAIN, KINDS
 from harness.recording.formats.table import Table
 
@@ -29,28 +29,9 @@ def work() -> None:
     os.dup2(nowhere, 1)
     for line in sys.stdin.buffer:
         request = json.loads(line)
-        _limit(request)
+        # Of processor time, should nobody be there any more to end it.
+        limit(request["memory"], request["seconds"])
         _send(answers, *_answer(request))
-
-
-def _limit(request: dict[str, Any]) -> None:
-    """Of memory beyond what the process has, and of processor time, should nobody be there any more to end it."""
-    try:
-        import resource
-
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-    except (ImportError, OSError):  # not on Windows and macOS, where only time is limited
-        return
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    seconds = int(used.ru_utime + used.ru_stime + request["seconds"]) + 1
-    for what, limit in (
-        (resource.RLIMIT_AS, pages * resource.getpagesize() + request["memory"]),
-        (resource.RLIMIT_CPU, seconds),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        _, hard = resource.getrlimit(what)
-        with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(what, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))
 
 
 def _answer(request: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:
