@@ -151,15 +151,15 @@ def _beside_a_force(
         f"{force.joint}, {percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
         f"{force.memory:.2g} s.",
     ]
-    differing = [f"{one.between:.2g} {written(one.unit)} at {one.joint}" for one in left.joints if one.between > 0.0]
-    if differing:
-        sentences.append(
-            f"Friction differs from recording to recording, by {' and '.join(differing)} (standard deviation)."
-        )
     if left.place is not None:
         sentences.append(
             f"{percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
             f"{percent(left.place.of_time)} of the time."
+        )
+    differing = [f"{one.between:.2g} {written(one.unit)} at {one.joint}" for one in left.joints if one.between > 0.0]
+    if differing:
+        sentences.append(
+            f"Friction differs from recording to recording, by {' and '.join(differing)} (standard deviation)."
         )
     if conclusion.doubted:
         sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
