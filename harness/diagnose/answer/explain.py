@@ -113,7 +113,10 @@ def summary(
             "predicts the stretches between, and errors there are those of a fit to all recordings."
         )
     if conclusion.unproven:
-        text += f" No data that it was not fitted to bear out {', '.join(conclusion.unproven)}, so that is not claimed."
+        text += (
+            f" No data that it was not fitted to bear out {', '.join(conclusion.unproven)}, or less than a thousandth of what "
+            "another effect does is left to it, so that is not claimed."
+        )
     if conclusion.imitated:
         text += f" The remainder could have imitated {', '.join(conclusion.imitated)}, so that is not claimed."
     if conclusion.remains.significant:

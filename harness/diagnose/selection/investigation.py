@@ -270,6 +270,10 @@ def _search(
         progress("efforts held between samples")
     long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
     reached.append(long_study)
+    quieter = _under_its_own_noise(long_study, ordered, motion_hz, effort, progress, quieter=True)
+    if quieter is not None:
+        long_study, ordered = quieter
+        reached.append(long_study)
     # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
     under = under_model_error(long_study, ordered, period, effort, progress, structure, reached)
     if under is not None and under[0].likelihood.discrepancy is None:
@@ -279,17 +283,10 @@ def _search(
     final = long_study
     if under is None:
         # The noise once more, now behind the best model; a last round under it if it has changed.
-        predictor = long_study.predictor
-        refined = colours_from(long_study.problem, long_study.likelihood, ordered[0], predictor, motion_hz)
-        if ordered[0].score < HOPELESS * long_study.samples and _differ(likelihood.colours, refined):
-            final = Study(
-                long_study.problem, predictor, replace(long_study.likelihood, colours=refined), candidates, groups,
-                first_states=first.states, swing=period, hints=long_study.hints, before=long_study,
-            )  # fmt: skip
-            seeds = _again(final, ordered[: 2 * effort.beam], ordered[0])
-            empty = final.fit(Hypothesis(), [empty.x], empty)
+        refined = _under_its_own_noise(long_study, ordered, motion_hz, effort, progress)
+        if refined is not None:
+            final, ordered = refined
             reached.append(final)
-            ordered = grow(final, seeds, effort, progress)
         final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
     final, ordered = under or (final, ordered)
     if final.known(Hypothesis()) is None:
@@ -336,6 +333,36 @@ def _begun_with(
     return held[0], grow(held[0], again, effort, progress, to_begin_with=True)
 
 
+def _under_its_own_noise(
+    study: Study,
+    ordered: list[Fit],
+    motion_hz: float,
+    effort: Effort,
+    progress: Callable[[str], None],
+    *,
+    quieter: bool = False,
+) -> tuple[Study, list[Fit]] | None:
+    """The search gone on with under the noise behind its best set; None where that is no other noise.
+
+    quieter: only where noise is quieter than was thought. Behind a nominal model that is far off, what that leaves passes for
+    noise, in which an effect that is weaker by far than the strongest one does not show.
+    """
+    before, best = study.likelihood.colours, ordered[0]
+    if best.score >= HOPELESS * study.samples:
+        return None
+    after = colours_from(study.problem, study.likelihood, best, study.predictor, motion_hz)
+    if not (_quieter(before, after) if quieter else _differ(before, after)):
+        return None
+    other = Study(
+        study.problem, study.predictor, replace(study.likelihood, colours=after), study.candidates, study.windows,
+        first_states=study.first_states, swing=study.swing, hints=study.hints, before=study,
+    )  # fmt: skip
+    empty = study.known(Hypothesis()) or study.empty()
+    seeds = _again(other, ordered[: 2 * effort.beam], best)
+    other.fit(Hypothesis(), [empty.x], empty)
+    return other, grow(other, seeds, effort, progress)
+
+
 def _again(study: Study, fits: Sequence[Fit], best: Fit) -> list[Fit]:
     """Fits of another study from where those stand that do not leave far more than the best one."""
     return [study.fit(f.hypothesis, [f.x], f) for f in fits if f is best or f.score < FAR * best.score]
@@ -367,6 +394,11 @@ def _led_in(
         x = near.x
     assert near is not None
     return near
+
+
+def _quieter(before: Sequence[Colour], after: Sequence[Colour]) -> bool:
+    """Whether any channel's noise has turned out to be quieter than was thought, from one sample to the next."""
+    return any(np.log(a.innovation[1] / b.innovation[1]) > SAME_NOISE for a, b in zip(before, after, strict=True))
 
 
 def _differ(before: Sequence[Colour], after: Sequence[Colour]) -> bool:

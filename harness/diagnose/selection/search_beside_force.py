@@ -45,7 +45,8 @@ def plain_instead(study: Study, found: Fit, progress: Callable[[str], None]) -> 
     """The plain set that beside a force over the state is likelier than this one, where there is such a one.
 
     Of a set that leaves nothing but noise: laws that can be bent to many shapes may be pieces of what nobody has named. Where one
-    was chosen among many places, it is enough that the two are not parted.
+    was chosen among many places, it is enough that the two are not parted. Each is weighed by what it leaves itself: plain laws
+    whose force leaves the recordings by many times the noise explain nothing, however few samples of that are news.
     """
     if not curious(found):
         return None
@@ -60,9 +61,10 @@ def plain_instead(study: Study, found: Fit, progress: Callable[[str], None]) -> 
     if min(evidence.criterion(study, f) for f in plain) > own + OUT_OF_REACH:
         return None
     rows = _reached(study, evidence, plain, progress, [c for c in study.candidates if c.effect.plain])
-    value, likeliest = min(rows, key=lambda row: row[0])
+    likeliest = min(rows, key=lambda row: row[0])[1]
     spare = UNPARTED if any(map(placed, found.hypothesis.members)) else 0.0
-    return likeliest if value < own + spare else None
+    stands = evidence.by_own_remainder(study, likeliest) < evidence.by_own_remainder(study, found) + spare
+    return likeliest if stands else None
 
 
 def _reached(

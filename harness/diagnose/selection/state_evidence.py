@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.autoregression import surprise_of_innovations
 from harness.diagnose.estimation.beside_state_force import ENOUGH, Beside, along_the_recordings, beside
 from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.least_squares import Fit
@@ -101,6 +102,22 @@ class Evidence:
         left = sum(np.sum(r.reshape(self.force.channels, -1) ** 2, axis=1) for r in found.residuals)
         counts = sum(np.count_nonzero(r.reshape(self.force.channels, -1), axis=1) for r in found.residuals)
         return np.asarray(np.maximum(left / np.maximum(counts, 1), 1.0) * self.force.together)
+
+    def by_own_remainder(self, study: Study, fitted: Fit) -> float:
+        """The criterion of a set with what is left beside its force as noise that follows itself in its own way.
+
+        For sets that leave different kinds of remainder: of two that leave the same kind, ``criterion`` is as sharp and calmer.
+        """
+        value = self.criterion(study, fitted)
+        if not np.isfinite(value):
+            return value
+        found, force = self.beside(study, fitted), self.force
+        stretches = [r.reshape(force.channels, -1) for r in found.residuals]
+        left = np.sum([np.sum(s**2, axis=1) for s in stretches], axis=0)
+        counts = np.sum([np.count_nonzero(s, axis=1) for s in stretches], axis=0)
+        louder = np.maximum(left / np.maximum(counts, 1), 1.0) if found.shape is None else found.shape.louder
+        shared = np.sum((counts * np.log(louder) + left / louder) / force.together)
+        return value - float(shared) + surprise_of_innovations(stretches)
 
     def price(self, study: Study, member: Candidate) -> float:
         """What a further member has to gain."""
