@@ -34,7 +34,7 @@ def _of_channel(stretches: Sequence[Array]) -> float:
     # A sample last, those before it from the latest on: one factorisation has the errors of every order.
     lags = [*range(1, LONGEST + 1), 0]
     rows = np.vstack([np.column_stack([own[LONGEST - k : len(own) - k] for k in lags]) for own in stretches])
-    root = np.linalg.qr(rows, mode="r")
+    root = np.asarray(np.linalg.qr(rows, mode="r"))
     errors = np.cumsum(root[::-1, -1] ** 2)[::-1]
     variance = np.maximum(errors / len(rows), FAINTEST)
     return float(np.min(count * np.log(variance) + np.arange(LONGEST + 1) * np.log(count)))
