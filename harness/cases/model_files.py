@@ -18,7 +18,9 @@ from harness.cases.checks.as_read import AsRead
 from harness.cases.flexible_pendulum import pinned_with_hub
 from harness.cases.users import state_checks
 from harness.compare import quantities
+from harness.compare.readings import differences, field_differences, fields_of, phrase
 from harness.denoc import Denoc
+from harness.engines.readers import Reading, placed_bodies, read_by
 from harness.errors import UnsupportedError
 from harness.system import System, load
 
@@ -28,6 +30,7 @@ MANY = 12  # coordinates, by which accelerations of floating mechanisms are judg
 FLOATING = (
     "acrobat", "biped", "buoy", "flying_arm", "gripper_in_flight", "quadruped", "rope", "satellite", "thrown_box", "two_bodies",
 )  # fmt: skip
+ALLOWED = 1e-11
 WHY = "the same file read twice: rounding of double precision, conversions of rotations included"
 
 # General rotations in every place that has some, and numbers that are all different.
@@ -125,14 +128,14 @@ def _mujoco(text: str | None, path: Path | None, bench: Bench) -> Iterable[Row |
         ours["passive"].append(native.passive(q, qd))
     for quantity, values in ours.items():
         apart = float(quantities.relative(np.array(values), np.array(theirs[quantity])).max())
-        yield _row(bench, quantity, "mujoco", apart)
+        yield _row(bench, quantity, "mujoco", apart, text, path)
     found = np.array([[joint.lower, joint.upper] for joint in bench.system.movable_joints])
     stated = np.array([model.joint(name).range for name in names])
     limited = np.array([bool(model.jnt_limited[model.joint(name).id]) for name in names])
     stated[~limited] = (-np.inf, np.inf)
     other = found != stated  # infinities are equal, and have no difference
     apart = float(np.abs(found[other] - stated[other]).max(initial=0.0))
-    yield _row(bench, "limits", "mujoco", apart)
+    yield _row(bench, "limits", "mujoco", apart, text, path)
 
 
 def against_pinocchio(text: str | None, path: Path | None, bench: Bench) -> Iterable[Row | Series]:
@@ -164,19 +167,38 @@ def against_pinocchio(text: str | None, path: Path | None, bench: Bench) -> Iter
         ours[0].append(native.mass_matrix(q))
         ours[1].append(native.bias(q, qd))
     for quantity, a, b in zip(("mass_matrix", "bias"), ours, theirs, strict=True):
-        yield _row(bench, quantity, "pinocchio", float(quantities.relative(np.array(a), np.array(b)).max()))
+        apart = float(quantities.relative(np.array(a), np.array(b)).max())
+        yield _row(bench, quantity, "pinocchio", apart, text, path)
     apart = 0.0
     for joint in bench.system.movable_joints:
         there = model.joints[model.getJointId(joint.name)]
         if there.nq == 1:
             stated = (model.lowerPositionLimit[there.idx_q], model.upperPositionLimit[there.idx_q])
             apart = max(apart, abs(joint.lower - stated[0]), abs(joint.upper - stated[1]))
-    yield _row(bench, "limits", "pinocchio", apart)
+    yield _row(bench, "limits", "pinocchio", apart, text, path)
 
 
-def _row(bench: Bench, quantity: str, engine: str, apart: float) -> Row:
-    note = "" if apart <= 1e-11 else "the readers take the file to mean different things"
-    return bench.row(f"file_{quantity}", (NATIVE, engine), apart, 1e-11, why=WHY, note=note)
+def _row(bench: Bench, quantity: str, engine: str, apart: float, text: str | None, path: Path | None) -> Row:
+    """A row; where it fails, with the joint or body that the engine reads otherwise. text or path: of the file."""
+    note, place = "", None
+    if not apart <= ALLOWED:
+        reading = _read(engine, text, path, bench.system)
+        found = (
+            *differences(placed_bodies(bench.system), reading.placed()),
+            *field_differences(fields_of(bench.system), reading.fields())[1],
+        )
+        note = "the readers take the file to mean different things" + (f": {phrase(found)}" if found else "")
+        place = found[0].place if found else None
+    return bench.row(f"file_{quantity}", (NATIVE, engine), apart, ALLOWED, why=WHY, first_divergence=place, note=note)
+
+
+def _read(engine: str, text: str | None, path: Path | None, system: System) -> Reading:
+    """The file as the engine's own reader has it."""
+    with tempfile.TemporaryDirectory() as folder:
+        if path is None:
+            path = Path(folder) / "model.xml"
+            path.write_text(text or "", encoding="utf-8")
+        return read_by(engine, path, system)
 
 
 def _strip(bench: Bench) -> Iterable[Row | Series]:

@@ -30,7 +30,13 @@ SUITE_REFERENCE = "reference/accepted.json"
 @click.option(
     "--results", "results_file", metavar="FILE", help="Judge these saved results instead of running anything."
 )
-@click.option("--engine", "engines", multiple=True, metavar="NAME", help="Only this engine beside the native one.")
+@click.option(
+    "--engine",
+    "engines",
+    multiple=True,
+    metavar="NAME",
+    help="Only this engine beside the native one; rows of others are not held.",
+)
 @click.option("--accept", is_flag=True, help="Write the figures of this run as the accepted ones; needs --why.")
 @click.option("--why", metavar="TEXT", help="The reason, kept in the file with date and versions.")
 @click.option("--new", is_flag=True, help="With --accept: start a file that does not exist yet.")
@@ -99,7 +105,9 @@ def gate(
       denoc gate --self-test full --resume results
     """
     from harness.cases import gate as gates
+    from harness.cases.run import engine_names
     from harness.cases.users import names_of
+    from harness.engines import registry
     from harness.errors import InputError
     from harness.report import gate as said
     from harness.whole_files import write_whole
@@ -136,7 +144,8 @@ def gate(
     if self_test is not None:
         with progress("planted defects") as step, resumable("gate", kept):
             trials = gates.self_test(full=self_test == "full", workers=workers, progress=step, journal=journal)
-    judgement = None if before is None else gates.judge(results, before)
+    without = set(registry.names()) - set(engine_names(engines)) if engines else set()
+    judgement = None if before is None else gates.judge(results, before, left_out=without)
     files = names_of([Path(model) for model in models])
     screen = console(json_file)
     if judgement is not None or trials is not None:

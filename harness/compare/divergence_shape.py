@@ -133,14 +133,17 @@ def _explained(course: Array, apart: Array, *, centred: bool = False) -> float:
     return 1.0 - float(left @ left) / square if square > 0.0 else 0.0
 
 
-def by_steps(difference: float, floors: dict[str, float], how: str = "halving the step") -> str:
+def by_steps(
+    difference: float, floors: dict[str, float], how: str = "halving the step", *, one_equation: bool = False
+) -> str:
     """Whether a difference is the model's or the steps', by what halving its steps changes in each engine [rad or m].
 
-    how: what was done instead, where an engine chooses its steps.
+    how: what was done instead, where an engine chooses its steps. one_equation: whether accelerations are known to agree.
     """
     if not floors:
         return ""
     said = ", ".join(f"{name} by {floor:.1e}" for name, floor in floors.items())
     if difference > CLEAR * max(floors.values()):
-        return f"{how} moves {said}: it is the model, not the integration"
+        cause = "no smaller step mends the integration" if one_equation else "it is the model, not the integration"
+        return f"{how} moves {said}: {cause}"
     return f"{how} moves {said}: below that there is no verdict, the integration may be all of it"

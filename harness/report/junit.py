@@ -13,7 +13,7 @@ from harness.report.gate.places import why
 def junit(results: Results, judgement: Judgement | None = None) -> bytes:
     """JUnit XML in UTF-8; a suite for each case, ``quantity [engines]`` for each test.
 
-    judgement: of a gate: what closes it fails, rows that are missing too.
+    judgement: of a gate: what closes it fails, rows that are missing too; engines that were not asked for are skipped.
     """
     document = JUnitXml("denoc validate" if judgement is None else "denoc gate")
     closed = {} if judgement is None else {judged.key: why(judged) for judged in judgement.failed}
@@ -44,6 +44,13 @@ def junit(results: Results, judgement: Judgement | None = None) -> bytes:
         for key, said in closed.items():
             test = TestCase(_printable(key), classname="denoc.reference")
             test.result = [Failure(_printable(said))]
+            suite.add_testcase(test)
+        document.add_testsuite(suite)
+    if judgement is not None and judgement.not_asked:
+        suite = TestSuite("not held")
+        for name, count in sorted(judgement.not_asked.items()):
+            test = TestCase(_printable(name), classname="denoc.not_held")
+            test.result = [Skipped(f"{count} accepted rows of this engine were not held: --engine leaves it out")]
             suite.add_testcase(test)
         document.add_testsuite(suite)
     document.update_statistics()

@@ -63,6 +63,7 @@ def dynamics_agree(request: pytest.FixtureRequest) -> Callable[..., Results]:
     def check(engine: Any, model: str | Path | System | None = None, **options: Any) -> Results:
         from harness.testing.agree import assert_dynamics_agree
 
+        __tracebackhide__ = True
         results = assert_dynamics_agree(
             engine, request.getfixturevalue("dynamics_model") if model is None else model, **options
         )

@@ -140,7 +140,45 @@ def test_the_body_and_field_are_named(tmp_path: Path, field: str) -> None:
     found = differences(placed_bodies(system.replace_link(changed)), theirs)
     words = {"com": "centre of mass"}.get(field, field)
     assert len(found) == 1
-    assert found[0].startswith(f"body {link.name!r}: {words}")
+    assert found[0].words.startswith(f"body {link.name!r}: {words}")
+    assert found[0].place == {"link": link.name, "value": field}
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda inertia: np.diag(np.diag(inertia)), "products of inertia"),
+        # Two of three with the other sign is the same body turned by half a turn; one of them alone is another body.
+        (lambda inertia: inertia * [[1, 1, 1], [1, 1, -1], [1, -1, 1]], "products of inertia"),
+        (lambda inertia: inertia * [[1, -1, -1], [-1, 1, 1], [-1, 1, 1]], "axes of inertia"),
+        (lambda inertia: inertia + np.diag([1e-3, 0.0, 0.0]), "inertia, most in"),
+    ],
+)
+def test_what_of_an_inertia_is_read_otherwise_is_told_in_whatever_axes(tmp_path: Path, spoil, words: str) -> None:
+    path = tmp_path / "tree.urdf"
+    system = random_tree(4, seed=3, prismatic=0.0)
+    link = system.links[2]
+    own = np.array([[0.03, 0.004, -0.003], [0.004, 0.04, 0.002], [-0.003, 0.002, 0.05]])
+    write(system.replace_link(replace(link, inertia=constant(own))), path)
+    system = harness.load(path)
+    misread = system.replace_link(
+        replace(system.link(link.name), inertia=constant(np.asarray(spoil(own), dtype=float)))
+    )
+    (found,) = differences(placed_bodies(misread), read_by("pinocchio", path, system).placed())
+    assert found.words.startswith(f"body {link.name!r}: {words}")
+
+
+def test_a_limit_that_is_lost_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "tree.urdf"
+    system = random_tree(3, seed=2)
+    joint = replace(system.joints[1], lower=-1.0, upper=2.0)
+    write(system.replace_joint(joint), path)
+    system = harness.load(path)
+    lost = system.replace_joint(replace(system.joint(joint.name), lower=-np.inf))
+    failed = [row for row in rows_of(path, lost) if row.verdict == "fail"]
+    assert failed and {row.quantity for row in failed} == {"joint_fields_as_read"}
+    assert f"joint {joint.name!r}: lower -1 for -inf here" in failed[0].note
+    assert failed[0].first_divergence == {"joint": joint.name, "value": "lower"}
 
 
 def test_notes_reach_the_user_in_every_way(tmp_path: Path) -> None:

@@ -51,6 +51,21 @@ def test_a_reader_that_reads_otherwise_may_be_accepted(tmp_path):
     assert judge(results(ROW, otherwise), held).ok
 
 
+def test_rows_of_engines_that_were_not_asked_for_are_counted_and_do_not_close_the_gate():
+    far, near = replace(ROW, engines=("denoc", "far")), replace(ROW, engines=("denoc", "near"))
+    recorded = replace(far, engines=("far", "recorded"))
+    held = accepted(ROW, far, near, recorded)
+    judgement = judge(results(ROW, near), held, left_out={"far"})
+    assert judgement.ok
+    assert judgement.not_asked == {"far": 2}
+    assert judgement.not_held() == "2 accepted rows were not held: of engines that --engine leaves out, far (2)."
+    # Nothing else gets past: what is asked for and is not there, what was run all the same, and a run without any row.
+    assert not judge(results(ROW), held, left_out={"far"}).ok
+    assert not judge(results(ROW, near, replace(far, difference=1.0, verdict="fail")), held, left_out={"far"}).ok
+    assert not judge(results(), accepted(far), left_out={"far"}).ok
+    assert not judge(results(ROW, near), held).ok
+
+
 def test_rounding_of_another_processor_holds():
     assert not reasons(results(replace(ROW, difference=1.3e-9)), accepted(ROW))
 

@@ -106,5 +106,6 @@ def test_a_row_says_that_motions_parted_exponentially_and_how_fast():
 
 def test_no_verdict_below_what_the_steps_make():
     assert "it is the model" in by_steps(1e-3, {"denoc": 1e-9, "mujoco": 1e-6})
+    assert "the model" not in by_steps(1e-3, {"denoc": 1e-9, "mujoco": 1e-6}, one_equation=True)
     assert "no verdict" in by_steps(2e-6, {"denoc": 1e-9, "mujoco": 1e-6})
     assert by_steps(1e-3, {}) == ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import numpy as np
 from harness.cases.case import NATIVE, Bench, Row, Series
 from harness.cases.checks.states import States, random_states, summed_terms
 from harness.compare import quantities
-from harness.compare.readings import ALLOWED, differences, field_differences, phrase
+from harness.compare.readings import ALLOWED, differences, field_differences, fields_of, phrase
 from harness.engines.protocol import EngineModel
 from harness.engines.readers import OWN, Reading, placed_bodies, read_by, readers_of
 from harness.engines.readers.register import root_of
@@ -71,7 +71,10 @@ class AsRead:
             if name == OWN.get(root_of(self.path)):
                 confirmed = agrees
             elif confirmed and not agrees:
-                rows = [row if row.verdict == "pass" else replace(row, verdict="skipped") for row in rows]
+                rows = [
+                    row if row.verdict == "pass" else replace(row, verdict="skipped", first_divergence=None)
+                    for row in rows
+                ]
             yield from rows
 
     def _rows(self, bench: Bench, model: EngineModel, name: str, reading: Reading, states: States) -> Iterable[Row]:
@@ -96,7 +99,9 @@ class AsRead:
             else:
                 apart = quantities.relative(values, theirs[quantity], terms=summed[quantity])
             note = f"as read by {name}"
+            place: dict[str, object] | None = None
             if not apart.max() <= ALLOWED:
+                place = found[0].place if found else {"base": bench.system.base, "value": "gravity"}
                 size = float(np.abs(values - theirs[quantity]).max())
                 note = f"{note}, up to {size:.4g} {_UNITS[quantity]} apart: {phrase(found) or 'gravity'}"
             yield bench.row(
@@ -105,19 +110,21 @@ class AsRead:
                 float(apart.max()),
                 ALLOWED,
                 why=WHY,
+                first_divergence=place,
                 note=note,
                 source=str(self.path),
             )
-        numbers: Mapping[str, Mapping[str, float]] = {
-            joint.name: {
-                key: getattr(joint, key) for key in ("damping", "friction", "armature", "stiffness", "lower", "upper")
-            }
-            for joint in bench.system.movable_joints
-        }
-        worst, named = field_differences(numbers, reading.fields())
+        worst, named = field_differences(fields_of(bench.system), reading.fields())
         note = f"as read by {name}" + (f": {phrase(named)}" if named else "")
         yield bench.row(
-            "joint_fields_as_read", (NATIVE, name), worst, ALLOWED, why=WHY, note=note, source=str(self.path)
+            "joint_fields_as_read",
+            (NATIVE, name),
+            worst,
+            ALLOWED,
+            why=WHY,
+            first_divergence=named[0].place if named else None,
+            note=note,
+            source=str(self.path),
         )
 
 

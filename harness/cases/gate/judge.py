@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 
 from harness.cases.case import NATIVE, Row
 from harness.cases.gate.accepted import Accepted, Entry
@@ -35,23 +35,38 @@ class Judged:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Every row's judgement; versions_changed: name to (accepted with, run with); reference: what is wrong with the file."""
+    """Every row's judgement; versions_changed: name to (accepted with, run with); reference: what is wrong with the file.
+
+    not_asked: accepted rows that were not held, for they are of engines that were not asked for: how many by engine.
+    """
 
     rows: tuple[Judged, ...]
     versions_changed: Mapping[str, tuple[str, str]]
     reference: str = ""
+    not_asked: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def ok(self) -> bool:
         return bool(self.rows) and not self.reference and all(row.ok for row in self.rows)
+
+    def not_held(self) -> str:
+        """How many accepted rows were not held, in a sentence; empty if all were."""
+        count = sum(self.not_asked.values())
+        if not count:
+            return ""
+        named = ", ".join(f"{name} ({of})" for name, of in sorted(self.not_asked.items()))
+        rows, were = ("rows", "were") if count > 1 else ("row", "was")
+        return f"{count} accepted {rows} {were} not held: of engines that --engine leaves out, {named}."
 
     @property
     def failed(self) -> tuple[Judged, ...]:
         return tuple(row for row in self.rows if not row.ok)
 
 
-def judge(results: Results, accepted: Accepted) -> Judgement:
-    """Hold a run against the accepted figures.
+def judge(results: Results, accepted: Accepted, *, left_out: Collection[str] = ()) -> Judgement:
+    """Hold a run against the accepted figures; left_out: engines that the run was told to do without.
+
+    Accepted rows that are of these are counted, and not held; one that the run has all the same is held as any other.
 
     A row closes the gate if it fails; if it is not finite; if it was never accepted, or accepted and now missing; if it
     passes only because its limit was loosened; if its unit changed; and if it grew by more than its quantity's share of
@@ -61,18 +76,24 @@ def judge(results: Results, accepted: Accepted) -> Judgement:
     twice = [key for key, count in Counter(row.key for row in results.rows).items() if count > 1]
     judged = [_judge(row, accepted.rows.get(row.key), accepted, row.key in twice) for row in results.rows]
     seen = {row.key for row in results.rows}
-    judged += [
-        Judged(key, None, entry.difference, reason=_missing(key, results))
-        for key, entry in accepted.rows.items()
-        if key not in seen
-    ]
+    not_asked: Counter[str] = Counter()
+    for key, entry in accepted.rows.items():
+        if key in seen:
+            continue
+        if without := [name for name in key.rsplit("/", 1)[1].split("+") if name in left_out]:
+            not_asked[without[0]] += 1
+            continue
+        judged.append(Judged(key, None, entry.difference, reason=_missing(key, results)))
     before = accepted.history[0].get("versions", {}) if accepted.history else {}
     changed = {
         name: (str(version), str(results.versions.get(name, "missing")))
         for name, version in before.items()
         if results.versions.get(name) != version
     }
-    return Judgement(tuple(judged), changed, accepted.edited)
+    if left_out:
+        # Nobody asked for what these are of.
+        changed = {name: pair for name, pair in changed.items() if name not in left_out}
+    return Judgement(tuple(judged), changed, accepted.edited, dict(not_asked))
 
 
 def _judge(row: Row, entry: Entry | None, accepted: Accepted, twice: bool) -> Judged:

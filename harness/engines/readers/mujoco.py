@@ -123,8 +123,11 @@ class MujocoReading:
                 values["armature"] = float(model.dof_armature[at])
                 values["damping"] = float(model.dof_damping[at]) if dampers else 0.0
             values["friction"] = float(model.dof_frictionloss[at]) if dry else 0.0
-            if model.jnt_limited[k] and model.jnt_type[k] > 1:  # a ball's is a cone
-                values["lower"], values["upper"] = (float(x) for x in model.jnt_range[k])
+            if model.jnt_type[k] > 1:  # a ball's limit is a cone, and its spring has a rest in space
+                limits = model.jnt_range[k] if model.jnt_limited[k] else (-np.inf, np.inf)
+                values["lower"], values["upper"] = (float(x) for x in limits)
+                if values["stiffness"]:
+                    values["rest_position"] = float(model.qpos_spring[model.jnt_qposadr[k]])
             found[name] = values
         return found
 

@@ -30,6 +30,8 @@ def print_judgement(
         if count or not judgement.rows:
             text = f"{count} of {len(judgement.rows)} rows close the gate." if count else "There is no row to judge."
         console.print(Text(text, style="bold green" if judgement.rows and not count else "bold red"))
+        if judgement.not_asked:
+            console.print(Text(judgement.not_held(), style="yellow"))
         if judgement.failed:
             _print_lines(closing.lines(judgement, files), console)
         for name, (before, now) in judgement.versions_changed.items():

@@ -64,6 +64,8 @@ def _verdict(judgement: Judgement, files: Mapping[str, Path] | None) -> list[str
         lines.append("")
     elif not judgement.reference:
         lines += [f"**Open**: all {len(judgement.rows)} rows hold.", ""]
+    if judgement.not_asked:
+        lines += [judgement.not_held(), ""]
     moved = [(judged, share) for judged in judgement.rows if judged.ok and (share := _moved(judged)) is not None]
     if moved:
         lines += [f"<details><summary>{len(moved)} rows moved within what is allowed</summary>", ""]

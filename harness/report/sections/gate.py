@@ -31,6 +31,7 @@ class Gate:
         return {
             "headline": headline,
             "ok": self.judgement.ok,
+            "not_held": self.judgement.not_held(),
             "heads": closing.HEADS,
             "figures": closing.FIGURES,
             "rows": [line.cells for line in closing.lines(self.judgement, self.files)],
