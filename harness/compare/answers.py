@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,18 @@ from harness.errors import UnsupportedError
 from harness.system import Trajectory
 
 Array = NDArray[np.float64]
+
+
+class Few:
+    """A model that has some methods alone, given by name; any other raises UnsupportedError. See ``EngineModel``."""
+
+    def __init__(self, names: tuple[str, ...], **methods: Callable[..., Array]) -> None:
+        self.names = names
+        for name, method in methods.items():
+            setattr(self, name, method)
+
+    def __getattr__(self, name: str) -> Any:
+        raise UnsupportedError(f"there is no {name.replace('_', ' ')}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +81,14 @@ class Completed:
         self, q0: Array, qd0: Array, time: Array, *, tau: Array | None = None, step: float | None = None
     ) -> Trajectory:
         return self.model.simulate(q0, qd0, time, tau=tau, step=step)
+
+    def weighs_apart(self, q: Array) -> bool:
+        """Whether its weight is an answer of its own; else it is all that acts at rest but the springs of the other."""
+        try:
+            self.model.gravity(q)
+        except UnsupportedError:
+            return False
+        return True
 
     def _mass(self, q: Array) -> Array:
         n = len(self.names)

@@ -48,12 +48,15 @@ def blame_answer(
             and term == "gravity"
             and _sprung(reference, q[:STATES], ours, allowed)
         ):
-            return replace(
-                blame, term="gravity_or_stiffness", words=blame.words.replace("gravity", "gravity or a spring")
-            )
+            return weight_or_spring(blame)
         asked = _inverse_dynamics if quantity == "inverse_dynamics" else _bias
         return at_joint(blame, reference, other, q[0], asked) if term == "coriolis" else blame
     return None
+
+
+def weight_or_spring(blame: Blame) -> Blame:
+    """What is blamed on gravity where weight and springs are known together alone."""
+    return replace(blame, term="gravity_or_stiffness", words=blame.words.replace("gravity", "gravity or a spring"))
 
 
 def _sprung(model: EngineModel, q: Array, parts: Parts, allowed: float) -> bool:

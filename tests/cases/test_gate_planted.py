@@ -67,7 +67,7 @@ def test_a_fault_closes_the_gate_and_is_named_and_none_leaves_it_open(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", ["rotation.py: roll, pitch and yaw in the other order", "lanes.py: armature forgotten"]
+    "name", ["rotation.py: roll, pitch and yaw in the other order", "lanes/model.py: armature forgotten"]
 )
 def test_a_fault_in_the_code_closes_the_gate_and_is_named(name):
     fate = try_fault(next(fault for fault in faults() if fault.name == name))

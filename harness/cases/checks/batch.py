@@ -7,11 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.cases.case import NATIVE, Bench, Row, Series
-from harness.cases.checks.states import difference_of, evaluate, random_states, where
+from harness.cases.case import NATIVE, Array, Bench, Row, Series
+from harness.cases.checks.states import States, difference_of, evaluate, random_states, where
+from harness.compare.answers import Completed, Few
+from harness.compare.attribution import attribute
+from harness.compare.single_answer import blame_answer
 from harness.denoc import Denoc
+from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
 
+BATCH, FEW = "the batch", 8
 # What a batch method answers, and the arguments it takes, of the members of ``States``.
 BATCHES = {
     "acceleration": ("forward_dynamics_batch", ("q", "qd", "tau")),
@@ -53,9 +58,11 @@ class BatchAgreement:
                 continue
             apart = difference_of(self.of, mass, ours, theirs)
             worst = int(np.argmax(apart))
-            place = None
+            place, note = None, f"{self.states} states in one call"
             if not apart[worst] <= self.allowed:
-                place = where(bench.system, self.of, worst, ours[worst], theirs[worst])
+                said, site = in_rows(bench, self.of, native, name, states)
+                place = where(bench.system, self.of, worst, ours[worst], theirs[worst]) | site
+                note = "; ".join(filter(None, [note, said]))
             yield bench.row(
                 self.quantity,
                 (NATIVE, name),
@@ -63,5 +70,33 @@ class BatchAgreement:
                 self.allowed,
                 why=self.why,
                 first_divergence=place,
-                note=f"{self.states} states in one call",
+                note=note,
             )
+
+
+def in_rows(bench: Bench, of: str, native: Denoc, name: str, states: States) -> tuple[str, dict[str, object]]:
+    """The term in which a batch of equal rows is otherwise than an engine, and where; or that it is how rows stand together."""
+    if bench.system.loops:
+        return "", {}
+    method, _ = BATCHES[of]
+
+    def row(*one: Array) -> Array:
+        # As many as were asked, for few rows may go another way.
+        return np.asarray(getattr(native, method)(*(np.tile(x, (len(states.q), 1)) for x in one))[-1])
+
+    model = bench.models[name]
+    answer = "forward_dynamics" if of == "acceleration" else of
+    batch = Few(model.names, **{answer: row})
+    q, qd = states.q[:FEW], states.qd[:FEW]
+    try:
+        if of == "acceleration":
+            found = attribute(model, Completed(batch, model), q, qd, states.tau[:FEW], called=(name, BATCH))
+            blame, said = found.culprit, found.sentence()
+        else:
+            blame = blame_answer(of, model, batch, q, qd)
+            said = "" if blame is None else blame.words
+    except (UnsupportedError, EngineError, np.linalg.LinAlgError):
+        return "", {}
+    if blame is None:
+        return "equal rows are right, so it is how different ones stand together", {"term": "rows"}
+    return said, {"term": blame.term, "at": blame.coordinate}

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import NATIVE, Bench, Row, Series
-from harness.cases.checks.states import blame
+from harness.cases.checks.states import blame, explained_by, weight_told_apart
 from harness.cases.checks.trajectory import initial_state, step_of
+from harness.compare.attribution import attribute
+from harness.compare.lane_accelerations import LANES, of_lanes
 from harness.denoc.lanes.model import LaneModel
+from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
 
 
@@ -58,12 +61,14 @@ class LaneAgreement:
                 continue
             apart = np.abs(ours - run.position)
             far = float(apart.max()) if np.isfinite(apart).all() else float("nan")
-            place, note = None, f"over {self.duration:g} s"
+            place: dict[str, object] | None = None
+            note = f"over {self.duration:g} s"
             if not far <= self.allowed:
                 sample = int(np.argmax(~(apart.max(axis=1) <= self.allowed)))
                 worst = int(np.argmax(np.nan_to_num(apart[sample], nan=np.inf)))
                 place = {"time": float(time[sample]), "coordinate": bench.system.coordinate_names[worst]}
-                note += f"; {self._blame(bench, name, run.position, run.velocity)}"
+                said, where = self._blame(bench, name, lanes, run.position, run.velocity)
+                note, place = f"{note}; {said}", place | where
             yield bench.row(
                 self.quantity,
                 (NATIVE, "denoc single run" if name == NATIVE else name),
@@ -75,10 +80,42 @@ class LaneAgreement:
                 first_divergence=place,
             )
 
-    def _blame(self, bench: Bench, name: str, q: np.ndarray, qd: np.ndarray) -> str:
-        """Where the native equations of one mechanism are right, it is the lanes'."""
+    def _blame(
+        self, bench: Bench, name: str, lanes: LaneModel, q: np.ndarray, qd: np.ndarray
+    ) -> tuple[str, dict[str, object]]:
+        """Where the native equations of one mechanism are right, it is the lanes': their term, or how they are integrated."""
         chosen = np.unique(np.linspace(0, len(q) - 1, 8).round().astype(int))
-        said = "" if name == NATIVE else blame(bench, name, q[chosen], qd[chosen], np.zeros_like(qd[chosen]))
+        q, qd = q[chosen], qd[chosen]
+        said = "" if name == NATIVE else blame(bench, name, q, qd, np.zeros_like(qd))
         if said and "agree" not in said:
-            return said
-        return f"the equations of one mechanism agree, so it is the lanes ({'planar' if self.planar else 'spatial'})"
+            return said, {}
+        lane = f"the equations of one mechanism agree, so it is the lanes ({'planar' if self.planar else 'spatial'})"
+        told, place = in_lanes(bench, lanes, q, qd)
+        return "; ".join(filter(None, [lane, told])), place
+
+
+def in_lanes(bench: Bench, lanes: LaneModel, q: np.ndarray, qd: np.ndarray) -> tuple[str, dict[str, object]]:
+    """The term in which the lanes accelerate otherwise than the native equations of one mechanism, and where; q, qd: shape (B, n).
+
+    Nothing where that cannot be told: at closed loops, whose accelerations are not free, and under dry friction, which sticks.
+    """
+    if bench.system.loops or any(joint.friction for joint in bench.system.joints):
+        return "", {}
+    native = bench.models[NATIVE]
+    theirs = of_lanes(lanes, native)
+    # Forces that have nothing to do with the motion, so that no term can hide in its balance.
+    rng = np.random.default_rng(bench.seed)
+    tau = np.array([native.mass_matrix(x) @ a for x, a in zip(q, rng.standard_normal(qd.shape), strict=True)])
+    try:
+        found = attribute(native, theirs, q, qd, tau, called=("the single model", LANES))
+        if not found.blames:
+            return "their accelerations agree, so it is how they are integrated", {}
+        found = weight_told_apart(found, theirs, bench.system, q)
+        culprit = found.blames[0]
+        place: dict[str, object] = {"term": culprit.term, "at": culprit.coordinate}
+        numbers = explained_by(bench.system, theirs, q, qd, bench.seed)
+    except (UnsupportedError, EngineError, np.linalg.LinAlgError):
+        return "", {}
+    if numbers:
+        place |= numbers[0].place
+    return "; ".join(filter(None, [" or ".join(one.sentence() for one in numbers), found.sentence()])), place

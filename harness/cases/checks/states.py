@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -12,11 +12,11 @@ from harness.cases.case import NATIVE, Array, Bench, Row, Series
 from harness.cases.checks.beam_blame import by_forces
 from harness.compare import quantities
 from harness.compare.answers import Completed
-from harness.compare.attribution import Blame, attribute
+from harness.compare.attribution import Attribution, Blame, attribute
 from harness.compare.odd_one_out import vote
 from harness.compare.parameters import Explanation, explain
 from harness.compare.scales import Terms, terms
-from harness.compare.single_answer import blame_answer
+from harness.compare.single_answer import blame_answer, weight_or_spring
 from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import EngineUnavailableError, InputError, UnsupportedError
 from harness.system import System
@@ -158,6 +158,7 @@ def blamed(
         return "", {}
     if not found.blames:
         return ("" if found.difference > allowed else INTEGRATION), {}
+    found = weight_told_apart(found, theirs, bench.system, q)
     culprit = found.blames[0]
     place = {"term": culprit.term, "at": culprit.coordinate}
     if culprit.term != "solution" and bench.system.flexible:
@@ -173,6 +174,14 @@ def blamed(
     return "; ".join(said), place
 
 
+def weight_told_apart(found: Attribution, theirs: Completed, system: System, q: Array) -> Attribution:
+    """The same, with gravity blamed as gravity or a spring where springs act that one of the two tells with its weight alone."""
+    if not (system.flexible or any(joint.stiffness for joint in system.joints)) or theirs.weighs_apart(q[0]):
+        return found
+    blames = tuple(weight_or_spring(blame) if blame.term == "gravity" else blame for blame in found.blames)
+    return replace(found, blames=blames)
+
+
 def _bent(bench: Bench, name: str, q: Array, qd: Array) -> tuple[str, dict[str, object]]:
     """The number of a beam, or of what it is mounted on, that would explain a difference of forces."""
     try:
@@ -183,14 +192,32 @@ def _bent(bench: Bench, name: str, q: Array, qd: Array) -> tuple[str, dict[str, 
 
 def _explained(bench: Bench, name: str, q: Array, qd: Array, tau: Array) -> list[Explanation]:
     """Numbers of the description that the native engine seems to take otherwise."""
-    if len(bench.system.coordinate_names) > MOST_EXPLAINED or bench.system.flexible or not bench.system.simple:
-        return []
     # Several checks of a case ask, and the answer is one.
-    if name in bench.explained:
-        return bench.explained[name]
-    from harness.engines.registry import engine, names
+    if name not in bench.explained:
+        from harness.engines.registry import names
 
-    rng = np.random.default_rng(bench.seed)
+        if name in names():
+            found = explained_by(bench.system, bench.models[NATIVE], q, qd, bench.seed, trusted=name)
+        else:
+            # What a test hands over is not built anew: it is what the trusted one is moved towards.
+            own = Completed(bench.models[name], bench.models[NATIVE])
+            found = explained_by(bench.system, own, q, qd, bench.seed)
+        bench.explained[name] = found
+    return bench.explained[name]
+
+
+def explained_by(
+    system: System, other: EngineModel, q: Array, qd: Array, seed: int, *, trusted: str = NATIVE
+) -> list[Explanation]:
+    """Numbers of the description that would make a trusted engine answer as ``other`` does; none of what is too large or bends.
+
+    q, qd: states to ask at, shape (B, n). seed: of the accelerations that they are asked with.
+    """
+    if len(system.coordinate_names) > MOST_EXPLAINED or system.flexible or not system.simple:
+        return []
+    from harness.engines.registry import engine
+
+    rng = np.random.default_rng(seed)
     # As many states as four times the largest group has numbers.
     count = max(3, -(-24 // qd.shape[1]))
     q, qd = q[:count], qd[:count]
@@ -198,16 +225,9 @@ def _explained(bench: Bench, name: str, q: Array, qd: Array, tau: Array) -> list
     accelerations = rng.standard_normal(qd.shape)
     moving = qd if np.abs(qd).max() > 0.1 else rng.standard_normal(qd.shape)
     try:
-        if name in names():
-            found = explain(engine(name).build, bench.system, bench.models[NATIVE], q, moving, accelerations)
-        else:
-            # What a test hands over is not built anew: it is what the trusted one is moved towards.
-            own = Completed(bench.models[name], bench.models[NATIVE])
-            found = explain(engine(NATIVE).build, bench.system, own, q, moving, accelerations)
+        return explain(engine(trusted).build, system, other, q, moving, accelerations)
     except (InputError, EngineError, EngineUnavailableError, np.linalg.LinAlgError):
-        found = []
-    bench.explained[name] = found
-    return found
+        return []
 
 
 def _beyond(differences: dict[str, Array], allowed: float) -> bool:

@@ -76,11 +76,11 @@ LANE_RECURSIONS = (
     *of_file(
         "lanes/spatial.py", "lanes_chain",
         ("a bias wrench with a sign wrong", "(wy * nz - wz * ny) + (vy * fz - vz * fy),", "(wy * nz - wz * ny) - (vy * fz - vz * fy),",
-         "lanes_adaptive; so it is the lanes"),
+         "lanes_adaptive; so it is the lanes; coriolis"),
     ),
     *of_file(
         "lanes/tree.py", "lanes_bent_in_space",
-        ("half of the Coriolis acceleration of bending", "tx = -wz * y + (xd + xd)", "tx = -wz * y + xd", "lanes_adaptive; so it is the lanes"),
+        ("half of the Coriolis acceleration of bending", "tx = -wz * y + (xd + xd)", "tx = -wz * y + xd", "lanes_adaptive; so it is the lanes; coriolis"),
     ),
 )  # fmt: skip
 

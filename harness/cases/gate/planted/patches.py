@@ -167,7 +167,7 @@ NATIVE = (
     *of_file(
         "lanes/rows.py", "batch_tree",
         ("welded bodies turned in the other order", "_multiply(turn[up], placed, whole)", "_multiply(placed, turn[up], whole)",
-         "batch"),
+         "batch; mass matrix; joint7"),
     ),
     *of_file(
         "dynamics_call.py", "batch_flexible",
@@ -247,18 +247,18 @@ LANES = (
     *of_file(
         "lanes/model.py", "lanes_chain lanes_tree",
         ("rigid parts a thousandth too heavy", "row[at + 6 : at + 16] = _rigid_part(link)",
-         "row[at + 6 : at + 16] = 1.001 * _rigid_part(link)", "lanes_adaptive; so it is the lanes"),
+         "row[at + 6 : at + 16] = 1.001 * _rigid_part(link)", "lanes_adaptive; so it is the lanes; mass matrix"),
         ("gravity a thousandth too strong", "row[0:3] = system.gravity", "row[0:3] = 1.001 * system.gravity",
-         "lanes_adaptive; so it is the lanes"),
+         "lanes_adaptive; so it is the lanes; gravity is 1.001 times"),
         ("armature forgotten", "row[places] = joint.armature, joint.damping", "row[places] = 0.0, joint.damping",
-         "lanes_adaptive; so it is the lanes"),
+         "lanes_adaptive; so it is the lanes; the armature differs at joint1"),
         ("damping a hundredth too strong", "row[places] = joint.armature, joint.damping",
-         "row[places] = joint.armature, 1.01 * joint.damping", "lanes_adaptive; so it is the lanes"),
+         "row[places] = joint.armature, 1.01 * joint.damping", "lanes_adaptive; so it is the lanes; the damping is 1.01 times"),
         ("springs slack at zero", "joint.friction, joint.stiffness, joint.rest_position",
          "joint.friction, joint.stiffness, 0.0",
-         "lanes_adaptive; so it is the lanes"),
+         "lanes_adaptive; so it is the lanes; gravity or a spring"),
         ("joints a millimetre off", "row[at : at + 3] = joint.xyz", "row[at : at + 3] = joint.xyz + 1e-3",
-         "lanes_adaptive; so it is the lanes"),
+         "lanes_adaptive; so it is the lanes; mass matrix"),
     ),
     *of_file(
         "lanes/model.py", "integrators",

@@ -28,17 +28,17 @@ METHODS = (
     *of_file(
         "batch/in_space.py", "batch_in_space",
         ("forces not turned to angles", "kernels.forces_to_turns(self._balls, self._damping, Qd[rows], Tau[rows], kept, forces)",
-         "kernels.forces_to_turns(self._balls, self._damping, Qd[rows], 0.99 * Tau[rows], kept, forces)", "forward_dynamics_batch"),
+         "kernels.forces_to_turns(self._balls, self._damping, Qd[rows], 0.99 * Tau[rows], kept, forces)", "forward_dynamics_batch; mass matrix"),
         ("accelerations asked at the wrong gravity", "kernels.accelerations_to_turns(self._balls, self._gravity, Qdd[rows], rates, kept, asked)",
-         "kernels.accelerations_to_turns(self._balls, 0.99 * self._gravity, Qdd[rows], rates, kept, asked)", "inverse_dynamics_batch"),
-        ("masses of angles, not of spins", "kernels.masses_from_turns(self._balls, kept, out[rows])", "pass", "mass_matrix_batch"),
+         "kernels.accelerations_to_turns(self._balls, 0.99 * self._gravity, Qdd[rows], rates, kept, asked)", "inverse_dynamics_batch; gravity"),
+        ("masses of angles, not of spins", "kernels.masses_from_turns(self._balls, kept, out[rows])", "pass", "mass_matrix_batch; mass matrix; hip"),
     ),
     *of_file(
         "batch/trunk.py", "batch_floating",
-        ("a trunk whose joint resists less", "d = trunk[RESISTING]", "d = 0.99 * trunk[RESISTING]", "forward_dynamics_batch"),
+        ("a trunk whose joint resists less", "d = trunk[RESISTING]", "d = 0.99 * trunk[RESISTING]", "forward_dynamics_batch; damping; root"),
         ("a trunk's axes carried along", "x, y, z = x + (wy * vz - wz * vy), y + (wz * vx - wx * vz), z + (wx * vy - wy * vx)\n", "\n",
-         "forward_dynamics_batch"),
-        ("a pivot of the trunk not less by another", "d2 = 1.0 / ayy", "d2 = 1.001 / ayy", "forward_dynamics_batch"),
+         "forward_dynamics_batch; coriolis; root"),
+        ("a pivot of the trunk not less by another", "d2 = 1.0 / ayy", "d2 = 1.001 / ayy", "forward_dynamics_batch; mass matrix; root"),
     ),
     *of_file(
         "loops/closed.py", "four_bar",
@@ -108,7 +108,7 @@ LAWS = of_file(
 
 PLANE = of_file(
     "lanes/planar.py", "lanes_flexible_pendulum",
-    ("half of the Coriolis acceleration of bending in the plane", "    twice = w + w\n", "    twice = w\n", "lanes_adaptive_planar"),
+    ("half of the Coriolis acceleration of bending in the plane", "    twice = w + w\n", "    twice = w\n", "lanes_adaptive_planar; coriolis; rod.mode"),
 )  # fmt: skip
 
 BASE = of_file(
