@@ -60,7 +60,7 @@ def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
         return None
     ordinary = _ordinary(outcome)
     fits = _fitted(outcome, _sets(outcome, conclusion, ordinary))
-    ways: list[Way] = [Alone(outcome, own.hypothesis, own.x) for own in fits]
+    ways: list[Way] = [Alone(outcome, own.hypothesis, own.x, own.states) for own in fits]
     whole = all(w in outcome.training.windows for fold in folds for w in fold)
     if outcome.evidence is not None and whole:
         asked = (conclusion.own.hypothesis.identity, ordinary.identity, frozenset[str]())
@@ -121,7 +121,8 @@ def _fitted(outcome: Outcome, sets: Sequence[tuple[Hypothesis, Array]]) -> list[
         for part in [f for f in found if f.hypothesis.identity < hypothesis.identity]:
             _, start = carried(part.hypothesis, part.x, hypothesis, _usual(outcome, hypothesis))
             if part.score < own.score and np.isfinite(start).all():
-                own = min(own, Alone(outcome, hypothesis, start).learned(windows).fitted, key=lambda f: f.score)
+                again = Alone(outcome, hypothesis, start, part.states).learned(windows).fitted
+                own = min(own, again, key=lambda f: f.score)
         found.append(own)
     return found
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -13,8 +13,9 @@ from harness.diagnose.estimation.beside_state_force import Beside, beside
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.objective import LOST, Objective
 from harness.diagnose.estimation.state_force import Force, StateForce
+from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
-from harness.diagnose.problem.windows import Window
+from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.investigation import Outcome
 from harness.diagnose.selection.state_evidence import Evidence
 from harness.effects.effect import Effect, SiteKind
@@ -23,6 +24,7 @@ from harness.effects.force_table import ForceTable
 Array = NDArray[np.float64]
 
 STEPS = 15
+A_PIECE = 0.5  # of the slowest swing: over less than a whole one no model loses count
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +44,28 @@ class Way(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Alone:
-    """A set by least squares of what the sensors read, from the numbers ``x``."""
+    """A set by least squares of what the sensors read, from the numbers ``x`` and initial states as far as they are known."""
 
     outcome: Outcome
     hypothesis: Hypothesis
     x: Array
+    known: Mapping[Window, Array] = field(default_factory=dict)
 
     def learned(self, windows: Sequence[Window]) -> Learned:
-        objective = by_sensors(self.outcome, self.hypothesis).on(tuple(windows))
-        return Learned(fit(objective, self.x, states(self.outcome, self.hypothesis, windows), most_steps=2 * STEPS))
+        """As whole windows teach it, begun at ``x`` and where pieces of half a swing lead from there.
+
+        Over whole windows a model that leaves something out has many valleys; over short ones it has few.
+        """
+        outcome, hypothesis, windows = self.outcome, self.hypothesis, tuple(windows)
+        objective, usual = by_sensors(outcome, hypothesis), states(outcome, hypothesis, windows)
+        starts, short = [(self.x, {w: self.known.get(w, usual[w]) for w in windows})], pieces(outcome, windows)
+        if short != windows:
+            read = {w: outcome.study.read_off(hypothesis, w) for w in short}
+            led = fit(objective.on(short), self.x, read, most_steps=STEPS)
+            starts.append((led.x, dict(led.beginning(windows).states)))
+        whole = objective.on(windows)
+        ends = [fit(whole, x, at, most_steps=2 * STEPS) for x, at in starts]
+        return Learned(min(ends, key=lambda f: f.score))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +80,7 @@ class WithForce:
         outcome, force, hypothesis = self.outcome, self.evidence.force, self.fitted.hypothesis
         found = self.evidence.beside(outcome.training, self.fitted)
         if tuple(windows) != self.fitted.windows:
-            own = Alone(outcome, hypothesis, self.fitted.x).learned(windows).fitted
+            own = Alone(outcome, hypothesis, self.fitted.x, self.fitted.states).learned(windows).fitted
             objective = outcome.training.objective_under(self.evidence.rough, own)
             near = replace(found, states={w: found.states[w] for w in windows})
             found = beside(force, objective, own, outcome.training.whole(hypothesis), [near])
@@ -79,6 +94,17 @@ class WithForce:
         larger = Hypothesis((*hypothesis.members, *(m for m in members if m is not None)))
         x = np.concatenate([found.x, np.arange(len(members), dtype=float)])
         return Learned(free_run(outcome, larger, x, windows), table)
+
+
+def pieces(outcome: Outcome, windows: Sequence[Window]) -> tuple[Window, ...]:
+    """Windows cut into pieces of about half a swing, as far as samples allow."""
+    out: list[Window] = []
+    for window in windows:
+        run = outcome.problem.runs[window.run]
+        lasts = run.duration * window.size / len(run.time)
+        count = min(round(lasts / (A_PIECE * outcome.period)), window.size // FEWEST_SAMPLES)
+        out += equal_parts(window, max(count, 1))
+    return tuple(out)
 
 
 def can_have_force(outcome: Outcome, hypothesis: Hypothesis) -> bool:
