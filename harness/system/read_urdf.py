@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from harness.errors import InputError, UnsupportedError
+from harness.plain_numbers import plain_number
 from harness.system.check import check_bodies, check_dynamics, check_mimics
 from harness.system.description import Array, Joint, JointType, Link, Mimic, System, constant
 from harness.system.magnitudes import NUMBER
@@ -17,7 +18,7 @@ from harness.system.rotation import from_quaternion, from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.topology import arrange
 from harness.system.urdf_left_out import left_out
-from harness.system.xml_source import plain_number, prefix_and_name
+from harness.system.xml_source import prefix_and_name
 
 # Limits this large [rad, m, N·m, …] stand for none, in files whose readers insist on a number.
 NO_LIMIT = 1e9

@@ -41,13 +41,6 @@ def without_foreign_comments(data: bytes) -> bytes:
     return data
 
 
-def plain_number(word: str) -> float:
-    """A number as C and XML write it, infinite and nan included; ValueError for what Python alone reads, as ``1_0`` and ``١``."""
-    if "_" in word or not word.isascii():
-        raise ValueError(word)
-    return float(word)
-
-
 def _refuse_declaration(source: Path | None, line: int) -> NoReturn:
     raise InputError(
         "has a document type declaration (DTD or entities)", mend="take <!DOCTYPE …> out", source=source, line=line

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import InputError
+from harness.plain_numbers import is_plain, plain_number
 from harness.recording.formats.stamps import is_stamp, nanoseconds
 from harness.system.description import Array
 
@@ -37,17 +38,10 @@ def number(cell: str, delimiter: str) -> float | None:
         return float("nan") if text else None
     if delimiter != "," and "," in text and "." not in text:
         text = text.replace(",", ".")  # decimal comma
-    if not _plain(text):
-        return None
     try:
-        return float(text)
+        return plain_number(text)
     except ValueError:
         return None
-
-
-def _plain(text: str) -> bool:
-    """Whether a number in it is one to every program: Python reads 1_000 and digits of other scripts as well."""
-    return "_" not in text and text.isascii()
 
 
 def is_number(cell: str, delimiter: str) -> bool:
@@ -59,7 +53,7 @@ def read_cells(path: Path, name: str, cells: Sequence[str], lines: Sequence[int]
     """A column of numbers, or of calendar stamps as seconds from the first; any other has a fault that names the cell."""
     try:
         # As Python reads them: what only that takes is looked at cell by cell.
-        values = np.array(cells, dtype=np.float64) if _plain("".join(cells)) else None
+        values = np.array(cells, dtype=np.float64) if is_plain("".join(cells)) else None
     except ValueError:
         values = None
     if values is not None:
