@@ -94,11 +94,7 @@ def diagnose(
         )
     in_space = bool(turning(stated[0]))
     if fit_effort and (in_space or stated[0].loops):
-        raise UnsupportedError(
-            "efforts are fitted to trees of joints of one degree of freedom",
-            mend="leave out --fit-effort: recorded efforts then drive the model",
-            source=stated[0].source,
-        )
+        raise _no_tree(stated[0])
     if in_space and len(stated) > 1:
         raise UnsupportedError("models of several payloads have no balls or free joints here", mend="give one model")
     as_read = _read(recordings, holdout, mapping, stated[0] if in_space else _nominal(stated[0], tolerance))
@@ -111,6 +107,8 @@ def diagnose(
         following, read = coupled(mechanism, one, as_read)
         ready.append(acting(_led(following, read), read, actuators=actuators, limits=limits))
     system, read = ready[0]
+    if fit_effort and system.loops:
+        raise _no_tree(system)
     notes = tuple(dict.fromkeys(note for one, _ in ready for note in one.notes))
     every_system = one_each([one for one, _ in ready], len(as_read))
     payloads = [payload(system, one) for one in every_system]
@@ -160,6 +158,14 @@ def diagnose(
     notes += assemblies.told(outcome.predictor, outcome.problem.runs)
     found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
     return replace(instead(found, first) or found, provenance=made_from, notes=notes)
+
+
+def _no_tree(system: System) -> UnsupportedError:
+    return UnsupportedError(
+        "efforts are fitted to trees of joints of one degree of freedom, none of which follows another",
+        mend="leave out --fit-effort: recorded efforts then drive the model",
+        source=system.source,
+    )
 
 
 def _nominal(system: System, tolerance: Tolerance | None) -> System:

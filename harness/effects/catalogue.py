@@ -10,7 +10,7 @@ from harness.effects.lines import lines_of
 from harness.effects.measured import Measured
 from harness.errors import InputError
 from harness.registered import registered
-from harness.system import Loop, System
+from harness.system import Coupling, Loop, System
 from harness.system.suggest import did_you_mean
 
 NAMES = (
@@ -37,6 +37,7 @@ NAMES = (
     "added_inertia",
     "com_offset",
     "com_side_offset",
+    "transmission_ratio",
     "base_tilt",
     "base_excitation",
     "base_compliance",
@@ -113,10 +114,20 @@ def sites(effect: Effect, system: System, recording: Measured | None = None) -> 
             return tuple(name for name in system.joint_names if name in driven)
         return _joints(effect, system)
     if effect.site is SiteKind.LOOP:
-        return tuple(loop.name for loop in system.loops if isinstance(loop, Loop) and len(loop.closed) > 1)
+        return _followers(system) if "coupling" in effect.needs else _cuts(system)
     if effect.site is SiteKind.LINK:
         return _links(effect, system)
     return _channels(effect, system, recording)
+
+
+def _cuts(system: System) -> tuple[str, ...]:
+    """Loops that a pin could close."""
+    return tuple(loop.name for loop in system.loops if isinstance(loop, Loop) and len(loop.closed) > 1)
+
+
+def _followers(system: System) -> tuple[str, ...]:
+    """Loops by which a joint follows another."""
+    return tuple(loop.name for loop in system.loops if isinstance(loop, Coupling) and loop.leader is not None)
 
 
 def _joints(effect: Effect, system: System) -> tuple[str, ...]:
@@ -133,6 +144,8 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return any(not link.flexible and link.mass > 0.0 for link in system.links)
     if need == "flexible":
         return system.flexible
+    if need == "coupling":
+        return bool(_followers(system))
     if need == "unstiffened":
         return any(link.beam is not None and not link.beam.geometric_stiffening for link in system.links)
     if need == "exact shapes":

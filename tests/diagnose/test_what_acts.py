@@ -228,8 +228,9 @@ def test_joints_that_follow_are_held_where_they_are_still(tmp_path: Path) -> Non
     assert whole.joint("g1").xyz == pytest.approx([0.02, 0.0, -0.3], abs=1e-4)
     assert whole.joint("g2").xyz == pytest.approx([-0.01, 0.0, -0.3], abs=1e-4)
     assert sum("is held at" in note for note in whole.notes) == 2
-    with pytest.raises(UnsupportedError, match="joint 'g2' follows joint 'g1', and they move"):
-        read(0.01)
+    whole, (kept,) = read(0.01)
+    assert whole.joint_names == ("pivot", "g1", "g2") and kept.channel_names == ("pivot.position", "g1.position")
+    assert [(loop.joint, loop.leader, loop.coefficients[:2]) for loop in whole.loops] == [("g2", "g1", (0.0, 0.5))]
 
 
 def test_joints_that_are_polynomials_of_others_are_held_where_they_are_still(tmp_path: Path) -> None:
@@ -262,9 +263,11 @@ def test_joints_that_are_polynomials_of_others_are_held_where_they_are_still(tmp
         turned = np.asarray(whole.joint("g3").rotation)
         assert turned[0, 0] == pytest.approx(np.cos(0.2)) and turned[0, 2] == pytest.approx(np.sin(0.2))
         assert sum("is held at" in note for note in whole.notes) == 3
-    with pytest.raises(UnsupportedError, match="joint 'g2' follows joint 'g1', and they move"):
-        read("g1.position", 0.01, 0.02)
-    with pytest.raises(UnsupportedError, match="joint 'g3' is locked, and it moves"):
+    # Those that move follow as the file says; the locked one stays where it is.
+    whole, _ = read("g1.position", 0.01, 0.02)
+    assert whole.joint_names == ("pivot", "g1", "g2")
+    assert [(loop.joint, loop.leader, loop.coefficients[2]) for loop in whole.loops] == [("g2", "g1", 20.0)]
+    with pytest.raises(UnsupportedError, match="joint 'g3' is locked by the model, and g3 moves"):
         read("g3.position", 0.1, 0.2)
 
 

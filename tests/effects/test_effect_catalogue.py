@@ -32,6 +32,7 @@ WORDS = {
     "stop_inertia": {"inertia": "kg*m**2"},
     "backlash": {"gap": "rad"},
     "loop_clearance": {"gap": "m"},
+    "transmission_ratio": {"factor": "1"},
     "joint_flexibility": {"stiffness": "N*m/rad", "damping": "N*m*s/rad"},
     "payload_mass": {"mass": "kg"},
     "added_inertia": {"inertia": "kg*m**2"},

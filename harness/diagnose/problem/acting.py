@@ -18,12 +18,13 @@ from harness.recording import Recording
 from harness.recording.recording import LINEAR_UNITS, UNITS, Channel, QualityNote
 from harness.system import Actuator, Joint, JointType, System
 from harness.system.description import constant
-from harness.system.loop import explicit
+from harness.system.loop import Coupling, explicit
 from harness.system.lowering import followed
 from harness.system.rotation import about_axis
 
 Array = NDArray[np.float64]
 Polynomial = np.polynomial.Polynomial
+Follower = tuple[str, str | None, Polynomial]
 
 NEAR = 0.02  # of a joint's range: how far from a limit a recording has met it, by its sensor's zero and the give of the stop
 PAST = 0.1  # of a joint's range: beyond, the joint runs through what the model states
@@ -56,14 +57,18 @@ def acting(
 
 
 def coupled(stated: System, system: System, recordings: Sequence[Recording]) -> tuple[System, list[Recording]]:
-    """The system with joints that follow another fixed, and the one that they follow, where these are still; notes tell.
+    """The system with joints that follow another coupled to it where they move, and fixed where all are still; notes tell.
 
     stated: the same as the file says which joint follows which, or is a polynomial of which; in ``system`` none mimics another.
-    Raises UnsupportedError where they move: a mechanism of coupled joints is not what a diagnosis has.
+    Raises UnsupportedError where a joint moves that the file locks.
     """
     found = list(recordings)
+    followers = _followers(stated)
+    moving = _that_move(system, followers, found)
     held: dict[str, float] = {}
-    for name, leader, polynomial in _followers(stated):
+    for name, leader, polynomial in followers:
+        if name in moving:
+            continue
         place = 0.0
         if leader is not None:
             known = held.get(leader)
@@ -73,16 +78,6 @@ def coupled(stated: System, system: System, recordings: Sequence[Recording]) -> 
                 known = _nearest_root(polynomial - own)
             place = held[leader] = 0.0 if known is None else known
         held[name] = float(polynomial(place))
-        for moving in (leader, name):
-            if moving is not None and _moves(system.joint(moving), found):
-                follows = (
-                    f"follows joint {leader!r}, and they move" if leader is not None else "is locked, and it moves"
-                )
-                raise UnsupportedError(
-                    f"joint {name!r} {follows}: a diagnosis has no coupled joints yet",
-                    mend="simulate and validate have; give the model without that <mimic> or <equality>, or with both fixed",
-                    source=system.source,
-                )
     told = []
     for name, position in held.items():
         joint = system.joint(name)
@@ -93,14 +88,45 @@ def coupled(stated: System, system: System, recordings: Sequence[Recording]) -> 
         )
         system = system.replace_joint(_fixed(joint, position))
         found = [_without(recording, name) for recording in found]
-    # Where all loops are such followers, and every one is held, none is left.
-    loops = () if explicit(stated.loops) else system.loops
-    return replace(system, loops=loops, notes=(*stated.notes, *told)), found
+    # Where all loops are such followers, those that are held are none any more.
+    couplings = explicit(stated.loops)
+    loops = [loop for loop in couplings if loop.joint in moving] if couplings else list(system.loops)
+    by_loops = {loop.joint for loop in couplings}
+    for name, leader, polynomial in followers:
+        if name in moving - by_loops and leader is not None:
+            loops.append(_coupling(name, leader, polynomial, {loop.name for loop in loops}))
+    return replace(system, loops=tuple(loops), notes=(*stated.notes, *told)), found
 
 
-def _followers(stated: System) -> list[tuple[str, str | None, Polynomial]]:
+def _that_move(system: System, followers: Sequence[Follower], recordings: Sequence[Recording]) -> set[str]:
+    """Joints of those that follow one another, of which one moves; UnsupportedError where a locked one does."""
+    together: dict[str, set[str]] = {}
+    for name, leader, _ in followers:
+        joined = together.get(name, {name}) | (together.get(leader, {leader}) if leader is not None else set())
+        together |= dict.fromkeys(joined, joined)
+    moving = {name for name in together if _moves(system.joint(name), recordings)}
+    for name, leader, _ in followers:
+        if leader is None and together[name] & moving:
+            raise UnsupportedError(
+                f"joint {name!r} is locked by the model, and {', '.join(sorted(together[name] & moving))} moves in the recordings",
+                mend="give the model without that <equality>, or another joint's columns",
+                source=system.source,
+            )
+    return set().union(*(together[name] for name in moving))
+
+
+def _coupling(joint: str, leader: str, polynomial: Polynomial, taken: set[str]) -> Coupling:
+    """A joint that follows another as a loop of its own, by the joint's name if no other loop has it."""
+    name = joint
+    while name in taken:
+        name += "_"
+    first, second, third, fourth, fifth = (float(value) for value in [*polynomial.coef, 0.0, 0.0, 0.0, 0.0][:5])
+    return Coupling(name, joint, leader, (first, second, third, fourth, fifth))
+
+
+def _followers(stated: System) -> list[Follower]:
     """Joints that follow others, by whom, and as which polynomial of its position; who is followed comes first."""
-    found: list[tuple[str, str | None, Polynomial]] = [
+    found: list[Follower] = [
         (coupling.joint, coupling.leader, Polynomial(coupling.coefficients)) for coupling in explicit(stated.loops)
     ]
     for joint in stated.movable_joints:
