@@ -141,3 +141,16 @@ def test_rotations_that_no_chart_holds_are_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(UnsupportedError, match="every way"):
         in_charts(system, [wild])
+
+
+def test_what_does_not_turn_at_all_is_no_mismatch(tmp_path: Path) -> None:
+    """Angles of a fall without spin, computed without noise, are rounding of either engine."""
+    text = BOX.replace('euler="0 30 0"', "").format(damping=0.0)
+    out = []
+    for k, v in enumerate(((0.5, 1.0, 6.0), (-1.0, 0.4, 7.0))):
+        time, found = motion(text, (), (*v, 0.0, 0.0, 0.0), 2.0)
+        columns = {("root", f"pose.{name}"): found[:, j] for j, name in enumerate(("x", "y", "z", *QUATERNION))}
+        out.append(recording(f"run{k}", time, columns, 0.0, k))
+    found = diagnose(out, load(model_file(tmp_path, text)), only=LAWS)
+    assert found.verdict == "consistent"
+    assert not found.findings
