@@ -147,10 +147,17 @@ def check_loops(system: System, lines: Mapping[tuple[str, str], int] | None = No
     conditions = sum(len(loop.conditions) for loop in system.loops)
     independent = usual_rank(system, closed)
     if independent >= system.nv:
+        last = next(
+            loop.name
+            for k, loop in enumerate(system.loops)
+            if usual_rank(replace(system, loops=system.loops[: k + 1]), closed) >= independent
+        )
         raise InputError(
-            f"the loops hold everything: {independent} independent conditions on {system.nv} degrees of freedom",
-            mend="leave a motion open, or take a loop out",
+            f"the loops hold everything: {independent} independent conditions on {system.nv} degrees of freedom, of which loop "
+            f"{last!r} takes the last",
+            mend="leave a motion of it open, or take a loop out",
             source=system.source,
+            line=lines.get(("loop", last)),
         )
     counted = f"{len(system.loops)} loop{'s' * (len(system.loops) > 1)}: {conditions} condition{'s' * (conditions > 1)}"
     freedom = system.nv - independent
@@ -209,6 +216,7 @@ def check_dynamics(system: System, *, lines: Mapping[tuple[str, str], int] | Non
                 f"{idle!r} moves no inertia, with the loops closed, so its acceleration is not determined",
                 mend="give the links that it moves mass and inertia, or the joint an armature",
                 source=system.source,
+                line=(lines or {}).get(("joint", idle)),
             )
         return
     if not system.simple:

@@ -163,7 +163,10 @@ REFUSED = {
         PIN + PIN.replace('"pin"', '"other"').replace("[0, 0, 0.2]", "[0, 0, 0.25]"),
         "loops 'pin', 'other' contradict one another",
     ),
-    "nothing left": (PIN + GEAR, "the loops hold everything: 3 independent conditions on 3 degrees of freedom"),
+    "nothing left": (
+        PIN + GEAR,
+        r":50: the loops hold everything: 3 independent conditions on 3 degrees of freedom.*'gear'",
+    ),
     "unknown link": (PIN.replace('"rocker"', '"rokcer"'), r":44: loop 'pin': 'rokcer' is not a link .*rocker"),
     "one link": (PIN.replace('"rocker"', '"coupler"'), "both frames are on 'coupler'"),
     "unknown motion": (PIN.replace('"z"', '"rw"'), r":48: loop 'pin': unknown motion 'rw'"),
