@@ -11,6 +11,7 @@ from harness.cases.case import Array
 from harness.denoc import Denoc
 from harness.errors import InputError
 from harness.system import Actuator, Joint, Keyframe, Stops, System
+from harness.system.magnitudes import check_start
 from harness.system.soft_constraints import limit_law
 from harness.system.suggest import did_you_mean
 
@@ -19,9 +20,11 @@ _SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95)
 
 
 def keyframe(system: System, name: str) -> Keyframe:
-    """The keyframe of that name; InputError if there is none. ``qpos0`` is zero where the file is no MJCF."""
+    """The keyframe of that name; InputError if there is none, or it is beyond any mechanism. ``qpos0`` is zero but in an MJCF."""
     for frame in system.keyframes:
         if frame.name == name:
+            check_start(system, frame.position, "", f"keyframe {name!r}", system.source)
+            check_start(system, frame.velocity, "/s", f"keyframe {name!r}", system.source)
             return frame
     if name == "qpos0":
         return Keyframe(name, {}, {}, {})

@@ -21,6 +21,7 @@ from harness.recording.recording import QualityNote
 from harness.recording.units import factor_to_si
 from harness.system import Joint, System
 from harness.system.lowering import followed
+from harness.system.magnitudes import check_start
 from harness.system.suggest import did_you_mean
 
 # Eight columns of doubles of this length are half a gigabyte.
@@ -46,7 +47,8 @@ class SingleRun:
 def assignments(texts: Sequence[str], option: str, quantity: str, system: System) -> dict[str, float]:
     """``pivot=1.2`` and ``pivot=70[deg]`` as SI values by coordinate name.
 
-    Raises InputError for what is not of that form, an unknown joint, a joint given twice, a unit that does not fit.
+    Raises InputError for what is not of that form, an unknown joint, a joint given twice, a unit that does not fit, a number beyond
+    any mechanism.
     """
     values: dict[str, float] = {}
     for text in texts:
@@ -79,6 +81,7 @@ def assignments(texts: Sequence[str], option: str, quantity: str, system: System
             raise InputError(f"{option}: {value.strip()!r} is not a number", mend=f"{option} {name}=1.2") from None
         if not np.isfinite(values[name]):
             raise InputError(f"{option}: {name} is {value.strip()}", mend="give a finite number")
+    check_start(system, values, "" if quantity == "position" else "/s", option)
     return values
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -17,6 +18,7 @@ INERTIA, STIFFNESS = 1e20, 1e20
 NUMBER = 1e30
 # The smallest mass and size of a beam [kg, m]: below an electron's, and a proton's.
 LEAST_MASS, LEAST_LENGTH = 1e-30, 1e-15
+_SHIFTS = ("x", "y", "z", "vx", "vy", "vz")
 
 
 def check_magnitudes(system: System, *, lines: Mapping[tuple[str, str], int] | None = None) -> None:
@@ -68,6 +70,32 @@ def _numbers(system: System) -> Iterator[_Number]:
         yield "link", link.name, "inertia", np.asarray(link.inertia), INERTIA, "kg·m²"
         if link.beam is not None:
             yield from _of_beam(link.name, link.beam)
+
+
+def check_start(system: System, values: Mapping[str, float], rate: str, what: str, source: Path | None = None) -> None:
+    """Refuse a start beyond any mechanism: the sine of such an angle is known to no digit that matters.
+
+    values: positions [rad or m], or velocities with ``rate`` "/s", by coordinate name. what: where they were given; source: in
+    which file.
+    Raises InputError naming the coordinate, its number and what is taken.
+    """
+    for name, value in values.items():
+        most, unit = (ANGLE, "rad") if _turns(system, name) else (LENGTH, "m")
+        if abs(value) > most:
+            raise InputError(
+                f"{what}: {name} of {value:.3g} {unit}{rate} is beyond any mechanism",
+                mend=f"check the number and its unit; up to {most:g} {unit}{rate} is taken",
+                source=source,
+            )
+
+
+def _turns(system: System, coordinate: str) -> bool:
+    """Whether a coordinate is an angle, or of a quaternion; else it is a shift, or a mode of what bends."""
+    for joint in system.movable_joints:
+        if coordinate in (*joint.position_names, *joint.velocity_names):
+            several = len(joint.velocity_names) > 1
+            return not (joint.prismatic or (several and coordinate.rpartition(".")[2] in _SHIFTS))
+    return False
 
 
 def _of_beam(name: str, beam: Beam) -> Iterator[_Number]:

@@ -276,6 +276,8 @@ def test_simulate_refuses_what_makes_no_run(run, tmp_path):
     simulate = ("simulate", PENDULUM, "--engine", "mujoco")
     refused(run(*simulate, "--position", "pivt=1"), "did you mean 'pivot'")
     refused(run(*simulate, "--position", "pivot"), "joint=value")
+    refused(run(*simulate, "--position", "pivot=9e9"), "pivot of 9e+09 rad is beyond any mechanism")
+    refused(run(*simulate, "--velocity", "pivot=-9e9"), "pivot of -9e+09 rad/s is beyond any mechanism")
     refused(run(*simulate, "--position", "pivot=nan"), "finite")
     refused(run(*simulate, "--position", "pivot=1", "--position", "pivot=2"), "twice")
     refused(run(*simulate, "--position", "pivot=1[kg]"), "kg")
