@@ -12,13 +12,13 @@ from harness.diagnose.answer.explain import finding_words
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.investigation import crude_colours
 from harness.diagnose.selection.study import Study
 from harness.diagnose.selection.wald_test import rise_without
 

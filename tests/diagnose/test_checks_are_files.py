@@ -16,10 +16,13 @@ from harness.diagnose.criticism.checks.catalogue import checks
 from harness.diagnose.criticism.doubts.catalogue import reasons
 from harness.diagnose.criticism.reason import Reason
 from harness.diagnose.selection import beginnings as beginnings_package
+from harness.diagnose.selection import openings as openings_package
 from harness.diagnose.selection import rewrites as rewrites_package
 from harness.diagnose.selection import scans as scans_package
 from harness.diagnose.selection.beginning import Beginning
 from harness.diagnose.selection.beginnings.catalogue import beginnings
+from harness.diagnose.selection.opening import Opening
+from harness.diagnose.selection.openings.catalogue import openings
 from harness.diagnose.selection.rewrite import Rewrite, Turn
 from harness.diagnose.selection.rewrites.catalogue import rewrites
 from harness.diagnose.selection.scan import Scan
@@ -34,9 +37,10 @@ from harness.effects.catalogue import catalogue
         (doubts_package, Reason, reasons()),
         (rewrites_package, Rewrite, rewrites()),
         (beginnings_package, Beginning, beginnings()),
+        (openings_package, Opening, openings()),
         (scans_package, Scan, scans()),
     ],
-    ids=["checks", "doubts", "rewrites", "beginnings", "scans"],
+    ids=["checks", "doubts", "rewrites", "beginnings", "openings", "scans"],
 )
 def test_every_file_is_registered_and_holds_one(package: ModuleType, kind: type, registered: dict[str, object]) -> None:
     folder = Path(str(package.__file__)).parent

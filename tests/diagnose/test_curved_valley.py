@@ -10,6 +10,7 @@ from simulated_recordings import COM, INERTIA, MASS, Rig, nominal, releases
 from harness.diagnose.estimation.least_squares import fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.prediction.predictor import Predictor
@@ -17,7 +18,6 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.investigation import crude_colours
 from harness.effects.scale import tip_of
 
 LOAD = 0.27 * MASS

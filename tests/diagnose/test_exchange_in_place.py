@@ -7,6 +7,7 @@ import pytest
 from simulated_recordings import GRAVITY, MASS, Rig, nominal, recording, releases, swing
 
 from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.candidates import candidates
@@ -14,7 +15,6 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
 from harness.diagnose.selection.beam_search import Effort, grow
-from harness.diagnose.selection.investigation import crude_colours
 from harness.diagnose.selection.rewrite import Room
 from harness.diagnose.selection.rewrites import shared_members
 from harness.diagnose.selection.rewrites.relatives import relatives

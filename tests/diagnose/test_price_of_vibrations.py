@@ -8,13 +8,13 @@ from simulated_recordings import Rig, nominal, releases
 
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import eliminated, vibrating
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis, dear
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.investigation import crude_colours
 from harness.diagnose.selection.study import BEGUN, Study
 
 

@@ -11,11 +11,11 @@ from harness.diagnose.estimation.beside_state_force import along_the_recordings,
 from harness.diagnose.estimation.least_squares import fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.prediction.predictor import Predictor, Push
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import Window, whole
-from harness.diagnose.selection.investigation import crude_colours
 from harness.effects.scale import pull
 from harness.recording import Recording
 

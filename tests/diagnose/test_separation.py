@@ -10,6 +10,7 @@ from simulated_recordings import Rig, nominal, releases
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.experiment.design import propose
 from harness.diagnose.experiment.separation import separation
 from harness.diagnose.experiment.trials import Trial, trials
@@ -19,7 +20,6 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.investigation import crude_colours
 from harness.diagnose.selection.study import Study
 
 NOISE = 1e-3

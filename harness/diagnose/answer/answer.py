@@ -32,7 +32,7 @@ from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.levels.between_recordings import between_recordings
 from harness.diagnose.levels.differing_levels import Differing
 from harness.diagnose.problem.deadline import Stage
-from harness.diagnose.selection.investigation import Outcome, as_read
+from harness.diagnose.selection.outcome import Outcome, as_read
 from harness.parallel import meanwhile
 from harness.recording import Recording
 from harness.recording.units import written

@@ -11,7 +11,7 @@ from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.claims.held_out_only import held_names
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 
 
 def units_of(outcome: Outcome, claim: Claim) -> dict[str, str]:

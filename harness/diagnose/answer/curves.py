@@ -15,7 +15,7 @@ from harness.diagnose.criticism.locate import raw_residuals
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.acting import feedback
 from harness.diagnose.problem.drive import Drive
-from harness.diagnose.selection.investigation import Outcome, judge
+from harness.diagnose.selection.outcome import Outcome, judge
 from harness.effects.scale import references, swings
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from harness.diagnose.claims.model_comparison import why_lost
 from harness.diagnose.claims.rivals import ranking as likeliest
 from harness.diagnose.criticism.locate import rmse
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.selection.investigation import Outcome, as_read, judge, trained
+from harness.diagnose.selection.outcome import Outcome, as_read, judge, trained
 
 SHOWN = 8  # hypotheses in the ranking
 

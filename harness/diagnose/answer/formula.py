@@ -8,7 +8,7 @@ from harness.diagnose.answer.explain import percent
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.check import Form, left_by
 from harness.diagnose.criticism.checks.force_of_few_terms import sparsest
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.recording.units import written
 from harness.system import System
 

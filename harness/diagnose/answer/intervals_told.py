@@ -7,7 +7,7 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.rivals import with_the_same
 from harness.diagnose.estimation.intervals import Estimate, across, estimates, no_more_exact_than_the_law
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.profile_likelihood import as_likely, profiled, spanning
 from harness.diagnose.selection.state_evidence import Evidence
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.left_force import Place, left_force, place_of
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.effects.scale import references
 
 

@@ -9,7 +9,7 @@ from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.experiment.design import propose
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.study import Study
 
 PROPOSED = ("the next experiment", NO_FINDING)

@@ -7,9 +7,9 @@ from typing import Any
 
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
+from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.problem import Problem
-from harness.diagnose.selection.investigation import crude_colours
 from harness.recording import Recording
 
 NOTHING = ("the fit of the nominal model, and all that comes after it", "nothing is known of what the model left out")

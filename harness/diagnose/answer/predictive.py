@@ -25,7 +25,7 @@ from harness.diagnose.prediction.coordinates import start_vector
 from harness.diagnose.problem.hypothesis import Hypothesis, compatible
 from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.dissipation_starts import plain_set
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.wald_test import carried
 from harness.effects.force_table import NAME, ForceTable
 from harness.system import Attachment, System

@@ -16,7 +16,7 @@ from harness.diagnose.estimation.state_force import Force, StateForce
 from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.windows import Window, equal_parts
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.state_evidence import Evidence
 from harness.effects.effect import Effect, SiteKind
 from harness.effects.force_table import ForceTable

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 
 Zero = dict[str, Any]
 """``recording``, ``zero`` [unit], ``unit``."""

@@ -19,7 +19,7 @@ from harness.diagnose.estimation.intervals import WIDE, Estimate
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import from_internal
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.state_evidence import Evidence
 
 Array = NDArray[np.float64]

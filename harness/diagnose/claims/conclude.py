@@ -26,7 +26,7 @@ from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.problem.deadline import Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.investigation import Outcome, heldout_z, judge, judged, trained, training_gain
+from harness.diagnose.selection.outcome import Outcome, heldout_z, judge, judged, trained, training_gain
 from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.starts import FOLLOWS
 from harness.diagnose.selection.state_evidence import Evidence

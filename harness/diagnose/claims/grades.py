@@ -18,7 +18,7 @@ from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersio
 from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled
 from harness.diagnose.estimation.least_squares import Fit, covariance
 from harness.diagnose.estimation.misfit import Misfit, sandwich
-from harness.diagnose.selection.investigation import Outcome, judge
+from harness.diagnose.selection.outcome import Outcome, judge
 from harness.diagnose.selection.state_evidence import placed
 from harness.effects.scale import pull
 

@@ -14,7 +14,8 @@ from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linear_response import begun, motions
 from harness.diagnose.estimation.objective import States
 from harness.diagnose.problem.windows import Window, equal_parts
-from harness.diagnose.selection.investigation import SWINGS, Outcome
+from harness.diagnose.selection.first_look import SWINGS
+from harness.diagnose.selection.outcome import Outcome
 
 
 def held_names(outcome: Outcome) -> list[str]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Hypothesis
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.state_evidence import placed
 from harness.diagnose.selection.study import Study
 

@@ -20,7 +20,7 @@ from harness.diagnose.problem.hypothesis import Candidate, compatible, contains,
 from harness.diagnose.selection.beam_search import NEAR, exhausted, finished
 from harness.diagnose.selection.cogging_periods import replaced
 from harness.diagnose.selection.exchange import Swap, exchanged, known_in_place_of, related, swaps
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.profile_likelihood import VALLEYS
 from harness.diagnose.selection.pruning import pruned
 from harness.diagnose.selection.rewrite import Room, Turn

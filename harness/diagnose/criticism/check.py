@@ -16,7 +16,7 @@ from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.prediction.predictor import Predictor
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.score_tests import Nuisance, Projected, nuisance
 from harness.diagnose.selection.study import Study
 from harness.effects.effect import Effect

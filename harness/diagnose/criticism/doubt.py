@@ -8,7 +8,7 @@ from harness.diagnose.criticism.doubts.catalogue import reasons
 from harness.diagnose.criticism.reason import suspect
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 
 
 def doubtful(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:

@@ -11,7 +11,7 @@ from harness.diagnose.criticism.members import nowhere
 from harness.diagnose.criticism.remainder import asked_of
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit, fit
-from harness.diagnose.selection.investigation import Outcome, judge, judge_straight, trained
+from harness.diagnose.selection.outcome import Outcome, judge, judge_straight, trained
 from harness.diagnose.selection.state_evidence import placed
 
 FAKED = (

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.estimation.discrepancy import Discrepancy, covariance_at
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]

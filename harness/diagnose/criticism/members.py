@@ -5,7 +5,7 @@ from __future__ import annotations
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.effects.effect import Effect, Family
 
 

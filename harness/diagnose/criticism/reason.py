@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from harness.diagnose.criticism.alternatives import missing
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.effects.effect import Effect
 
 

@@ -7,7 +7,7 @@ from harness.diagnose.criticism.remainder import Remains, excess
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.exchange import known_in_place_of, related
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.rewrites.relatives import relatives
 from harness.diagnose.selection.rewrites.special_case import specialized
 

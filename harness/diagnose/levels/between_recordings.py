@@ -15,7 +15,7 @@ import numpy as np
 
 from harness.diagnose.estimation.beside_state_force import looked_at
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.state_evidence import UNPARTED
 
 

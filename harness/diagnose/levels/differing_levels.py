@@ -21,7 +21,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.levels.levels import LevelFit, fit_levels, free_run_error, labels
 from harness.diagnose.levels.unequal_friction import Unequal, rubbing, unequal_friction
 from harness.diagnose.problem.problem import Problem
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.effects.room import STATED
 from harness.recording.recording import Recording
 from harness.system import Attachment, System

@@ -23,7 +23,7 @@ from harness.diagnose.estimation.linear_response import Response, to_channels
 from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.levels.levels import SLOTS
 from harness.diagnose.problem.windows import Window, cut
-from harness.diagnose.selection.investigation import SWINGS
+from harness.diagnose.selection.first_look import SWINGS
 from harness.diagnose.selection.study import Study
 from harness.effects.scale import references
 

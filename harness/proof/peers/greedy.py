@@ -17,11 +17,12 @@ def greedy_claims(folder: Path) -> dict[str, Any]:
     """
     import harness
     from harness.diagnose.estimation.likelihood import Likelihood
+    from harness.diagnose.estimation.scatter import crude_colours
     from harness.diagnose.prediction.predictor import Predictor
     from harness.diagnose.problem.candidates import candidates
     from harness.diagnose.problem.problem import pose
     from harness.diagnose.problem.windows import whole
-    from harness.diagnose.selection.investigation import MOTION_HARMONICS, colours_from, crude_colours
+    from harness.diagnose.selection.noise_behind import MOTION_HARMONICS, colours_from
     from harness.diagnose.selection.study import Study
     from harness.effects.scale import references
     from harness.recording import read_recordings

@@ -13,7 +13,7 @@ from scipy.stats import norm
 
 from harness.diagnose.criticism.check import LEVEL, Asked, Check, Remainder, Test, nothing_left
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
-from harness.diagnose.selection.investigation import trained
+from harness.diagnose.selection.outcome import trained
 
 MISFIT = "a worse fit of the data held out"
 WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to

@@ -20,7 +20,7 @@ from harness.diagnose.estimation.linear_response import Response, begun, motions
 from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.estimation.objective import States
 from harness.diagnose.problem.windows import Window, contains
-from harness.diagnose.selection.investigation import Outcome
+from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.score_tests import carry_state
 
 Array = NDArray[np.float64]

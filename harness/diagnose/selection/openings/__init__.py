@@ -1,0 +1,1 @@
+"""Openings of a search, a file each."""

@@ -1,0 +1,34 @@
+"""Ordinary dissipation at every joint, before anything is searched for.
+
+Rigs are at first too damped or not enough: where that is most of it, nothing need be looked for that leads there.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from harness.diagnose.selection.model_error import begun_ordinary
+from harness.diagnose.selection.opening import Opened, Opening
+from harness.diagnose.selection.short_window_starts import few_suffice, ordinary_by_way_of_shorter
+
+
+def _go(opened: Opened) -> None:
+    if not opened.lost:
+        return
+    short, long = opened.short, opened.long
+    usual = ordinary_by_way_of_shorter(short, opened.fine)
+    if usual is None:
+        return
+    early = begun_ordinary(
+        long, usual, short.swing, opened.effort, opened.progress, opened.structure, opened.reached,
+        partial(few_suffice, short, usual, opened.effort, opened.progress),
+    )  # fmt: skip
+    if early is None:
+        return
+    if early[0].likelihood.discrepancy is not None:
+        opened.answer = early
+        return
+    opened.seeds += [long.fit(f.hypothesis, [f.x], f) for f in early[1]]
+
+
+OPENING = Opening("ordinary dissipation at every joint", _go)
