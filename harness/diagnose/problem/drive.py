@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from harness.diagnose.problem.problem import Run
 
 Array = NDArray[np.float64]
+
+GAP = 3.0  # intervals between samples, from which on an effort is taken for a straight line
 
 
 class Drive:
@@ -26,8 +29,8 @@ class Drive:
         # Averaging in blocks h apart has lost this share, times (ω h)², of a wave.
         averaging = (1.0 - 1.0 / run.averaged**2) / 24.0
         if not held:
-            # Straight lines between samples h apart lose a twelfth.
-            self._times, self._values = stamps, _given_back(stamps, signal, 1.0 / 12.0 + averaging)
+            self._times, self._values = _bridged(stamps, _given_back(stamps, signal, averaging), GAP * run.interval)
+            self._curves: dict[int, CubicSpline] = {}
             return
         # Of a block the first sample was held from its own time on. Holding for a block's h loses a twenty-fourth, of which holding
         # for the interval of recording did lose a part.
@@ -49,7 +52,12 @@ class Drive:
         would do to the motion by its place there is made up for by the next step.
         """
         if not self.held:
-            return np.asarray(np.interp(when, self._times, self._values[row]))
+            if len(self._times) < 2:
+                return np.full(len(when), self._values[row, 0])
+            if row not in self._curves:
+                self._curves[row] = CubicSpline(self._times, self._values[row])
+            # Straight lines between points h apart lose a twelfth of (ω h)². Samples lie anywhere between the points.
+            return _given_back(when, self._curves[row](np.clip(when, self._times[0], self._times[-1])), 1.0 / 12.0)
         step = when[1] - when[0]
         edges = np.append(when, when[-1] + step)
         last = np.clip(np.searchsorted(self._times, edges, side="right") - 1, 0, len(self._times) - 2)
@@ -62,6 +70,16 @@ class Drive:
         forces -= delayed
         forces[1:] += delayed[:-1]
         return forces
+
+
+def _bridged(time: Array, signal: Array, longest: float) -> tuple[Array, Array]:
+    """Samples (B, T) with points on straight lines across gaps, over which slopes of noisy samples would lead a curve astray."""
+    missing = np.maximum(np.ceil(np.diff(time) / longest).astype(int) - 1, 0)
+    if not missing.any():
+        return time, signal
+    within = [np.linspace(a, b, n + 2)[:-1] for a, b, n in zip(time[:-1], time[1:], missing, strict=True)]
+    filled = np.append(np.concatenate(within), time[-1])
+    return filled, np.array([np.interp(filled, time, own) for own in signal])
 
 
 def _given_back(time: Array, signal: Array, share: float) -> Array:
