@@ -7,7 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from simulated_recordings import Rig, nominal, recording
 
+from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.drive import Drive
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import pose
@@ -56,3 +58,33 @@ def test_a_gap_is_bridged_by_a_straight_line() -> None:
     inside = np.arange(1.02, 1.48, 0.002)
     acting = Drive(run, run.effort.T, held=False).at(inside, 0)
     assert np.abs(acting - 0.5 * inside).max() < 0.04  # four standard deviations of the noise at its ends
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_a_dead_zone_opens_between_samples(jitter: float) -> None:
+    """SciPy integrates under the sine as a dead zone leaves it, whose corners lie anywhere between the samples."""
+    rig, omega, width, rate = Rig(), 2.0 * np.pi * FREQUENCY, 0.4 * TORQUE, 60.0
+    time = np.arange(0.0, 4.0, 1.0 / rate)
+    time[1:-1] += jitter / rate * np.random.default_rng(6).uniform(-1.0, 1.0, len(time) - 2)
+
+    def slope(t: float, y: np.ndarray, zone: float) -> list[float]:
+        effort = TORQUE * np.sin(omega * t)
+        acting = effort - np.clip(effort, -zone, zone)
+        return [y[1], (acting - rig.moment * np.sin(y[0])) / rig.about_joint]
+
+    true, whole = (
+        solve_ivp(
+            slope, (0.0, time[-1]), [0.1, 0.0], args=(zone,), method="DOP853", rtol=1e-9, atol=1e-11, t_eval=time,
+            max_step=0.002,
+        ).y[0]
+        for zone in (width, 0.0)
+    )  # fmt: skip
+    columns = {"pivot.position": true, "pivot.effort": TORQUE * np.sin(omega * time)}
+    system, runs = nominal(), [recording(f"run{k}", time, columns) for k in range(2)]
+    predictor = Predictor(pose(system, runs))
+    (member,) = candidates(system, runs, only=["actuator_deadzone"])
+    x = np.concatenate([np.zeros(len(predictor.nominal)), to_internal(member, np.array([width]))])
+    window = Window(0, 0, len(time))
+    (predicted,) = predictor.predict(Hypothesis((member,)), x[None], [(0, window, np.array([0.1, 0.0]))])
+    # Corners that are joined by straight lines between samples would cost (ω h)²/16 of what the zone does: 6e-3.
+    assert np.abs(predicted[0] - true).max() < 1.5e-3 * np.abs(true - whole).max()

@@ -104,8 +104,7 @@ class RecordedEfforts:
                 stamps = run.time - run.time[0]
                 if own:
                     vectors = x[[lanes[i][0] for i in places]]
-                    signal = self._by_effects(run_index, j, hypothesis, own, vectors)
-                    drive = Drive(run, signal, held=self.problem.held)
+                    drive = self._by_effects(run_index, j, hypothesis, own, vectors)
                 for row, i in enumerate(places):
                     when = stamps[lanes[i][1].first] + pace[i] * time
                     tau[i, :, names.index(joint)] = drive.at(when, row if own else 0)
@@ -113,33 +112,47 @@ class RecordedEfforts:
 
     def _by_effects(
         self, run_index: int, j: int, hypothesis: Hypothesis, own: Sequence[tuple[int, Candidate]], x: Array
-    ) -> Array:
-        """A run's effort at joint ``j`` after effects of the input side with parameter vectors (B, size), (B, T)."""
-        stamps = self.problem.runs[run_index].time - self.problem.runs[run_index].time[0]
-        signal = np.broadcast_to(self._recorded(run_index, j), (len(x), len(stamps)))
+    ) -> Drive:
+        """A run's effort at joint ``j`` as it acts after effects of the input side with parameter vectors (B, size)."""
+        stamps, signal = self._recorded(run_index, j)
+        signal = np.broadcast_to(signal, (len(x), len(stamps)))
         for k, member in own:
             assert member.effect.input is not None
             values = self.mechanisms.effect_values(hypothesis, k, x)
             signal = member.effect.input.apply(np.ascontiguousarray(signal), stamps, values)
-        return signal
+        return self._acts(run_index, stamps, signal)
 
-    def _recorded(self, run_index: int, j: int) -> Array:
-        """A run's effort at joint ``j`` after the effects of the input side that the model states, (1, T)."""
+    def _recorded(self, run_index: int, j: int) -> tuple[Array, Array]:
+        """A run's effort at joint ``j`` after the effects of the input side that the model states, (1, T), and its times (T,).
+
+        A smooth effort is at finer times than the samples: what a law does to it between two of them is seen there.
+        """
         run, joint = self.problem.runs[run_index], self.mechanisms.system.joint_names[j]
         assert run.effort is not None
-        signal = run.effort[None, :, j]
+        stamps, signal = run.time - run.time[0], run.effort[None, :, j]
+        if not self.problem.held:
+            stamps, signal = Drive(run, signal, held=False).finer()
         for effect, attachment in input_chain(self.mechanisms.system.attachments, joint):
             assert effect.input is not None
             fixed = effect.values(attachment.parameters)[None, :]
-            signal = effect.input.apply(np.ascontiguousarray(signal), run.time - run.time[0], fixed)
-        return signal
+            signal = effect.input.apply(np.ascontiguousarray(signal), stamps, fixed)
+        return stamps, signal
+
+    def _acts(self, run_index: int, stamps: Array, signal: Array) -> Drive:
+        held = self.problem.held
+        return Drive(self.problem.runs[run_index], signal, held=held, times=None if held else stamps)
 
     def _drive(self, run_index: int, j: int) -> Drive | None:
         """The same as it acts; None if nothing was recorded to act there."""
         if (run_index, j) not in self._drives:
             run = self.problem.runs[run_index]
             assert run.effort is not None
-            driven = np.any(run.effort[:, j])
-            signal = self._recorded(run_index, j)
-            self._drives[run_index, j] = Drive(run, signal, held=self.problem.held) if driven else None
+            drive = None
+            if np.any(run.effort[:, j]):
+                bent = any(
+                    True for _ in input_chain(self.mechanisms.system.attachments, self.mechanisms.system.joint_names[j])
+                )
+                plain = Drive(run, run.effort[None, :, j], held=self.problem.held)
+                drive = self._acts(run_index, *self._recorded(run_index, j)) if bent else plain
+            self._drives[run_index, j] = drive
         return self._drives[run_index, j]

@@ -6,6 +6,9 @@ mechanism can follow is the smooth effort half an interval late.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
@@ -14,23 +17,28 @@ from harness.diagnose.problem.problem import Run
 
 Array = NDArray[np.float64]
 
+FINER = 8  # points to every interval, where laws bend an effort between two samples
 GAP = 3.0  # intervals between samples, from which on an effort is taken for a straight line
 
 
 class Drive:
     """Recorded efforts of one run as they act: on a grid of a simulation, to be joined by straight lines or kept for a step.
 
-    signal: at the run's samples, (B, T).
+    signal: at the run's samples, (B, T); or at ``times`` from its first one, where they are finer, and laws have bent it since.
     """
 
-    def __init__(self, run: Run, signal: Array, *, held: bool) -> None:
+    def __init__(self, run: Run, signal: Array, *, held: bool, times: Array | None = None) -> None:
         stamps = run.time - run.time[0]
         self.held = held
         # Averaging in blocks h apart has lost this share, times (ω h)², of a wave.
         averaging = (1.0 - 1.0 / run.averaged**2) / 24.0
         if not held:
-            self._times, self._values = _bridged(stamps, _given_back(stamps, signal, averaging), GAP * run.interval)
+            self.bent = times is not None
             self._curves: dict[int, CubicSpline] = {}
+            if times is not None:
+                self._times, self._values = times, signal
+            else:
+                self._times, self._values = _bridged(stamps, _given_back(stamps, signal, averaging), GAP * run.interval)
             return
         # Of a block the first sample was held from its own time on. Holding for a block's h loses a twenty-fourth, of which holding
         # for the interval of recording did lose a part.
@@ -52,12 +60,30 @@ class Drive:
         would do to the motion by its place there is made up for by the next step.
         """
         if not self.held:
-            if len(self._times) < 2:
-                return np.full(len(when), self._values[row, 0])
-            if row not in self._curves:
-                self._curves[row] = CubicSpline(self._times, self._values[row])
             # Straight lines between points h apart lose a twelfth of (ω h)². Samples lie anywhere between the points.
-            return _given_back(when, self._curves[row](np.clip(when, self._times[0], self._times[-1])), 1.0 / 12.0)
+            if not self.bent:
+                return _given_back(when, self._curve(when, row), 1.0 / 12.0)
+            # Where a law has bent the curve between points, its mean over the hat of each keeps the impulse; that loses as much.
+            return _given_back(
+                when, _over_hats(when, lambda t: np.interp(t, self._times, self._values[row])), 2.0 / 12.0
+            )
+        return self._held(when, row)
+
+    def finer(self) -> tuple[Array, Array]:
+        """Times from the first sample, several to every interval, and a smooth effort there, (1, T)."""
+        times = self._times
+        within = [np.linspace(a, b, FINER + 1)[:-1] for a, b in pairwise(times)]
+        fine = np.append(np.concatenate(within), times[-1]) if within else times
+        return fine, self._curve(fine, 0)[None]
+
+    def _curve(self, when: Array, row: int) -> Array:
+        if len(self._times) < 2:
+            return np.full(len(when), self._values[row, 0])
+        if row not in self._curves:
+            self._curves[row] = CubicSpline(self._times, self._values[row])
+        return np.asarray(self._curves[row](np.clip(when, self._times[0], self._times[-1])))
+
+    def _held(self, when: Array, row: int) -> Array:
         step = when[1] - when[0]
         edges = np.append(when, when[-1] + step)
         last = np.clip(np.searchsorted(self._times, edges, side="right") - 1, 0, len(self._times) - 2)
@@ -70,6 +96,14 @@ class Drive:
         forces -= delayed
         forces[1:] += delayed[:-1]
         return forces
+
+
+def _over_hats(when: Array, curve: Callable[[Array], Array]) -> Array:
+    """The mean of a curve over the hat function of every point of an even grid."""
+    step = (when[1] - when[0]) / FINER
+    fine = when[0] + step * np.arange(-FINER, FINER * len(when) + 1)
+    hat = FINER - np.abs(np.arange(-FINER, FINER + 1))
+    return np.convolve(curve(fine), hat / hat.sum(), mode="same")[FINER : FINER * (len(when) + 1) : FINER]
 
 
 def _bridged(time: Array, signal: Array, longest: float) -> tuple[Array, Array]:
