@@ -3,9 +3,9 @@
 That is no effect (see ``problem.held_efforts``), and costs none of the evidence; where the two are equally good, efforts are taken
 as smooth.
 
-It is asked of the nominal model, of the first set that leaves little more than noise, and of the best sets at the end: beside what
-else is missing, a late sensor looks the same. A drive that is late by two intervals is told with that, not with one and a half; but
-where nothing is late once efforts are held, they are held, for that is a finding less.
+It is asked of the nominal model, of ordinary dissipation beside it, of the first set that leaves little more than noise, and of
+the best sets at the end: beside what else is missing, a late sensor looks the same. A drive that is late by two intervals is told
+with that, not with one and a half; but where nothing is late once efforts are held, they are held, for that is a finding less.
 """
 
 from __future__ import annotations

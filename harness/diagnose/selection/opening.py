@@ -52,6 +52,12 @@ class Opened:
         self.seeds = [self.empty]
         self.reached.append(self.long)
 
+    def restart(self, short: Study) -> None:
+        """The same with the efforts of another study of the same short windows."""
+        self.short, self.first, self._fine = short, short.known(Hypothesis()) or short.empty(), None
+        self.reached.append(short)
+        self.lengthen(short)
+
     @property
     def lost(self) -> bool:
         """Whether free runs of the nominal model say little about what is missing."""

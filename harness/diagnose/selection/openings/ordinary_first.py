@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from harness.diagnose.selection.effort_hold import either_way
 from harness.diagnose.selection.model_error import begun_ordinary
 from harness.diagnose.selection.opening import Opened, Opening
 from harness.diagnose.selection.short_window_starts import few_suffice, ordinary_by_way_of_shorter
@@ -15,10 +16,15 @@ from harness.diagnose.selection.short_window_starts import few_suffice, ordinary
 def _go(opened: Opened) -> None:
     if not opened.lost:
         return
-    short, long = opened.short, opened.long
-    usual = ordinary_by_way_of_shorter(short, opened.fine)
+    usual = ordinary_by_way_of_shorter(opened.short, opened.fine)
     if usual is None:
         return
+    # What efforts that are held for smooth ones leave would be a force that nobody has named. The nominal model is too far off to
+    # tell; ordinary dissipation may not be.
+    other, usual = either_way(opened.short, usual)
+    if other is not opened.short:
+        opened.restart(other)
+    short, long = opened.short, opened.long
     early = begun_ordinary(
         long, usual, short.swing, opened.effort, opened.progress, opened.structure, opened.reached,
         partial(few_suffice, short, usual, opened.effort, opened.progress),
