@@ -13,6 +13,8 @@ from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
 from harness.effects.attach import input_chain
+from harness.effects.effect import Effect
+from harness.system import Attachment
 
 Array = NDArray[np.float64]
 Lanes = Sequence[tuple[int, Window, Array]]
@@ -30,6 +32,7 @@ class RecordedEfforts:
         self.problem = problem
         self.mechanisms = mechanisms
         self._drives: dict[tuple[int, int], Drive | None] = {}
+        self._signals: dict[tuple[int, int], tuple[Array, Array]] = {}
         self._acting: dict[tuple[int, int, float, float], Array] = {}
 
     def on(
@@ -127,16 +130,22 @@ class RecordedEfforts:
 
         A smooth effort is at finer times than the samples: what a law does to it between two of them is seen there.
         """
-        run, joint = self.problem.runs[run_index], self.mechanisms.system.joint_names[j]
-        assert run.effort is not None
-        stamps, signal = run.time - run.time[0], run.effort[None, :, j]
-        if not self.problem.held:
-            stamps, signal = Drive(run, signal, held=False).finer()
-        for effect, attachment in input_chain(self.mechanisms.system.attachments, joint):
-            assert effect.input is not None
-            fixed = effect.values(attachment.parameters)[None, :]
-            signal = effect.input.apply(np.ascontiguousarray(signal), stamps, fixed)
-        return stamps, signal
+        if (run_index, j) not in self._signals:
+            run = self.problem.runs[run_index]
+            assert run.effort is not None
+            stamps, signal = run.time - run.time[0], run.effort[None, :, j]
+            if not self.problem.held:
+                stamps, signal = Drive(run, signal, held=False).finer()
+            for effect, attachment in self._stated_laws(j):
+                assert effect.input is not None
+                fixed = effect.values(attachment.parameters)[None, :]
+                signal = effect.input.apply(np.ascontiguousarray(signal), stamps, fixed)
+            self._signals[run_index, j] = stamps, signal
+        return self._signals[run_index, j]
+
+    def _stated_laws(self, j: int) -> tuple[tuple[Effect, Attachment], ...]:
+        """Effects of the input side that the model states at joint ``j``."""
+        return input_chain(self.mechanisms.system.attachments, self.mechanisms.system.joint_names[j])
 
     def _acts(self, run_index: int, stamps: Array, signal: Array) -> Drive:
         held = self.problem.held
@@ -149,10 +158,9 @@ class RecordedEfforts:
             assert run.effort is not None
             drive = None
             if np.any(run.effort[:, j]):
-                bent = any(
-                    True for _ in input_chain(self.mechanisms.system.attachments, self.mechanisms.system.joint_names[j])
-                )
-                plain = Drive(run, run.effort[None, :, j], held=self.problem.held)
-                drive = self._acts(run_index, *self._recorded(run_index, j)) if bent else plain
+                if self._stated_laws(j):
+                    drive = self._acts(run_index, *self._recorded(run_index, j))
+                else:
+                    drive = Drive(run, run.effort[None, :, j], held=self.problem.held)
             self._drives[run_index, j] = drive
         return self._drives[run_index, j]

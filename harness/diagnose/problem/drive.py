@@ -7,7 +7,6 @@ mechanism can follow is the smooth effort half an interval late.
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,8 +73,8 @@ class Drive:
     def finer(self) -> tuple[Array, Array]:
         """Times from the first sample, several to every interval, and a smooth effort there, (1, T)."""
         times, parts = self._times, int(np.clip(MOST_POINTS // len(self._times), 1, FINER))
-        within = [np.linspace(a, b, parts + 1)[:-1] for a, b in pairwise(times)]
-        fine = np.append(np.concatenate(within), times[-1]) if within else times
+        places = np.arange((len(times) - 1) * parts + 1) / parts
+        fine = np.interp(places, np.arange(len(times)), times)
         return fine, self._curve(fine, 0)[None]
 
     def _curve(self, when: Array, row: int) -> Array:

@@ -1,6 +1,6 @@
 """What an opening of a search is: sets for whole runs to begin with, found where free runs have fewer wrong valleys.
 
-An opening is a file of ``openings/`` that says ``OPENING = Opening(what, go)``, and its name stands in ``openings/catalogue.py``.
+An opening is a file of ``openings/`` that says ``OPENING = Opening(go)``, and its name stands in ``openings/catalogue.py``.
 """
 
 from __future__ import annotations
@@ -73,7 +73,6 @@ class Opened:
 
 @dataclass(frozen=True, eq=False)
 class Opening:
-    """One opening. what: in words. go: adds to a search, where it has something to add."""
+    """One opening. go: adds to a search, where it has something to add."""
 
-    what: str
     go: Callable[[Opened], None]

@@ -99,9 +99,14 @@ class Evidence:
         """Variance of every channel beside a set and its force, in units of the sensors', as samples that err together leave it."""
         if found.shape is not None:
             return np.asarray(found.shape.louder * self.force.together)
-        left = sum(np.sum(r.reshape(self.force.channels, -1) ** 2, axis=1) for r in found.residuals)
-        counts = sum(np.count_nonzero(r.reshape(self.force.channels, -1), axis=1) for r in found.residuals)
+        left, counts = self._left(found)
         return np.asarray(np.maximum(left / np.maximum(counts, 1), 1.0) * self.force.together)
+
+    def _left(self, found: Beside) -> tuple[Array, Array]:
+        """Squares that a set and its force leave of every channel, (C,), and of how many readings."""
+        channels = [r.reshape(self.force.channels, -1) for r in found.residuals]
+        left = np.sum([np.sum(own**2, axis=1) for own in channels], axis=0)
+        return left, np.sum([np.count_nonzero(own, axis=1) for own in channels], axis=0)
 
     def by_own_remainder(self, study: Study, fitted: Fit) -> float:
         """The criterion of a set with what is left beside its force as noise that follows itself in its own way.
@@ -112,11 +117,10 @@ class Evidence:
         if not np.isfinite(value):
             return value
         found, force = self.beside(study, fitted), self.force
+        left, counts = self._left(found)
+        loud = self.loudness(found)
+        shared = np.sum(counts / force.together * np.log(loud / force.together) + left / loud)
         stretches = [r.reshape(force.channels, -1) for r in found.residuals]
-        left = np.sum([np.sum(s**2, axis=1) for s in stretches], axis=0)
-        counts = np.sum([np.count_nonzero(s, axis=1) for s in stretches], axis=0)
-        louder = np.maximum(left / np.maximum(counts, 1), 1.0) if found.shape is None else found.shape.louder
-        shared = np.sum((counts * np.log(louder) + left / louder) / force.together)
         return value - float(shared) + surprise_of_innovations(stretches)
 
     def price(self, study: Study, member: Candidate) -> float:

@@ -37,4 +37,4 @@ def _go(opened: Opened) -> None:
     opened.seeds += [long.fit(f.hypothesis, [f.x], f) for f in early[1]]
 
 
-OPENING = Opening("ordinary dissipation at every joint", _go)
+OPENING = Opening(_go)

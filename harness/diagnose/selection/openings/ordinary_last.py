@@ -12,4 +12,4 @@ def _go(opened: Opened) -> None:
         opened.progress("friction and drag together")
 
 
-OPENING = Opening("friction and drag together", _go)
+OPENING = Opening(_go)

@@ -50,4 +50,4 @@ def _begun_with(
     return held[0], grow(held[0], again, effort, progress, to_begin_with=True)
 
 
-OPENING = Opening("sets found on short windows", _go)
+OPENING = Opening(_go)

@@ -14,4 +14,4 @@ def _go(opened: Opened) -> None:
         opened.seeds += opened.shorter
 
 
-OPENING = Opening("sets found on very short windows", _go)
+OPENING = Opening(_go)
