@@ -12,6 +12,7 @@ import pytest
 
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.inverse import effort
+from harness.diagnose.inverse.effort_left import _memory
 from harness.diagnose.inverse.effort_motion import cutoff_for, effort_run, motion_noise
 from harness.diagnose.inverse.pushes import find_pushes
 from harness.errors import InputError
@@ -102,6 +103,41 @@ def test_dry_friction_is_named_from_efforts(system: System) -> None:
     fit = found.fit[0]
     assert fit["channel"] == "pivot.effort"
     assert fit["augmented"]["heldout_rmse"] < 0.25 * fit["nominal"]["heldout_rmse"]
+
+
+def test_what_repeats_without_each_recording_is_established(system: System) -> None:
+    found = diagnose([recorded(seed, friction=0.11) for seed in (3, 4, 7)], system, fit_effort=True)
+    (finding,) = found.findings
+    assert (finding["effect"], finding["grade"]) == ("coulomb_friction", "established")
+    rows = finding["repeatability"]
+    assert [row["recording"] for row in rows] == ["run3", "run4", "run7"]
+    for row in rows:
+        low, high = row["parameters"]["torque"]["ci95"]
+        assert low < row["parameters"]["torque"]["value"] < high
+        assert row["parameters"]["torque"]["value"] == pytest.approx(0.11, rel=0.06)
+    assert found.explained_share == pytest.approx(1.0, abs=0.1)
+
+
+def test_what_is_left_of_efforts_is_told_as_a_force(system: System) -> None:
+    runs = [recorded(seed, friction=0.11) for seed in (3, 4, 7)]
+    found = diagnose(runs, system, fit_effort=True, only=("viscous_damping",))
+    assert found.verdict == "partly_explained"
+    (left,) = found.discrepancy
+    # Of a friction of 0.11 N·m a line through its speeds leaves less than all and more than a quarter.
+    assert 0.25 * 0.11 < left["size"] < 0.11
+    assert left["share"] == pytest.approx(left["size"] / (9.81 * MASS * COM), rel=1e-3)
+    assert left["place"]["where"] in found.summary
+    assert f"a force of {left['size']:.2g} N·m at pivot" in found.summary
+
+
+@pytest.mark.parametrize("memory", [5.0, 40.0])
+def test_a_force_keeps_for_as_long_as_its_correlation(memory: float) -> None:
+    rng, course = np.random.default_rng(2), [0.0]
+    share = np.exp(-1.0 / memory)
+    for push in rng.standard_normal(60_000):
+        course.append(share * course[-1] + push)
+    # Ornstein and Uhlenbeck's process forgets to 1/e over its time constant.
+    assert _memory([np.array(course)]) == pytest.approx(memory, rel=0.1, abs=1.0)
 
 
 def test_viscous_damping_is_named_from_efforts(system: System) -> None:

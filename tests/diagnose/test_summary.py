@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-from harness.diagnose.answer.explain import summary
+from harness.diagnose.answer.explain import Foretold, summary
 from harness.diagnose.answer.left_out import AtJoint, LeftOut
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.remainder import Remains
@@ -21,14 +21,14 @@ def _conclusion(verdict: str) -> Conclusion:
 
 @pytest.mark.parametrize("verdict", ["partly_explained", "explained"])
 def test_nothing_is_said_to_hold_up_that_is_not_named(verdict: str) -> None:
-    text = summary(_conclusion(verdict), 30.0, [], [], 1.4)
+    text = summary(_conclusion(verdict), 30.0, [], [], Foretold(1.4))
     assert text == (
         "The nominal model leaves the recordings by 30 times the noise, and nothing in the catalogue earns its place for certain."
     )
 
 
 def test_what_is_named_holds_up() -> None:
-    text = summary(_conclusion("partly_explained"), 30.0, ["viscous damping at pivot"], [], 1.4)
+    text = summary(_conclusion("partly_explained"), 30.0, ["viscous damping at pivot"], [], Foretold(1.4))
     assert "; viscous damping at pivot holds up on data held out, but" in text
 
 
@@ -40,7 +40,14 @@ def test_plain_laws_that_may_only_be_possible_are_told_as_that_where_they_remove
     explained: float | None, said: bool
 ) -> None:
     text = summary(
-        _conclusion("partly_explained"), 46.6, [], [], 5.3, explained, LEFT, ["payload at arm (mass 0.339 kg)"]
+        _conclusion("partly_explained"),
+        46.6,
+        [],
+        [],
+        Foretold(5.3),
+        explained,
+        LEFT,
+        ["payload at arm (mass 0.339 kg)"],
     )
     assert text.startswith(
         "The nominal model leaves the recordings by 46.6 times the sensors' noise, and nothing in the catalogue earns its place "
@@ -51,3 +58,18 @@ def test_plain_laws_that_may_only_be_possible_are_told_as_that_where_they_remove
         "position and speed that nobody has named could do the same. "
     )
     assert (words in text) == said == ("payload" in text)
+
+
+def test_what_is_left_is_told_in_the_channels_unit_against_its_noise_and_as_a_force() -> None:
+    rows = [
+        {"channel": "servo.position", "unit": "rad", "noise_floor": 1e-5, "augmented": {"heldout_rmse": 0.0043}},
+        {"channel": "servo.velocity", "unit": "rad/s", "noise_floor": 1e-2, "augmented": {"heldout_rmse": 0.05}},
+    ]
+    text = summary(
+        _conclusion("partly_explained"), 2023.0, ["dry friction at servo"], [], Foretold.worst(rows), 0.9, LEFT
+    )
+    assert text.startswith("The nominal model leaves the recordings by 2,020 times the sensors' noise; ")
+    assert (
+        "What is left of the data held out is 0.0043 rad at servo.position, 430 times the sensors' noise: "
+        "a force of 0.048 N·m at servo, 5.8 % of the largest that gravity or inertia make there"
+    ) in text

@@ -13,7 +13,16 @@ from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.errors_told import fit_rows, likeliest_sets, ranking
-from harness.diagnose.answer.explain import NO_FINDING, finding_words, foretelling, plainest, summary, untried
+from harness.diagnose.answer.explain import (
+    NO_FINDING,
+    Foretold,
+    finding_words,
+    foretelling,
+    plainest,
+    summary,
+    untold,
+    untried,
+)
 from harness.diagnose.answer.findings import in_words, rivals_of
 from harness.diagnose.answer.formula import form_text, formula
 from harness.diagnose.answer.intervals_told import curvatures, intervals
@@ -161,7 +170,6 @@ def _summary(
 ) -> str:  # fmt: skip
     """The answer in plain words; rows: of every channel, how well it is fitted and foretold."""
     severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=np.nan)
-    foretold = max((row["augmented"]["heldout_rmse"] / row["noise_floor"] for row in rows), default=0.0)
     titles = [
         (
             c.candidate,
@@ -183,13 +191,11 @@ def _summary(
     # Laws that can be bent to many shapes are told in the table alone.
     possible = [words for _, words in titles] if all(member.effect.plain for member, _ in titles) else []
     rivals = [
-        f"{c.candidate.effect.title.capitalize()} cannot be told here from "
-        + ", ".join(rivals_of(rivals_as_data(c), in_words))
-        + "."
+        untold(c.candidate.effect.title, c.candidate.site, rivals_of(rivals_as_data(c), in_words))
         for c in conclusion.claims
         if c.rivals and grades[c.candidate.key] != POSSIBLE
     ]
-    return summary(conclusion, severity, firm, rivals, foretold, explained_share(rows), left, possible)
+    return summary(conclusion, severity, firm, rivals, Foretold.worst(rows), explained_share(rows), left, possible)
 
 
 def _mismatch(place: Mismatch) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
-from typing import Any
+from typing import Any, NamedTuple
 
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
@@ -62,20 +62,36 @@ def finding_words(
     return f"{title} at {site} ({said})" if said else f"{title} at {site}"
 
 
+class Foretold(NamedTuple):
+    """The channel of the data held out that is predicted worst: how many times its noise is left, and that in its unit."""
+
+    times: float = 0.0
+    error: float = 0.0
+    channel: str = ""
+    unit: str = ""
+
+    @classmethod
+    def worst(cls, rows: Sequence[Mapping[str, Any]]) -> Foretold:
+        """Of errors of every channel, as in an answer's ``fit``."""
+        each = [(r["augmented"]["heldout_rmse"], r) for r in rows]
+        found = [cls(error / r["noise_floor"], error, r["channel"], r["unit"]) for error, r in each]
+        return max(found, key=lambda f: f.times, default=cls())
+
+
 BETTER = 0.9  # of the error on data held out: from there on another set predicts plainly better
 # Share of the greatest gain that a test must have to be told instead, because it says more.
 TELLING = 0.25
 
 
 def summary(
-    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: float,
+    conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: Foretold,
     explained: float | None = None, left: LeftOut | None = None, possible: Sequence[str] = (),
 ) -> str:  # fmt: skip
     """The paragraph.
 
-    severity, foretold: greatest error over all channels [standard deviations of noise], of the nominal model, and of what the data
-    fitted to predict of those held out. explained: share of the mismatch on data held out that the findings remove. left: the force
-    that they leave out. possible: plain laws that may be told beside it where nothing is found for certain.
+    severity: greatest error of the nominal model over all channels [standard deviations of noise]; foretold: on data held out.
+    explained: share of the mismatch there that the findings remove. left: the force that they leave out. possible: plain laws that
+    may be told beside it where nothing is found for certain.
     """
     if left is not None:
         return " ".join(
@@ -83,21 +99,24 @@ def summary(
         )
     size = "to an extent that has not been worked out"
     if severity >= 0.0:
-        size = f"by {severity:.3g} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
+        size = (
+            f"by {times(severity)} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
+        )
     rest = "a significant remainder stays"
     if not conclusion.remains.significant and not conclusion.doubted:
-        rest = f"these are not yet predicted down to the noise ({conclusion.level:.2g} times it)"
+        rest = f"these are not yet predicted down to the noise ({times(conclusion.level, 2)} times it)"
     hold = "hold" if len(findings) > 1 else "holds"
     held = "also on data held out"
     if conclusion.only_held:
         held = "with the data held out fitted too"
-    elif foretold > AT_FLOOR:
-        held = f"on data held out if fitted to them too; without that, they are predicted to {foretold:.2g} times the noise"
+    elif foretold.times > AT_FLOOR:
+        within = f"they are predicted to {times(foretold.times, 2)} times the noise"
+        held = f"on data held out if fitted to them too; without that, {within}"
     if conclusion.cut_short == UNCRITICISED:
         rest = "what is left has not been examined to the end"
     names = " and ".join(findings)
     keys = " + ".join(conclusion.best.hypothesis.keys) or "nothing"
-    best = f"The best set so far is {keys}, and leaves {conclusion.level:.3g} times the noise"
+    best = f"The best set so far is {keys}, and leaves {times(conclusion.level)} times the noise"
     text = CUT_SHORT.get(conclusion.cut_short, VERDICTS[conclusion.verdict])
     if conclusion.cut_short == UNCRITICISED and not findings:
         text = "The nominal model leaves the recordings {severity}, and nothing has earned its place so far."
@@ -127,11 +146,11 @@ def summary(
 
 
 def _beside_a_force(
-    conclusion: Conclusion, severity: float, findings: Sequence[str], foretold: float, explained: float | None, left: LeftOut,
+    conclusion: Conclusion, severity: float, findings: Sequence[str], foretold: Foretold, explained: float | None, left: LeftOut,
     possible: Sequence[str],
 ) -> list[str]:  # fmt: skip
     """Sentences where the model leaves a force out that is more than noise: what is explained, what is left, where that lies."""
-    size = f"by {severity:.3g} times the sensors' noise"
+    size = f"by {times(severity)} times the sensors' noise"
     if findings:
         hold = "hold" if len(findings) > 1 else "holds"
         share = (
@@ -146,19 +165,7 @@ def _beside_a_force(
         text = NONE_FOR_CERTAIN.format(severity=size)
         if possible and explained is not None and explained > MOST_OF_IT:
             text += f" {POSSIBLY.format(names=' and '.join(possible), share=percent(explained))}"
-    force = left.largest
-    unit = force.unit.replace("*", "·")
-    sentences = [
-        text,
-        f"What is left of the data held out is {foretold:.2g} times the sensors' noise: a force of {force.size:.2g} {unit} at "
-        f"{force.joint}, {percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
-        f"{force.memory:.2g} s.",
-    ]
-    if left.place is not None:
-        sentences.append(
-            f"{percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
-            f"{percent(left.place.of_time)} of the time."
-        )
+    sentences = [text, *left_in_words(left, foretold, "the sensors' noise")]
     differing = [f"{one.between:.2g} {written(one.unit)} at {one.joint}" for one in left.joints if one.between > 0.0]
     if differing:
         sentences.append(
@@ -167,6 +174,35 @@ def _beside_a_force(
     if conclusion.doubted:
         sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
     return sentences
+
+
+def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
+    """What is left of the data held out: in the channel's unit, against noise of this name, and as a force; and where it lies."""
+    force = left.largest
+    sentences = [
+        f"What is left of the data held out is {_error(foretold, noise)}: a force of {force.size:.2g} {written(force.unit)} at "
+        f"{force.joint}, {percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
+        f"{force.memory:.2g} s."
+    ]
+    if left.place is not None:
+        sentences.append(
+            f"{percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
+            f"{percent(left.place.of_time)} of the time."
+        )
+    return sentences
+
+
+def _error(foretold: Foretold, noise: str) -> str:
+    """What is left, in the channel's unit and against its noise."""
+    against = f"{times(foretold.times, 2)} times {noise}"
+    if not foretold.channel:
+        return against
+    return f"{foretold.error:.2g} {written(foretold.unit)} at {foretold.channel}, {against}"
+
+
+def times(value: float, count: int = 3) -> str:
+    """How many times, with so many digits and no exponent."""
+    return f"{float(f'{value:.{count}g}'):,.12g}"
 
 
 def foretelling(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
@@ -183,6 +219,11 @@ def foretelling(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
         f"Best predicts, by the training recordings, {' + '.join(keys)} (predictive.toml): of the data held out it leaves "
         f"{errors[0]} {written(row['unit'])} at {row['channel']}, what is claimed {errors[1]}."
     )
+
+
+def untold(title: str, site: str, others: Sequence[str]) -> str:
+    """What a finding cannot be told from, in a sentence."""
+    return f"{title[:1].upper()}{title[1:]} at {site} cannot be told here from {', '.join(others)}."
 
 
 def percent(share: float) -> str:

@@ -69,7 +69,9 @@ def left_out(outcome: Outcome, conclusion: Conclusion, between: Mapping[str, flo
         unit = outcome.problem.system.joint(joint).force_unit
         natural = references(outcome.problem.system, joint).torque
         rows.append(AtJoint(joint, size, unit, size / natural, force.memory, between.get(joint, 0.0)))
-    return LeftOut(tuple(rows), place_of(outcome, left_force(outcome, conclusion.best, force)))
+    problem = outcome.problem
+    left = left_force(outcome, conclusion.best, force)
+    return LeftOut(tuple(rows), place_of(problem.system, [run.name for run in problem.runs], left))
 
 
 def explained_share(rows: Sequence[Mapping[str, Any]]) -> float | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from harness.diagnose.estimation.discrepancy import Discrepancy, covariance_at
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.outcome import Outcome
 from harness.effects.scale import references
+from harness.system import System
 
 Array = NDArray[np.float64]
 
@@ -69,16 +70,20 @@ def left_force(outcome: Outcome, fitted: Fit, force: Discrepancy) -> list[LeftFo
     return out
 
 
-def place_of(outcome: Outcome, left: list[LeftForce]) -> Place | None:
-    """The one place that holds most of the force beyond its share of the time; None where it is spread evenly."""
+def place_of(system: System, recordings: Sequence[str], left: Sequence[LeftForce]) -> Place | None:
+    """The one place that holds most of the force beyond its share of the time; None where it is spread evenly.
+
+    recordings: their names, in the order of ``LeftForce.run``.
+    """
     best: tuple[float, Place] | None = None
     joints = dict.fromkeys(part.joint for part in left)
     squares = {joint: sum(_square(p) for p in left if p.joint == joint) for joint in joints}
-    total = sum(squares[j] / max(_natural(outcome, j), 1e-300) ** 2 for j in joints)
+    natural = {j: max(float(references(system, j).torque), 1e-300) for j in joints}
+    total = sum(squares[j] / natural[j] ** 2 for j in joints)
     for joint in joints:
         own = [p for p in left if p.joint == joint]
-        at_joint = squares[joint] / max(_natural(outcome, joint), 1e-300) ** 2 / max(total, 1e-300)
-        for words, masks in _places(outcome, own):
+        at_joint = squares[joint] / natural[joint] ** 2 / max(total, 1e-300)
+        for words, masks in _places(system, recordings, own):
             inside = sum(_square(p, m) for p, m in zip(own, masks, strict=True)) / max(squares[joint], 1e-300)
             time = sum(float(np.sum(m)) for m in masks) / max(sum(len(p.time) for p in own), 1)
             if time <= 0.0 or inside < TELLING * time:
@@ -90,19 +95,17 @@ def place_of(outcome: Outcome, left: list[LeftForce]) -> Place | None:
     return best[1] if best is not None else None
 
 
-def _natural(outcome: Outcome, joint: str) -> float:
-    return float(references(outcome.problem.system, joint).torque)
-
-
 def _square(part: LeftForce, mask: NDArray[np.bool_] | None = None) -> float:
     step = float(np.median(np.diff(part.time))) if len(part.time) > 1 else 1.0
     own = part.force if mask is None else part.force[mask]
     return float(np.sum(own**2)) * step
 
 
-def _places(outcome: Outcome, own: list[LeftForce]) -> Iterator[tuple[str, list[NDArray[np.bool_]]]]:
+def _places(
+    system: System, recordings: Sequence[str], own: Sequence[LeftForce]
+) -> Iterator[tuple[str, list[NDArray[np.bool_]]]]:
     """Places that have a name, each with where every part of the force is within it."""
-    joint = outcome.problem.system.joint(own[0].joint)
+    joint = system.joint(own[0].joint)
     unit = "m" if joint.prismatic else "rad"
     fast = max(float(np.max(np.abs(p.qd))) for p in own)
     low, high = min(float(np.min(p.q)) for p in own), max(float(np.max(p.q)) for p in own)
@@ -122,7 +125,7 @@ def _places(outcome: Outcome, own: list[LeftForce]) -> Iterator[tuple[str, list[
         end = max(float(p.time[-1]) for p in own if p.run == run)
         begin = min(float(p.time[0]) for p in own if p.run == run)
         third = (end - begin) / 3.0
-        name = outcome.problem.runs[run].name
+        name = recordings[run]
         if len(runs) > 1:
             yield f"in {name}", [np.full(len(p.time), p.run == run) for p in own]
         yield f"before {begin + third:.2g} s of {name}", [(p.time < begin + third) & (p.run == run) for p in own]

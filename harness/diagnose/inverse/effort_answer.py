@@ -9,32 +9,35 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as fisher
-from scipy.stats import norm
 
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.curves import Curves, ForceMap, Residuals
 from harness.diagnose.answer.diagnosis import Diagnosis
-from harness.diagnose.answer.explain import finding_words
+from harness.diagnose.answer.explain import Foretold, finding_words, untold
 from harness.diagnose.answer.findings import in_words
+from harness.diagnose.answer.left_out import explained_share
+from harness.diagnose.claims.grades import POSSIBLE
 from harness.diagnose.estimation.intervals import WIDE, Estimate
-from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
+from harness.diagnose.inverse.effort_fit import EffortFit, fit_effort, spread
+from harness.diagnose.inverse.effort_grades import grade, repeatability, without_each
+from harness.diagnose.inverse.effort_left import effort_left
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.inverse.effort_tests import root_mean_square, tests_of
+from harness.diagnose.inverse.effort_words import pushed, shown_as, summary
 from harness.diagnose.inverse.pushes import Push
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.effects.effect import SiteKind
 from harness.recording.recording import QualityNote, Recording
+from harness.recording.units import written
 from harness.system import System
 
 Array = NDArray[np.float64]
 
-CHANCE = 1e-4  # at which a shape left in the residual counts
-SHARE = 0.05  # of the residual's variance that it must explain besides
-WORSE = 1.3  # times the training residual that the held-out one may be
 SHOWN = 8  # hypotheses in the ranking
 PIECES = 24  # of a recording, in which the nominal model is judged
 POINTS = 4000  # of a curve
+UNREPEATED = ("whether what was found repeats in every recording", "grades may be too low")
 UNRIVALLED = (
     "what else could stand in the place of each effect claimed",
     "more effects may be as likely as those told",
@@ -62,18 +65,31 @@ class EffortAnswer:
             study.data, Hypothesis(), np.zeros(study.nominal), frozen=np.ones(study.nominal, dtype=bool)
         )
         rows, severity = self._fit(nominal, empty)
-        tests = self._tests()
+        tests = tests_of(self.system, self.recordings, study, best, self.pushes)
         incomplete = bool(tests)
-        findings, titles, rivals, pairs = self._findings()
+        findings, titles, rivals, pairs = self._findings(remainder=incomplete)
         different = bool(best.hypothesis.members)
         if not different:
             verdict = "unexplained" if incomplete else "consistent"
         else:
             verdict = "partly_explained" if incomplete else "explained"
         values = [self._estimates(k) for k in range(len(best.hypothesis.members))]
+        explained = explained_share(rows)
+        left = effort_left(self.system, (study.data, study.held), best) if incomplete else None
         return Diagnosis(
             verdict=verdict,
-            summary=self._summary(verdict, severity, titles, rivals, tests),
+            summary=" ".join(
+                filter(
+                    None,
+                    [
+                        summary(verdict, severity, self.cutoff, titles, rivals, Foretold.worst(rows), explained, left),
+                        self._pushed(),
+                        shown_as(tests),
+                    ],
+                )
+            ),
+            explained_share=explained,
+            discrepancy=left.document() if left is not None else [],
             noise=[
                 {"channel": self._channel(j), "std": study.data.noises[j].std, "unit": self._unit(j)} for j in study.data.joints
             ],
@@ -107,13 +123,6 @@ class EffortAnswer:
     def _unit(self, joint: int) -> str:
         return self.system.joint(self.system.joint_names[joint]).force_unit
 
-    def _plain(self, data: EffortData, fitted: EffortFit, joint: int) -> Array:
-        return data.plain(data.model.residuals(fitted.hypothesis, fitted.x), joint)
-
-    def _rms(self, data: EffortData, fitted: EffortFit, joint: int) -> float:
-        values = self._plain(data, fitted, joint)
-        return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
-
     def _fit(self, nominal: EffortFit, empty: EffortFit) -> tuple[list[dict[str, Any]], float]:
         rows, severity = [], 0.0
         for j in self.study.data.joints:
@@ -121,66 +130,13 @@ class EffortAnswer:
             row: dict[str, Any] = {"channel": self._channel(j), "unit": self._unit(j)}
             for name, fitted in (("nominal", nominal), ("refitted", empty), ("augmented", self.best)):
                 row[name] = {
-                    "train_rmse": self._rms(self.study.data, fitted, j),
-                    "heldout_rmse": self._rms(self.study.held, fitted, j),
+                    "train_rmse": root_mean_square(self.study.data, fitted, j),
+                    "heldout_rmse": root_mean_square(self.study.held, fitted, j),
                 }
             row["noise_floor"] = floor
             severity = max(severity, row["nominal"]["train_rmse"] / floor)
             rows.append(row)
         return rows, severity
-
-    def _tests(self) -> list[dict[str, Any]]:
-        """What is still in the residual: shapes over the state, a worse fit of the data held out, pushes."""
-        out: list[dict[str, Any]] = []
-        best, study = self.best, self.study
-        residuals = study.data.model.residuals(best.hypothesis, best.x)
-        taken = len(best.x)
-        for j in study.data.joints:
-            shapes, left = [], []
-            for run, grid, residual in zip(study.data.model.runs, study.data.grids, residuals, strict=True):
-                for s in grid.stretches:
-                    if run.driven[j]:
-                        shapes.append(_shapes(run, j, s))
-                        left.append(residual[s, j])
-            design, target = np.concatenate(shapes), np.concatenate(left)
-            total = float(target @ target)
-            rest = target - design @ np.linalg.lstsq(design, target, rcond=1e-8)[0]
-            explained = total - float(rest @ rest)
-            dof = len(target) - design.shape[1] - taken
-            ratio = (explained / design.shape[1]) / max(float(rest @ rest) / max(dof, 1), 1e-300)
-            chance = float(fisher.sf(ratio, design.shape[1], max(dof, 1)))
-            if chance < CHANCE and explained > SHARE * total:
-                where = self.system.joint_names[j]
-                out.append({"what": f"a smooth force over the state at {where}", "gain": explained / study.data.noises[j].std**2,
-                            "chance": chance, "heldout_sigma": None, "where": [where]})  # fmt: skip
-            held, floor = self._rms(study.held, best, j), self._rms(study.data, best, j)
-            count = max(study.held.samples, 2)
-            unsure = float(
-                np.linalg.norm([_unsureness(self._plain(data, best, j)) for data in (study.held, study.data)])
-            )
-            z = float(np.log(held / floor)) / unsure if floor > 0.0 and unsure > 0.0 else 0.0
-            if held > WORSE * floor and z > 5.0:
-                out.append({"what": "a worse fit of the data held out", "gain": (held / floor) ** 2 * count - count,
-                            "chance": float(norm.sf(z)), "heldout_sigma": None,
-                            "where": [f"{held / floor:.2f} times the training data's residual"]})  # fmt: skip
-            z_size = best.prior
-            if z_size > 0.0 and study.nominal:
-                worst = int(np.argmax(np.abs(best.x[: study.nominal])))
-                if abs(best.x[worst]) > 5.0:
-                    quantity = study.data.model.nominal[worst]
-                    out.append({"what": "nominal quantities outside their tolerance", "gain": z_size,
-                                "chance": float(2.0 * norm.sf(abs(best.x[worst]))), "heldout_sigma": None,
-                                "where": [f"{quantity.kind} of {quantity.name} by {best.x[worst]:+.1f} of its σ"]})  # fmt: skip
-        for push in self.pushes:
-            joint = self.system.joint_names[push.joint]
-            where = (
-                f"{self.recordings[push.run].name}, {push.first:.2f} to {push.last:.2f} s, up to {-push.peak:+.2g} "
-                + self._unit(push.joint).replace("*", "·")
-            )
-            gain = (push.peak / self.study.data.noises[push.joint].std) ** 2
-            out.append({"what": f"a force that acts once at {joint}", "gain": gain,
-                        "chance": 0.0, "heldout_sigma": None, "where": [joint, where]})  # fmt: skip
-        return out
 
     def _estimates(self, k: int) -> dict[str, Estimate]:
         member = self.best.hypothesis.members[k]
@@ -206,13 +162,27 @@ class EffortAnswer:
         )
         return dict(zip(member.effect.parameter_names, units, strict=True))
 
-    def _findings(self) -> tuple[list[dict[str, Any]], list[str], list[str], list[tuple[str, str]]]:
+    def _pushed(self) -> str:
+        worst = max(self.pushes, key=lambda p: abs(p.peak), default=None)
+        return pushed(self.pushes, self.recordings, written(self._unit(worst.joint))) if worst is not None else ""
+
+    def _share(self, smaller: EffortFit) -> float:
+        """What a member explains that is missing in a smaller set, in units of what is left beyond the noise (squares)."""
+        data = self.study.data
+        own, other = (float(np.sum(data.rows(f.hypothesis, f.x) ** 2)) for f in (self.best, smaller))
+        left = own - data.samples
+        return (other - own) / left if left > 0.0 else np.inf
+
+    def _findings(self, *, remainder: bool) -> tuple[list[dict[str, Any]], list[str], list[str], list[tuple[str, str]]]:
         study, best, deadline = self.study, self.best, self.study.data.model.deadline
         weights = {key: study.criterion(f) for key, f in study.fits.items()}
         lowest = min(weights.values())
         share = {key: float(np.exp(-0.5 * (w - lowest))) for key, w in weights.items()}
         total = sum(share.values())
         findings, titles, rivals, pairs = [], [], [], []
+        again: list[tuple[str, EffortFit]] = deadline.attempt(
+            *UNREPEATED, lambda: without_each((study.data, study.held), best), lambda: []
+        )
         for k, member in enumerate(best.hypothesis.members):
             values, units = self._estimates(k), self._units(member)
             smaller = study.reduce(best, k)
@@ -221,6 +191,8 @@ class EffortAnswer:
             )
             others = [c for c, _ in alike]
             names = [c.effect.name if c.site == member.site else c.key for c in others]
+            repeats = repeatability(again, study.nominal, k)
+            how = grade(member, values, repeats, share=self._share(smaller), rivals=bool(names), remainder=remainder)
             probability = sum(s for key, s in share.items() if member.key in key) / total
             findings.append(
                 {
@@ -235,14 +207,15 @@ class EffortAnswer:
                         "heldout_sigma": study.heldout_z(smaller, best),
                     },
                     "indistinguishable_from": names,
+                    "grade": how,
+                    "repeatability": repeats,
                 }
             )  # fmt: skip
-            titles.append(finding_words(member.effect.title, member.site, values, units))
-            if names:
-                rivals.append(
-                    f"{member.effect.title.capitalize()} cannot be told here from {', '.join(map(in_words, names))}."
-                )
-                pairs += [(member.effect.name, c.effect.name) for c in others]
+            if how != POSSIBLE:
+                titles.append(finding_words(member.effect.title, member.site, values, units))
+            if names and how != POSSIBLE:
+                rivals.append(untold(member.effect.title, member.site, list(map(in_words, names))))
+            pairs += [(member.effect.name, c.effect.name) for c in others]
         return findings, titles, rivals, pairs
 
     def _ranking(self) -> list[dict[str, Any]]:
@@ -250,7 +223,7 @@ class EffortAnswer:
         others = sorted((f for f in study.fits.values() if f is not self.best), key=study.weight)
         rows = []
         for f in [self.best, *others][:SHOWN]:
-            errors = {self._channel(j): self._rms(study.held, f, j) for j in study.data.joints}
+            errors = {self._channel(j): root_mean_square(study.held, f, j) for j in study.data.joints}
             rows.append(
                 {
                     "effects": list(f.hypothesis.keys),
@@ -285,7 +258,7 @@ class EffortAnswer:
             frequency = np.fft.rfftfreq(len(powers[0]), step)
             band = [float(frequency[np.searchsorted(share, part)]) for part in (0.05, 0.95)]
             positions, velocities = np.concatenate(q), np.concatenate(v)
-            severity = self._rms(self.study.data, nominal, j) / floor
+            severity = root_mean_square(self.study.data, nominal, j) / floor
             out.append(
                 {
                     "channel": self._channel(j), "side": side, "site": site, "time": [list(t) for t in _joined(times)],
@@ -299,34 +272,6 @@ class EffortAnswer:
                 }
             )  # fmt: skip
         return out
-
-    def _summary(
-        self, verdict: str, severity: float, titles: list[str], rivals: list[str], tests: list[dict[str, Any]]
-    ) -> str:
-        size = f"by {severity:.3g} times the noise"
-        left = f"The effort that the nominal model needs for the recorded motion leaves the recorded one {size}"
-        band = f"below {self.cutoff:.2g} Hz, where accelerations can be read off the recorded angle"
-        hold = "hold" if len(titles) > 1 else "holds"
-        text = {
-            "consistent": f"The effort that the model needs for the recorded motion agrees with the recorded one ({band}).",
-            "explained": f"{left} ({band}); with {' and '.join(titles)} the residual is at the noise, also on data held out.",
-            "partly_explained": f"{left} ({band}); {' and '.join(titles)} {hold} up on data held out, but there is more.",
-            "unexplained": f"{left} ({band}), and nothing in the catalogue earns its place.",
-        }[verdict]
-        if rivals:
-            text += " " + " ".join(rivals)
-        others = [t for t in tests if "acts once" not in t["what"]]
-        if self.pushes:
-            worst = max(self.pushes, key=lambda p: abs(p.peak))
-            times = "stretches" if len(self.pushes) > 1 else "stretch"
-            text += (
-                f" Something outside pushes in {len(self.pushes)} {times}, most in "
-                f"{self.recordings[worst.run].name} at {worst.first:.1f} s with {-worst.peak:+.2g} N·m; "
-                "that is left out of every fit."
-            )
-        if others:
-            text += f" What is left shows as {others[0]['what']} ({', '.join(others[0]['where'])})."
-        return text
 
     def _curves(self, nominal: EffortFit) -> Curves:
         residuals, forces = [], []
@@ -358,22 +303,6 @@ class EffortAnswer:
             for j in study.data.joints
         ]
         return Curves(tuple(residuals), (), tuple(maps), ())
-
-
-def _unsureness(values: Array) -> float:
-    """Standard deviation of the logarithm of the values' root mean square, heavy tails (reversals) counted."""
-    power = values**2
-    return 0.5 * float(np.std(power)) / (float(np.mean(power)) * float(np.sqrt(len(power)))) if power.any() else 0.0
-
-
-def _shapes(run: EffortRun, j: int, s: NDArray[np.intp]) -> Array:
-    """Smooth forces over the state of a joint that no ordinary torque has, shape (len(s), 8)."""
-    q, v, a = run.q[s, j], run.qd[s, j], run.qdd[s, j]
-    fast, quick = max(float(np.abs(run.qd[:, j]).max()), 1e-12), max(float(np.abs(run.qdd[:, j]).max()), 1e-12)
-    w, b = v / fast, a / quick
-    return np.stack(
-        [np.cos(q), np.sin(2.0 * q), np.cos(2.0 * q), w * np.sin(q), w**2, w**3, w * b, b * np.abs(b)], axis=1
-    )
 
 
 def _joined(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -1,0 +1,164 @@
+"""What a set leaves of recorded efforts that is more than noise: tests, one function each, of every joint that is driven."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+from scipy.stats import f as fisher
+
+from harness.diagnose.criticism.remainder import AT_FLOOR
+from harness.diagnose.inverse.effort_fit import EffortData, EffortFit
+from harness.diagnose.inverse.effort_motion import EffortRun
+from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.inverse.effort_words import ONCE
+from harness.diagnose.inverse.pushes import Push
+from harness.recording.recording import Recording
+from harness.recording.units import written
+from harness.system import System
+
+Array = NDArray[np.float64]
+
+CHANCE = 1e-4  # at which a shape left in the residual counts
+SHARE = 0.05  # of the residual's variance that it must explain besides
+WORSE = 1.3  # times the training residual that the held-out one may be
+SURELY = 5.0  # standard deviations by which it, or a nominal quantity, must be off to count
+ALIKE = 1e-8  # relative size of what shapes have in common, below which it is rounding
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What the tests of one joint look at. floor, held: root mean square left of the training data and of those held out."""
+
+    system: System
+    study: EffortStudy
+    best: EffortFit
+    joint: int
+    floor: float
+    held: float
+
+    @property
+    def name(self) -> str:
+        return self.system.joint_names[self.joint]
+
+    @property
+    def noise(self) -> float:
+        return self.study.data.noises[self.joint].std
+
+
+def tests_of(
+    system: System, recordings: Sequence[Recording], study: EffortStudy, best: EffortFit, pushes: Sequence[Push]
+) -> list[dict[str, Any]]:
+    """Every test that counts, as the document has it."""
+    out: list[dict[str, Any]] = []
+    for j in study.data.joints:
+        asked = _Asked(
+            system, study, best, j, root_mean_square(study.data, best, j), root_mean_square(study.held, best, j)
+        )
+        out += [row for test in TESTS for row in test(asked)]
+    for push in pushes:
+        joint = system.joint(system.joint_names[push.joint])
+        where = (
+            f"{recordings[push.run].name}, {push.first:.2f} to {push.last:.2f} s, up to {-push.peak:+.2g} "
+            + written(joint.force_unit)
+        )
+        gain = (push.peak / study.data.noises[push.joint].std) ** 2
+        out.append(_row(f"a force that {ONCE} at {joint.name}", gain, 0.0, joint.name, where))
+    return out
+
+
+def root_mean_square(data: EffortData, fitted: EffortFit, joint: int) -> float:
+    """What a fit leaves of a joint's effort [N·m or N]; nan where none is compared."""
+    values = _plain(data, fitted, joint)
+    return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
+
+
+def _smooth_force(asked: _Asked) -> Iterator[dict[str, Any]]:
+    """A smooth force over the state of the joint that no ordinary torque has, by Fisher's F."""
+    data, j = asked.study.data, asked.joint
+    residuals = data.model.residuals(asked.best.hypothesis, asked.best.x)
+    shapes, left = [], []
+    for run, grid, residual in zip(data.model.runs, data.grids, residuals, strict=True):
+        for s in grid.stretches:
+            if run.driven[j]:
+                shapes.append(_shapes(run, j, s))
+                left.append(residual[s, j])
+    design, target = np.concatenate(shapes), np.concatenate(left)
+    total = float(target @ target)
+    rest = target - design @ np.linalg.lstsq(design, target, rcond=ALIKE)[0]
+    explained = total - float(rest @ rest)
+    dof = len(target) - design.shape[1] - len(asked.best.x)
+    ratio = (explained / design.shape[1]) / max(float(rest @ rest) / max(dof, 1), 1e-300)
+    chance = float(fisher.sf(ratio, design.shape[1], max(dof, 1)))
+    if chance < CHANCE and explained > SHARE * total:
+        yield _row(f"a smooth force over the state at {asked.name}", explained / asked.noise**2, chance, asked.name)
+
+
+def _held_out(asked: _Asked) -> Iterator[dict[str, Any]]:
+    """Data held out that are predicted worse than those fitted."""
+    study, held, floor = asked.study, asked.held, asked.floor
+    parts = [_plain(data, asked.best, asked.joint) for data in (study.held, study.data)]
+    unsure = float(np.linalg.norm([_unsureness(part) for part in parts]))
+    z = float(np.log(held / floor)) / unsure if floor > 0.0 and unsure > 0.0 else 0.0
+    if held > WORSE * floor and z > SURELY:
+        count = max(study.held.samples, 2)
+        yield _row(
+            "a worse fit of the data held out", (held / floor) ** 2 * count - count, float(norm.sf(z)),
+            f"{held / floor:.2f} times the training data's residual",
+        )  # fmt: skip
+
+
+def _louder(asked: _Asked) -> Iterator[dict[str, Any]]:
+    """More than the noise, which is what the most that ordinary torques can take leaves."""
+    ratio = asked.floor / asked.noise
+    if ratio > AT_FLOOR:
+        count = max(asked.study.data.samples, 1.0)
+        yield _row(
+            "more than the noise of the effort", (ratio**2 - 1.0) * count, float(chi2.sf(ratio**2 * count, count)),
+            f"{ratio:.2f} times it at {asked.name}",
+        )  # fmt: skip
+
+
+def _stretched(asked: _Asked) -> Iterator[dict[str, Any]]:
+    """Nominal quantities outside their tolerance."""
+    nominal = asked.best.x[: asked.study.nominal]
+    if not len(nominal):
+        return
+    worst = int(np.argmax(np.abs(nominal)))
+    if abs(nominal[worst]) > SURELY:
+        quantity = asked.study.data.model.nominal[worst]
+        yield _row(
+            "nominal quantities outside their tolerance", asked.best.prior, float(2.0 * norm.sf(abs(nominal[worst]))),
+            f"{quantity.kind} of {quantity.name} by {nominal[worst]:+.1f} of its σ",
+        )  # fmt: skip
+
+
+TESTS: tuple[Callable[[_Asked], Iterator[dict[str, Any]]], ...] = (_smooth_force, _held_out, _louder, _stretched)
+
+
+def _row(what: str, gain: float, chance: float, *where: str) -> dict[str, Any]:
+    return {"what": what, "gain": gain, "chance": chance, "heldout_sigma": None, "where": list(where)}
+
+
+def _plain(data: EffortData, fitted: EffortFit, joint: int) -> Array:
+    return data.plain(data.model.residuals(fitted.hypothesis, fitted.x), joint)
+
+
+def _unsureness(values: Array) -> float:
+    """Standard deviation of the logarithm of the values' root mean square, heavy tails (reversals) counted."""
+    power = values**2
+    return 0.5 * float(np.std(power)) / (float(np.mean(power)) * float(np.sqrt(len(power)))) if power.any() else 0.0
+
+
+def _shapes(run: EffortRun, j: int, s: NDArray[np.intp]) -> Array:
+    """Smooth forces over the state of a joint that no ordinary torque has, shape (len(s), 8)."""
+    q, v, a = run.q[s, j], run.qd[s, j], run.qdd[s, j]
+    fast, quick = max(float(np.abs(run.qd[:, j]).max()), 1e-12), max(float(np.abs(run.qdd[:, j]).max()), 1e-12)
+    w, b = v / fast, a / quick
+    return np.stack(
+        [np.cos(q), np.sin(2.0 * q), np.cos(2.0 * q), w * np.sin(q), w**2, w**3, w * b, b * np.abs(b)], axis=1
+    )

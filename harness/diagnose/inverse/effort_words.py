@@ -1,0 +1,62 @@
+"""An answer of efforts in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.diagnose.answer.explain import Foretold, left_in_words, percent, times
+from harness.diagnose.answer.left_out import LeftOut
+from harness.diagnose.inverse.pushes import Push
+from harness.recording.recording import Recording
+
+ONCE = "acts once"  # in the name of a test that tells a push from outside
+
+
+def summary(
+    verdict: str, severity: float, cutoff: float, firm: Sequence[str], rivals: Sequence[str], foretold: Foretold,
+    explained: float | None, left: LeftOut | None,
+) -> str:  # fmt: skip
+    """The sentences about what was found and what is left.
+
+    severity: of the nominal model [standard deviations of noise]; cutoff: of the low-pass [Hz]; firm: findings in words that are
+    more than possible; explained: share of the mismatch on data held out that all of them remove.
+    """
+    size = f"by {times(severity)} times the noise"
+    off = f"The effort that the nominal model needs for the recorded motion leaves the recorded one {size}"
+    band = f"below {cutoff:.2g} Hz, where accelerations can be read off the recorded angle"
+    if verdict == "consistent":
+        return f"The effort that the model needs for the recorded motion agrees with the recorded one ({band})."
+    names, hold = " and ".join(firm), "hold" if len(firm) > 1 else "holds"
+    removing = "remove" if len(firm) > 1 else "removes"
+    share = f" and {removing} {percent(explained)} of the mismatch there" if explained and explained > 0.0 else ""
+    if verdict == "explained":
+        text = f"{off} ({band}); with {names} the residual is at the noise, also on data held out."
+    elif verdict == "unexplained":
+        text = f"{off} ({band}), and nothing in the catalogue earns its place."
+    elif firm:
+        text = f"{off} ({band}); {names} {hold} up on data held out{share}."
+    else:
+        text = f"{off} ({band}), and nothing in the catalogue earns its place for certain."
+    sentences = [text]
+    if left is not None and verdict != "explained":
+        sentences += left_in_words(left, foretold, "the noise")
+    return " ".join([*sentences, *rivals])
+
+
+def pushed(pushes: Sequence[Push], recordings: Sequence[Recording], unit: str) -> str:
+    """What something outside did, in a sentence; none without it. unit: of the joint that is pushed most."""
+    if not pushes:
+        return ""
+    worst = max(pushes, key=lambda p: abs(p.peak))
+    stretches = "stretches" if len(pushes) > 1 else "stretch"
+    return (
+        f"Something outside pushes in {len(pushes)} {stretches}, most in {recordings[worst.run].name} at {worst.first:.1f} s "
+        f"with {-worst.peak:+.2g} {unit}; that is left out of every fit."
+    )
+
+
+def shown_as(tests: Sequence[Mapping[str, Any]]) -> str:
+    """What is left shows as, in a sentence; none where it is pushes alone."""
+    others = [t for t in tests if ONCE not in t["what"]]
+    return f"What is left shows as {others[0]['what']} ({', '.join(others[0]['where'])})." if others else ""
