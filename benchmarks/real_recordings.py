@@ -217,9 +217,11 @@ def examine(rig: str, folder: Path, work: Path, *, peer: bool = True) -> dict[st
     began, known = time.perf_counter(), (work / rig / "diagnosis.json").exists()
     answer, augmented, predictive = diagnosis(rig, folder, work)
     row["diagnose_s"] = None if known else round(time.perf_counter() - began, 1)
-    row["denoc"] = judge(native(augmented), augmented, train, heldout, window, left_out)
+    held = any(note["kind"] == "held_effort" for note in answer["quality"])
+    row["efforts_held"] = held
+    row["denoc"] = judge(native(augmented, held=held), augmented, train, heldout, window, left_out)
     if predictive is not None:
-        row["predictive"] = judge(native(predictive), predictive, train, heldout, window, left_out)
+        row["predictive"] = judge(native(predictive, held=held), predictive, train, heldout, window, left_out)
         row["predictive"]["effects"] = answer["predictive"]["effects"]
     for key in ("verdict", "summary", "findings", "noise", "fit", "quality", "explained_share", "discrepancy"):
         row[key] = answer.get(key)

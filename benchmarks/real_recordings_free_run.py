@@ -21,8 +21,8 @@ FIRST = 0.03  # s of the recording that its first state is read off from, and at
 MOST_SAMPLES = 4000  # of a window that the initial state is fitted to
 
 
-def native(system: System) -> Simulate:
-    """Free runs of a system with its attached effects, sensors and inputs included."""
+def native(system: System, *, held: bool = False) -> Simulate:
+    """Free runs of a system with its attached effects, sensors and inputs included; held: efforts stay from sample to sample."""
     attached = system.attachments
     shaped = replace(system, attachments=())
     for attachment in attached:
@@ -47,7 +47,7 @@ def native(system: System) -> Simulate:
             every = np.zeros((len(time), model.n))
             every[:, seen] = tau
             tau = every
-        q, _, _ = model.simulate(row, q0, qd0, time - time[0], tau=tau)
+        q, _, _ = model.simulate(row, q0, qd0, time - time[0], tau=tau, hold="zero" if held else "linear")
         out = q[0][:, seen]
         for j, joint in enumerate(system.joint_names):
             for effect, attachment in sensor_chain(attached, f"{joint}.position"):

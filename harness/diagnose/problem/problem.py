@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import coherence
 
+from harness.diagnose.problem.commands import are_commands
 from harness.diagnose.problem.payloads import carrying
 from harness.effects.measured import Measured
 from harness.effects.scale import swings
@@ -90,6 +91,7 @@ class Problem:
     """System, channels, and runs; parameters are fitted on ``train`` and judged on ``heldout``.
 
     held: recorded efforts act from their sample to the next one, as a controller's commands do; else smoothly through all samples.
+    commanded: whether they look like commands, so that they are taken as held unless motions say otherwise.
     """
 
     system: System
@@ -99,6 +101,7 @@ class Problem:
     same_recording: bool = False
     steps: tuple[float, ...] = ()
     held: bool = False
+    commanded: bool = False
 
     @property
     def runs(self) -> tuple[Run, ...]:
@@ -168,13 +171,14 @@ def pose(
     ]
     steps = tuple(_resolution([run.values[c] for run in runs]) for c in range(len(infos)))
     every = [*recordings, *([heldout] if heldout is not None else [])]
+    held = are_commands(effort.values for recording in every for effort in recording.efforts)
     finest_rate = min(finest_rate, _affordable_rate(system, every))
     runs = [_thin(run, finest_rate) for run in runs]
     if heldout is not None:
         judged = replace(_run(system, tuple(infos), heldout, len(runs)), payload=carried[len(runs)])
-        return Problem(system, tuple(infos), tuple(runs), (_thin(judged, finest_rate),), steps=steps)
+        return Problem(system, tuple(infos), tuple(runs), (_thin(judged, finest_rate),), False, steps, held, held)
     if len(runs) > 1:
-        return Problem(system, tuple(infos), tuple(runs[:-1]), (runs[-1],), steps=steps)
+        return Problem(system, tuple(infos), tuple(runs[:-1]), (runs[-1],), False, steps, held, held)
     only = runs[0]
     cut = round((1.0 - HELD_OUT_SHARE) * _moving_samples(only))
     return Problem(
@@ -184,6 +188,8 @@ def pose(
         (_slice(only, cut, len(only.time), "last part"),),
         True,
         steps,
+        held,
+        held,
     )
 
 

@@ -1,7 +1,7 @@
 """Whether recorded efforts act smoothly through their samples or are held from each to the next: the recordings tell.
 
 That is no effect (see ``problem.held_efforts``), and costs none of the evidence; where the two are equally good, efforts are taken
-as smooth.
+as smooth, or as held if they look like commands (``problem.commands``).
 
 It is asked of the nominal model, of ordinary dissipation beside it, of the first set that leaves little more than noise, and of
 the best sets at the end: beside what else is missing, a late sensor looks the same. A drive that is late by two intervals is told
@@ -35,8 +35,8 @@ def either_way(study: Study, fitted: Fit) -> tuple[Study, Fit]:
 def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tuple[Study, list[Fit]] | None:
     """The study with efforts taken the other way and its fits, if the best set there is better; the ``count`` best are tried.
 
-    As good is enough to take them as smooth: what only a half interval more or less in every delay parts is no reason for holding.
-    It is one where nothing then is late at all: a finding less, as good.
+    As good is enough to take efforts as what they look like: what only a half interval more or less in every delay parts is no
+    reason for the other. It is one for holding where nothing then is late at all: a finding less, as good.
     """
     best = ordered[0]
     if not study.problem.driven or not (study.problem.held or late(best.hypothesis) or not study.only_noise(best)):
@@ -49,7 +49,7 @@ def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tu
     if late(found.hypothesis) and found.score < best.score + PLAIN * study.loudness(best):
         found = pruned(other, found)
     gain = study.criterion(best) - other.criterion(found)
-    least = -PLAIN if study.problem.held else PLAIN
+    least = -PLAIN if study.problem.held != study.problem.commanded else PLAIN
     if len(found.hypothesis.members) < len(best.hypothesis.members) and not late(found.hypothesis):
         least = 0.0
     if gain < least * study.loudness(best):
