@@ -2,8 +2,8 @@
 
 What may be claimed has to stand against everything that could imitate it; what predicts has only to predict. Sets that the search
 came near, the ordinary dissipation of every joint all at once, and a few of these with the force over the state that they leave
-out are held against one another by cross-validation within the training recordings (Stone, J. R. Statist. Soc. B 36 (1974) 111).
-Sets are fitted by least squares of what the sensors read. The data held out have no say in the choice.
+out are held against one another by cross-validation within the training recordings. Sets are fitted by least squares of what the
+sensors read. The data held out have no say in the choice.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.answer.augmented import attached, augmented
+from harness.diagnose.answer.cross_validation import Leaves, chosen, groups, leaves
 from harness.diagnose.answer.explain import NO_FINDING
-from harness.diagnose.answer.ways_to_predict import Alone, Learned, Way, WithForce, can_have_force, free_run, left
+from harness.diagnose.answer.ways_to_predict import Alone, Learned, Way, WithForce, can_have_force, free_run
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector
 from harness.diagnose.problem.hypothesis import Hypothesis, compatible
-from harness.diagnose.problem.windows import Window, equal_parts
-from harness.diagnose.selection.dissipation_starts import plain_set
+from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.dissipation_starts import RUBBING, ZEROS, plain_set
 from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.wald_test import carried
 from harness.effects.force_table import NAME, ForceTable
@@ -32,12 +33,10 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
-ZERO, GAIN = "sensor_offset", "actuator_gain"  # of the ordinary set
+GAIN = "actuator_gain"
 NEAREST = 3  # sets of the search beside the one claimed
-MOST_FOLDS = 4
 MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
 FURTHER = ("further models that may predict best", NO_FINDING)  # left if the time is up
-FEWEST_IN_PART = 25  # samples of a stretch that is left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,27 +54,27 @@ class Predictive:
 
 def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
     """The way that predicts best; None where noise is all that is left, or there is nothing to cross-validate by."""
-    folds = _folds(outcome)
+    folds = groups(outcome.training.windows)
     if outcome.force is None or len(folds) < 2:
         return None
-    ordinary = _ordinary(outcome)
-    fits = _fitted(outcome, _sets(outcome, conclusion, ordinary))
+    fits = _fitted(outcome, _sets(outcome, conclusion, _ordinary(outcome)))
     ways: list[Way] = [Alone(outcome, own.hypothesis, own.x, own.states) for own in fits]
-    whole = all(w in outcome.training.windows for fold in folds for w in fold)
-    if outcome.evidence is not None and whole:
-        asked = (conclusion.own.hypothesis.identity, ordinary.identity, frozenset[str]())
-        ways += [
-            WithForce(outcome, outcome.evidence, own)
-            for own in fits
-            if own.hypothesis.identity in asked and can_have_force(outcome, own.hypothesis)
-        ]
-    deadline = outcome.predictor.deadline
-    leaves = [deadline.attempt(*FURTHER, partial(left, outcome, way, folds), lambda: np.inf) for way in ways]
-    best = int(np.argmin(leaves))
-    if not np.isfinite(leaves[best]):
+    rows = [_tried(outcome, way, folds, own.hypothesis.size) for way, own in zip(ways, fits, strict=True)]
+    plainly = chosen(rows)
+    if plainly is None:
         return None
-    with deadline.spared():
-        found = ways[best].learned(outcome.training.windows)
+    if outcome.evidence is not None:
+        asked = {frozenset[str](), conclusion.own.hypothesis.identity, fits[plainly].hypothesis.identity}
+        nodes = len(outcome.evidence.force.joint)
+        for own in fits:
+            if own.hypothesis.identity in asked and can_have_force(outcome, own.hypothesis):
+                way = WithForce(outcome, outcome.evidence, own)
+                ways.append(way)
+                rows.append(_tried(outcome, way, folds, own.hypothesis.size + nodes))
+    best = chosen(rows)
+    assert best is not None  # as some way leads somewhere
+    with outcome.predictor.deadline.spared():
+        found = ways[best].learned(outcome.training.windows) or ways[plainly].learned(outcome.training.windows)
         if found is None:
             return None
         own = found.fitted
@@ -83,11 +82,19 @@ def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
         return Predictive(own, held, _system(outcome, found), found.table)
 
 
-def _sets(outcome: Outcome, conclusion: Conclusion, ordinary: Hypothesis) -> list[tuple[Hypothesis, Array]]:
+def _tried(outcome: Outcome, way: Way, folds: Sequence[tuple[Window, ...]], numbers: int) -> Leaves:
+    """What a way leaves of stretches that it was not fitted to; everything where there is no time to see that."""
+    everything = np.full(len(folds), np.inf)
+    return outcome.predictor.deadline.attempt(
+        *FURTHER, partial(leaves, outcome, way, folds, numbers), lambda: Leaves(everything, everything, everything, 0)
+    )
+
+
+def _sets(outcome: Outcome, conclusion: Conclusion, ordinary: Sequence[Hypothesis]) -> list[tuple[Hypothesis, Array]]:
     """Sets that may predict best, each with numbers to begin at; those with fewer members first."""
     near = [f for f in outcome.ordered if f.hypothesis.keys != conclusion.own.hypothesis.keys][:NEAREST]
     found = {f.hypothesis.identity: (f.hypothesis, f.x) for f in (conclusion.own, *near)}
-    for hypothesis in (Hypothesis(), ordinary):
+    for hypothesis in (Hypothesis(), *ordinary):
         found.setdefault(hypothesis.identity, (hypothesis, _usual(outcome, hypothesis)))
     return sorted(found.values(), key=lambda pair: len(pair[0].members))
 
@@ -98,13 +105,26 @@ def _usual(outcome: Outcome, hypothesis: Hypothesis) -> Array:
     return np.concatenate([nominal, *map(start_vector, hypothesis.members)])
 
 
-def _ordinary(outcome: Outcome) -> Hypothesis:
-    """The ordinary dissipation of every joint, an inertia, a zero and a drive's gain: what a plain least-squares fit has."""
+def _ordinary(outcome: Outcome) -> list[Hypothesis]:
+    """Sets of ordinary laws at every joint, as a plain least-squares fit has them: friction and a zero, and all that there is of
+    dissipation with a rotor's inertia and a drive's gain as well.
+
+    The zero of an angle shows as what gravity then does, or where there is none as a constant force.
+    """
+    study = outcome.study
     if len(outcome.problem.system.movable_joints) > MOST_JOINTS:
-        return Hypothesis()
-    hypothesis = plain_set(outcome.study.candidates, ZERO)
+        return []
+    found: dict[frozenset[str], Hypothesis] = {}
+    for zero in ZEROS:
+        whole = plain_set(study.candidates, zero)
+        for hypothesis in (plain_set(study.candidates, zero, RUBBING), whole, _with_gain(outcome, whole)):
+            found.setdefault(hypothesis.identity, hypothesis)
+    return list(found.values())
+
+
+def _with_gain(outcome: Outcome, hypothesis: Hypothesis) -> Hypothesis:
+    """A set with the drives' gains: of inertia, weight and torque two show where a torque is known."""
     for candidate in outcome.study.candidates:
-        # Of inertia, weight and torque two show where a torque is known.
         if candidate.effect.name == GAIN and compatible(hypothesis, candidate):
             hypothesis = hypothesis.with_(candidate)
     return hypothesis
@@ -138,17 +158,3 @@ def _system(outcome: Outcome, found: Learned) -> System:
         return system
     further = [Attachment(NAME, joint, {"table": float(k)}) for k, joint in enumerate(found.table.joints)]
     return attached(system, further)
-
-
-def _folds(outcome: Outcome) -> list[tuple[Window, ...]]:
-    """Training windows in groups to be left out one after the other: by recording, or by stretch where there is only one.
-
-    A single stretch is cut, and each part predicted from where it begins.
-    """
-    windows = outcome.training.windows
-    if len(windows) == 1:
-        windows = tuple(equal_parts(windows[0], min(MOST_FOLDS, max(windows[0].size // FEWEST_IN_PART, 1))))
-    runs = list(dict.fromkeys(w.run for w in windows))
-    groups = [[w for w in windows if w.run == run] for run in runs] if len(runs) > 1 else [[w] for w in windows]
-    count = min(len(groups), MOST_FOLDS)
-    return [tuple(w for group in groups[k::count] for w in group) for k in range(count)]

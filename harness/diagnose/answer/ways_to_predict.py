@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from harness.diagnose.estimation.beside_state_force import Beside, beside
 from harness.diagnose.estimation.least_squares import Fit, fit
-from harness.diagnose.estimation.objective import LOST, Objective
+from harness.diagnose.estimation.objective import Objective
 from harness.diagnose.estimation.state_force import Force, StateForce
+from harness.diagnose.estimation.state_force_in_parts import in_parts
 from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.windows import Window, equal_parts
@@ -82,8 +83,9 @@ class WithForce:
         if tuple(windows) != self.fitted.windows:
             own = Alone(outcome, hypothesis, self.fitted.x, self.fitted.states).learned(windows).fitted
             objective = outcome.training.objective_under(self.evidence.rough, own)
-            near = replace(found, states={w: found.states[w] for w in windows})
-            found = beside(force, objective, own, outcome.training.whole(hypothesis), [near])
+            near = replace(found, states={w: found.states.get(w, own.states[w]) for w in own.windows})
+            inside = in_parts(force, outcome.predictor.runs, own.windows)
+            found = beside(inside, objective, own, outcome.training.whole(hypothesis), [near])
         if found.nodes is None or found.shape is None:
             return None
         table = _table(force, found, found.nodes, found.shape)
@@ -130,17 +132,6 @@ def free_run(outcome: Outcome, hypothesis: Hypothesis, x: Array, windows: Sequen
     objective = by_sensors(outcome, hypothesis).on(tuple(windows))
     frozen = np.ones(len(x), dtype=bool)
     return fit(objective, x, states(outcome, hypothesis, windows), fixed=frozen, most_steps=STEPS)
-
-
-def left(outcome: Outcome, way: Way, folds: Sequence[tuple[Window, ...]]) -> float:
-    """What a way leaves of the training windows when each group is predicted from the others."""
-    total = 0.0
-    for k, fold in enumerate(folds):
-        found = way.learned(tuple(w for other in (*folds[:k], *folds[k + 1 :]) for w in other))
-        if found is None:
-            return LOST
-        total += free_run(outcome, found.fitted.hypothesis, found.fitted.x, fold).cost
-    return total
 
 
 def _table(force: StateForce, found: Beside, nodes: Array, shape: Force) -> ForceTable:

@@ -11,7 +11,7 @@ Biometrika 58 (1971) 545), the initial states projected out.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -125,12 +125,7 @@ class Responses:
         size = len(predictor.grid(window, predictor.margin(self.probe.fitted.hypothesis)).own)
         since = run.time[window.first] - run.time[whole.first]
         first = max(min(int(np.searchsorted(motion.time, since + 1e-9)) - 1, len(motion.time) - size), 0)
-        part, steps = slice(first, first + size), slice(first, first + size - 1)
-        return replace(
-            motion, window=window, time=motion.time[part] - motion.time[first], q=motion.q[part],
-            qd=motion.qd[part], qdd=motion.qdd[part], transition=motion.transition[steps], force=motion.force[steps],
-            base=motion.base[steps],
-        )  # fmt: skip
+        return motion.within(window, slice(first, first + size), float(motion.time[first]))
 
 
 @dataclass(frozen=True, eq=False)

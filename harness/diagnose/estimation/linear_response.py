@@ -7,7 +7,7 @@ that each take a single step; after that, hundreds of force histories cost a few
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,14 @@ class Response:
     transition: Array
     force: Array
     base: Array
+
+    def within(self, window: Window, points: slice, begins: float) -> Response:
+        """A stretch of it, that of some of its points, for a piece of its window; times are from ``begins`` [s]."""
+        steps = slice(points.start, points.stop - 1)
+        return replace(
+            self, window=window, time=self.time[points] - begins, q=self.q[points], qd=self.qd[points], qdd=self.qdd[points],
+            transition=self.transition[steps], force=self.force[steps], base=self.base[steps],
+        )  # fmt: skip
 
     def by_force(self, joint: int, histories: Array) -> Array:
         """State deviations (G, 2n, K) caused by force histories (K, G) at a coordinate."""

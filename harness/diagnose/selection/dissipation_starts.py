@@ -18,10 +18,9 @@ from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
 
-SETS = (
-    ("viscous_damping", "coulomb_friction"),
-    ("viscous_damping", "coulomb_friction", "quadratic_drag"),
-)
+RUBBING = ("viscous_damping", "coulomb_friction")
+DISSIPATION = (*RUBBING, "quadratic_drag")
+SETS = (RUBBING, DISSIPATION)
 ROTOR = "added_inertia"
 ZEROS = ("constant_torque", "sensor_offset")
 CHANGES = ("payload_mass", "com_offset", "added_inertia", "com_side_offset")
@@ -77,9 +76,10 @@ def everywhere(study: Study, near: Fit) -> Fit | None:
     return min(found, key=lambda f: f.score, default=None)
 
 
-def plain_set(candidates: Sequence[Candidate], zero: str) -> Hypothesis:
-    """Ordinary dissipation at every joint, a rotor's inertia and a zero, as far as they are among candidates and go together."""
-    return _together(candidates, (*SETS[-1], ROTOR, zero))
+def plain_set(candidates: Sequence[Candidate], zero: str, laws: Sequence[str] = (*DISSIPATION, ROTOR)) -> Hypothesis:
+    """Ordinary laws at every joint and a zero, as far as they are among candidates and go together; usually all dissipation and a
+    rotor's inertia."""
+    return _together(candidates, (*laws, zero))
 
 
 def _together(candidates: Sequence[Candidate], names: Sequence[str]) -> Hypothesis:
