@@ -63,7 +63,7 @@ def test_a_gap_is_bridged_by_a_straight_line() -> None:
 @pytest.mark.parametrize(("jitter", "points"), [(0.0, 40_000), (0.4, 40_000), (0.0, 1000)])
 def test_a_dead_zone_opens_between_samples(jitter: float, points: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """SciPy integrates under the sine as a dead zone leaves it, whose corners lie anywhere between the samples."""
-    monkeypatch.setattr("harness.diagnose.problem.drive.MOST_POINTS", points)
+    monkeypatch.setattr("harness.diagnose.problem.drive.MOST_EFFORT_POINTS", points)
     rig, omega, width, rate = Rig(), 2.0 * np.pi * FREQUENCY, 0.4 * TORQUE, 60.0
     time = np.arange(0.0, 4.0, 1.0 / rate)
     time[1:-1] += jitter / rate * np.random.default_rng(6).uniform(-1.0, 1.0, len(time) - 2)

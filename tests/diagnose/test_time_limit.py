@@ -16,6 +16,7 @@ from harness.cases.single_run import run_once
 from harness.diagnose.claims import conclude as conclusions
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.problem import deadline as module
+from harness.diagnose.problem.constants import STAGE_SHARES, STAGE_TIMES_AT_INTERRUPT
 from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
 from harness.errors import InputError
 from harness.recording import Channel, Recording
@@ -36,7 +37,7 @@ def test_every_stage_has_its_share_of_the_time(monkeypatch: pytest.MonkeyPatch) 
     now = 100.0
     monkeypatch.setattr(module, "monotonic", lambda: now)
     end = Deadline(10.0)
-    for stage, share in zip(Stage, module.SHARES, strict=True):
+    for stage, share in zip(Stage, STAGE_SHARES, strict=True):
         end.begin(stage)
         now = 100.0 + 10.0 * share - 0.01
         end.check()
@@ -74,7 +75,7 @@ def test_an_interrupt_brings_every_stage_to_its_end_soon(monkeypatch: pytest.Mon
     assert end.over
     end.begin(Stage.TELLING)
     assert not end.over
-    now += module.AT_ONCE[-1]
+    now += STAGE_TIMES_AT_INTERRUPT[-1]
     assert end.over
 
 

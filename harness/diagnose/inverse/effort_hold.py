@@ -12,7 +12,8 @@ from dataclasses import replace
 from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_motion import EffortRun, recorded_efforts
 from harness.diagnose.inverse.effort_search import EffortStudy, search
-from harness.diagnose.problem.held_efforts import PLAIN, late
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
+from harness.diagnose.problem.held_efforts import late
 from harness.recording.recording import Recording
 from harness.system import System
 
@@ -34,7 +35,7 @@ def search_either_way(
 
     def turned(fitted: EffortFit) -> EffortStudy | None:
         nonlocal study
-        if study is smooth and held.fit(fitted.hypothesis, [fitted.x]).cost < fitted.cost - PLAIN:
+        if study is smooth and held.fit(fitted.hypothesis, [fitted.x]).cost < fitted.cost - UNPARTED_EVIDENCE:
             held.fit(smooth.nothing.hypothesis, [smooth.nothing.x])
             study = held
             tell(held)
@@ -44,7 +45,7 @@ def search_either_way(
     best = search(smooth, progress, turned)
     if study is held:
         other = smooth.fit(best.hypothesis, [best.x])
-        if other.cost <= best.cost + PLAIN:
+        if other.cost <= best.cost + UNPARTED_EVIDENCE:
             tell(smooth)
             return other
     elif late(best.hypothesis):

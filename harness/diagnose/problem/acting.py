@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.cases.acting import bounded, driven, has_range, idle
+from harness.diagnose.problem.constants import HELD_EXTENT, NEAR_LIMIT_SHARE, PAST_LIMIT_SHARE
 from harness.errors import InputError, UnsupportedError
 from harness.recording import Recording
 from harness.recording.recording import LINEAR_UNITS, UNITS, Channel, QualityNote
@@ -25,10 +26,6 @@ from harness.system.rotation import about_axis
 Array = NDArray[np.float64]
 Polynomial = np.polynomial.Polynomial
 Follower = tuple[str, str | None, Polynomial]
-
-NEAR = 0.02  # of a joint's range: how far from a limit a recording has met it, by its sensor's zero and the give of the stop
-PAST = 0.1  # of a joint's range: beyond, the joint runs through what the model states
-STILL = {"rad": 0.02, "m": 0.001}  # extent of a joint that is held
 
 
 def acting(
@@ -267,10 +264,10 @@ def _limited(system: System, recordings: Sequence[Recording]) -> System:
         low, high = (float(f([f(values) for values in courses])) for f in (np.nanmin, np.nanmax))
         extent = joint.upper - joint.lower
         for end, beyond in ((joint.lower, joint.lower - low), (joint.upper, high - joint.upper)):
-            if beyond < -NEAR * extent:
+            if beyond < -NEAR_LIMIT_SHARE * extent:
                 continue
             where = f"joint {joint.name!r}, recorded from {low:.4g} to {high:.4g} {_unit(joint)}"
-            if beyond > PAST * extent:
+            if beyond > PAST_LIMIT_SHARE * extent:
                 through.add(joint.name)
                 told.append(f"{where}, runs through its limit of {end:.4g}: it does not act")
             elif joint.name in stated:
@@ -296,7 +293,7 @@ def _place(joint: Joint, recordings: Sequence[Recording]) -> float | None:
 def _moves(joint: Joint, recordings: Sequence[Recording]) -> bool:
     courses = _courses(joint, recordings)
     pushed = any(np.any(c.values) for r in recordings for c in (*r.efforts, *r.commands) if c.site == joint.name)
-    return pushed or any(np.nanmax(values) - np.nanmin(values) > STILL[_unit(joint)] for values in courses)
+    return pushed or any(np.nanmax(values) - np.nanmin(values) > HELD_EXTENT[_unit(joint)] for values in courses)
 
 
 def _unit(joint: Joint) -> str:

@@ -12,12 +12,14 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from harness.diagnose.problem.constants import (
+    COMMAND_JUMP_RATIO,
+    COMMAND_JUMP_SHARE,
+    FEWEST_EFFORT_INTERVALS,
+    LONE_JUMP_SHARE,
+)
 
-LARGE = 0.1  # of an effort's range, from which on a change within one interval may be a jump
-SUDDEN = 10.0  # times the change in half of all intervals, that a jump is
-ALONE = 0.3  # of a jump, that the changes before and after it stay below: what passes through a filter takes several intervals
-FEWEST = 20  # intervals that say how an effort changes otherwise
+Array = NDArray[np.float64]
 
 
 def are_commands(efforts: Iterable[Array]) -> bool:
@@ -27,10 +29,10 @@ def are_commands(efforts: Iterable[Array]) -> bool:
 
 def _jumps(values: Array) -> bool:
     values = values[np.isfinite(values)]
-    if len(values) <= FEWEST:
+    if len(values) <= FEWEST_EFFORT_INTERVALS:
         return False
     changes = np.abs(np.diff(values))
     around = np.concatenate([[0.0], changes, [0.0]])
     beside = np.maximum(around[:-2], around[2:])
-    least = max(LARGE * float(np.ptp(values)), SUDDEN * float(np.median(changes)))
-    return bool(np.any((changes > least) & (beside < ALONE * changes)))
+    least = max(COMMAND_JUMP_SHARE * float(np.ptp(values)), COMMAND_JUMP_RATIO * float(np.median(changes)))
+    return bool(np.any((changes > least) & (beside < LONE_JUMP_SHARE * changes)))

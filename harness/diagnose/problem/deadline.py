@@ -14,6 +14,7 @@ from enum import IntEnum
 from time import monotonic
 from typing import TypeVar
 
+from harness.diagnose.problem.constants import GRACE_TIME, STAGE_SHARES, STAGE_TIMES_AT_INTERRUPT
 from harness.errors import InputError
 
 R = TypeVar("R")
@@ -30,13 +31,6 @@ class Stage(IntEnum):
     RIVALS = 1
     CRITICISM = 2
     TELLING = 3
-
-
-# By what share of the time each stage has to be over; what one leaves, the next ones have. What is found counts for nothing until
-# it is judged on data held out, so that the search has not much more than half.
-SHARES = (0.55, 0.7, 0.9, 1.0)
-AT_ONCE = (0.0, 0.5, 2.5, 3.5)  # s after an interrupt that each stage may still go on for
-GRACE = 2.5  # s beyond the end, for what an answer cannot do without
 
 
 @dataclass(frozen=True)
@@ -58,7 +52,7 @@ class Deadline:
         if limit is not None and not limit > 0.0:
             raise InputError(f"a time limit of {limit:g} s", mend="give more than 0 seconds, or none")
         self._begun = monotonic()
-        self._ends = [float("inf") if limit is None else self._begun + share * limit for share in SHARES]
+        self._ends = [float("inf") if limit is None else self._begun + share * limit for share in STAGE_SHARES]
         self._stage = Stage.SEARCH
         self._left: list[NotTried] = []
         self._parts: list[Deadline] = []
@@ -94,11 +88,13 @@ class Deadline:
         now = monotonic()
         for part in self._parts:
             part.interrupt()
-        self._ends = [min(end, now + further) for end, further in zip(self._ends, AT_ONCE, strict=True)]
+        self._ends = [
+            min(end, now + further) for end, further in zip(self._ends, STAGE_TIMES_AT_INTERRUPT, strict=True)
+        ]
 
     def check(self) -> None:
         """Raise TimeUp if the time is over, or of what is spared, if it has been for long."""
-        if monotonic() >= self._ends[-1] + GRACE if _spared.get() else self.over:
+        if monotonic() >= self._ends[-1] + GRACE_TIME if _spared.get() else self.over:
             raise TimeUp
 
     @contextmanager

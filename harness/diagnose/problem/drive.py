@@ -12,13 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from harness.diagnose.problem.constants import EFFORT_GAP_INTERVALS, EFFORT_PARTS, MOST_EFFORT_POINTS
 from harness.diagnose.problem.problem import Run
 
 Array = NDArray[np.float64]
-
-FINER = 8  # parts of every interval, where laws bend an effort between two samples
-MOST_POINTS = 40_000  # of a run so divided: corners between samples that are many cost little
-GAP = 3.0  # intervals between samples, from which on an effort is taken for a straight line
 
 
 class Drive:
@@ -39,7 +36,9 @@ class Drive:
                 self._times, self._values = times, signal
                 self._parts = run.interval / float(np.median(np.diff(times))) if len(times) > 1 else 1.0
             else:
-                self._times, self._values = _bridged(stamps, _given_back(stamps, signal, averaging), GAP * run.interval)
+                self._times, self._values = _bridged(
+                    stamps, _given_back(stamps, signal, averaging), EFFORT_GAP_INTERVALS * run.interval
+                )
             return
         # Of a block the first sample was held from its own time on. Holding for a block's h loses a twenty-fourth, of which holding
         # for the interval of recording did lose a part.
@@ -67,12 +66,12 @@ class Drive:
             # Where a law has bent the curve between points, its mean over the hat of each keeps the impulse. That loses as much,
             # and the lines between the finer times a little.
             mean = _over_hats(when, lambda t: np.interp(t, self._times, self._values[row]))
-            return _given_back(when, mean, (2.0 - 1.0 / FINER**2 + 1.0 / self._parts**2) / 12.0)
+            return _given_back(when, mean, (2.0 - 1.0 / EFFORT_PARTS**2 + 1.0 / self._parts**2) / 12.0)
         return self._held(when, row)
 
     def finer(self) -> tuple[Array, Array]:
         """Times from the first sample, several to every interval, and a smooth effort there, (1, T)."""
-        times, parts = self._times, int(np.clip(MOST_POINTS // len(self._times), 1, FINER))
+        times, parts = self._times, int(np.clip(MOST_EFFORT_POINTS // len(self._times), 1, EFFORT_PARTS))
         places = np.arange((len(times) - 1) * parts + 1) / parts
         fine = np.interp(places, np.arange(len(times)), times)
         return fine, self._curve(fine, 0)[None]
@@ -101,10 +100,12 @@ class Drive:
 
 def _over_hats(when: Array, curve: Callable[[Array], Array]) -> Array:
     """The mean of a curve over the hat function of every point of an even grid."""
-    step = (when[1] - when[0]) / FINER
-    fine = when[0] + step * np.arange(-FINER, FINER * len(when) + 1)
-    hat = FINER - np.abs(np.arange(-FINER, FINER + 1))
-    return np.convolve(curve(fine), hat / hat.sum(), mode="same")[FINER : FINER * (len(when) + 1) : FINER]
+    step = (when[1] - when[0]) / EFFORT_PARTS
+    fine = when[0] + step * np.arange(-EFFORT_PARTS, EFFORT_PARTS * len(when) + 1)
+    hat = EFFORT_PARTS - np.abs(np.arange(-EFFORT_PARTS, EFFORT_PARTS + 1))
+    return np.convolve(curve(fine), hat / hat.sum(), mode="same")[
+        EFFORT_PARTS : EFFORT_PARTS * (len(when) + 1) : EFFORT_PARTS
+    ]
 
 
 def _bridged(time: Array, signal: Array, longest: float) -> tuple[Array, Array]:

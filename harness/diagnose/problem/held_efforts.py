@@ -10,7 +10,6 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.effects.catalogue import catalogue
 from harness.recording.recording import QualityNote, Recording
 
-PLAIN = 10.0  # in the criterion, beside noise as loud as what is left, from which holding counts as seen
 LATE = "actuator_delay"
 
 

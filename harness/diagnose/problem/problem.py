@@ -17,6 +17,17 @@ from numpy.typing import NDArray
 from scipy.signal import coherence
 
 from harness.diagnose.problem.commands import are_commands
+from harness.diagnose.problem.constants import (
+    AT_REST_SHARE,
+    BLOCK_SHORTNESS,
+    COHERENCE_SEGMENT,
+    COHERENT_CHANCE,
+    COHERENT_SHARE,
+    FEWEST_MOVING_SAMPLES,
+    HELD_OUT_SHARE,
+    MOST_SAMPLES,
+    SAMPLES_A_SWING,
+)
 from harness.diagnose.problem.payloads import carrying
 from harness.effects.measured import Measured
 from harness.effects.scale import swings
@@ -26,15 +37,6 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-SEGMENT = 128  # samples of a stretch of a coherence estimate
-COHERENT_CHANCE = 0.01  # at which a frequency counts as coherent
-COHERENT_SHARE = 0.15  # of the frequencies that must be, for a velocity to count as computed from the position
-HELD_OUT_SHARE = 0.3  # of a single recording, until it has come to rest
-MOST_SAMPLES = 24_000  # of all recordings together, a channel
-SAMPLES_A_SWING = 40.0
-NEARLY = 0.1  # of a sample that a block may be shorter than the rate asks for
-AT_REST = 0.02  # of a channel's extent, around where it ends
-FEWEST_MOVING = 100  # samples of motion that can be divided
 MEASURED = ("position", "velocity", "tip_deflection", "root_strain", "tip_acceleration")
 
 
@@ -218,10 +220,10 @@ def _is_derived(joint: str, recordings: Sequence[Measured]) -> bool:
         if q is None or v is None:
             return False
         good = np.isfinite(q) & np.isfinite(v)
-        if good.sum() < 8 * SEGMENT:
+        if good.sum() < 8 * COHERENCE_SEGMENT:
             continue
-        frequency, found = coherence(np.diff(q[good], 2), np.diff(v[good], 2), nperseg=SEGMENT)
-        averages = 2.0 * good.sum() / SEGMENT - 1.0
+        frequency, found = coherence(np.diff(q[good], 2), np.diff(v[good], 2), nperseg=COHERENCE_SEGMENT)
+        averages = 2.0 * good.sum() / COHERENCE_SEGMENT - 1.0
         level = 1.0 - COHERENT_CHANCE ** (1.0 / max(9.0 / 11.0 * averages - 1.0, 1.0))
         shares.append(float(np.mean(found[frequency > 0.1] > level)))
     return bool(shares) and float(np.median(shares)) > COHERENT_SHARE
@@ -240,8 +242,8 @@ def _moving_samples(run: Run) -> int:
         extent = float(np.ptp(values[finite])) if finite.any() else 0.0
         if extent > 0.0:
             end = float(np.median(values[finite][-max(1, finite.sum() // 20) :]))
-            last = max(last, int(np.flatnonzero(finite & (np.abs(values - end) > AT_REST * extent))[-1]) + 1)
-    return last if last >= FEWEST_MOVING else len(run.time)
+            last = max(last, int(np.flatnonzero(finite & (np.abs(values - end) > AT_REST_SHARE * extent))[-1]) + 1)
+    return last if last >= FEWEST_MOVING_SAMPLES else len(run.time)
 
 
 def _run(system: System, infos: tuple[ChannelInfo, ...], recording: Measured, index: int) -> Run:
@@ -289,7 +291,7 @@ def _slice(run: Run, first: int, last: int, note: str) -> Run:
 
 def _thin(run: Run, finest_rate: float) -> Run:
     """Average blocks of samples until the rate is about ``finest_rate``; blocks never span a gap."""
-    step = int(np.floor(1.0 / (run.interval * finest_rate) + NEARLY))
+    step = int(np.floor(1.0 / (run.interval * finest_rate) + BLOCK_SHORTNESS))
     if step < 2:
         return run
     gaps = np.flatnonzero(np.diff(run.time) > 3.0 * run.interval) + 1

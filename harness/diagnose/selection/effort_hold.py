@@ -14,7 +14,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.problem.held_efforts import PLAIN, held_notes, late
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
+from harness.diagnose.problem.held_efforts import held_notes, late
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.selection.pruning import pruned
 from harness.diagnose.selection.study import FAR, HOPELESS, Study
@@ -28,7 +29,7 @@ def either_way(study: Study, fitted: Fit) -> tuple[Study, Fit]:
         return study, fitted
     other = _turned(study)
     found = other.fit(fitted.hypothesis, [fitted.x], fitted)
-    plainly = found.score < min(fitted.score - PLAIN * other.loudness(found), HOPELESS * other.samples)
+    plainly = found.score < min(fitted.score - UNPARTED_EVIDENCE * other.loudness(found), HOPELESS * other.samples)
     return (other, found) if plainly else (study, fitted)
 
 
@@ -44,12 +45,12 @@ def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tu
     other = _turned(study)
     near = [f for f in ordered[:count] if f.score < FAR * best.score]
     for fitted in near:
-        other.fit(fitted.hypothesis, [fitted.x], fitted, target=best.score + PLAIN * study.loudness(best))
+        other.fit(fitted.hypothesis, [fitted.x], fitted, target=best.score + UNPARTED_EVIDENCE * study.loudness(best))
     found = min(other.fits.values(), key=other.criterion)
-    if late(found.hypothesis) and found.score < best.score + PLAIN * study.loudness(best):
+    if late(found.hypothesis) and found.score < best.score + UNPARTED_EVIDENCE * study.loudness(best):
         found = pruned(other, found)
     gain = study.criterion(best) - other.criterion(found)
-    least = -PLAIN if study.problem.held != study.problem.commanded else PLAIN
+    least = -UNPARTED_EVIDENCE if study.problem.held != study.problem.commanded else UNPARTED_EVIDENCE
     if len(found.hypothesis.members) < len(best.hypothesis.members) and not late(found.hypothesis):
         least = 0.0
     if gain < least * study.loudness(best):
