@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from simulated_recordings import MASS, Rig, nominal, releases
 
+from harness.diagnose.prediction.constants import FARTHEST_NOMINAL
 from harness.diagnose.prediction.coordinates import from_internal, internal_bounds, to_internal
-from harness.diagnose.prediction.mechanisms import FARTHEST
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -18,9 +18,9 @@ def test_a_nominal_quantity_is_bent_only_so_far() -> None:
     predictor = Predictor(pose(system, runs))
     far = np.full((1, len(predictor.nominal)), 1e6)
     (altered,) = predictor.made(Hypothesis(), far)[1]
-    assert np.isclose(altered.links[0].mass / system.links[0].mass, np.exp(FARTHEST))
+    assert np.isclose(altered.links[0].mass / system.links[0].mass, np.exp(FARTHEST_NOMINAL))
     # Sums of squares of numbers that differ so much still keep half of their digits.
-    assert np.exp(FARTHEST) ** 2 < np.sqrt(1.0 / np.finfo(np.float64).eps)
+    assert np.exp(FARTHEST_NOMINAL) ** 2 < np.sqrt(1.0 / np.finfo(np.float64).eps)
 
 
 def test_a_link_still_bends_under_the_largest_load_a_fit_may_try() -> None:

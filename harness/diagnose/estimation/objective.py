@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.likelihood import Likelihood
-from harness.diagnose.prediction.coordinates import REACH, internal_bounds
+from harness.diagnose.prediction.constants import REACH
+from harness.diagnose.prediction.coordinates import internal_bounds
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window

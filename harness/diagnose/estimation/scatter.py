@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from harness.diagnose.estimation.noise_colour import Colour
-from harness.diagnose.prediction.predictor import TOLERANCE
+from harness.diagnose.prediction.constants import RUN_TOLERANCE
 from harness.diagnose.problem.problem import Problem
 
 EXACT = 1e-6  # of a channel's extent: sensors resolve no less, and computed motions agree to no more
@@ -24,5 +24,5 @@ def quietest(problem: Problem, channel: int) -> float:
     """The least noise a channel can have: its resolution, or what the computed motion itself is certain to."""
     extent = float(np.nanmax([np.nanmax(np.abs(run.values[channel])) for run in problem.train]))
     # What stays at rest has no extent, and is still computed no better than to the error of every step, added up as by chance.
-    computed = TOLERANCE * np.sqrt(max(len(run.time) for run in problem.train))
+    computed = RUN_TOLERANCE * np.sqrt(max(len(run.time) for run in problem.train))
     return max(problem.steps[channel] / np.sqrt(12.0), EXACT * extent, float(computed))

@@ -7,16 +7,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.prediction.constants import CLOCK_MARGIN, LARGEST_SIZE, LOGARITHMIC_SPAN, REACH, WEAKEST_RATIO
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.effects.effect import Parameter
 
 Array = NDArray[np.float64]
-
-DECADE = 10.0
-REACH = 5.0
-WEAKER = 1e3
-LARGEST = 1e6  # typical sizes that a parameter may have: beyond, what follows from it would be lost in rounding
-CLOCK_MARGIN = 0.25  # share of a window that is simulated beyond its end where a clock may run slow
 
 
 @lru_cache(maxsize=1024)
@@ -28,7 +23,7 @@ def is_logarithmic(candidate: Candidate) -> NDArray[np.bool_]:
 
     def spans(parameter: Parameter) -> bool:
         positive = [s for s in parameter.starts if s > 0.0]
-        return len(positive) > 1 and max(positive) >= DECADE * min(positive)
+        return len(positive) > 1 and max(positive) >= LOGARITHMIC_SPAN * min(positive)
 
     out = np.array(
         [
@@ -88,8 +83,8 @@ def internal_bounds(candidate: Candidate, reach: float = REACH) -> tuple[Array, 
         lower = np.where(candidate.effect.lower >= 0.0, np.maximum(lower, np.where(log, lower, least)), lower)
     nested = bool(candidate.effect.simpler)
     ends = np.array([_log_reach(p, nested, reach) for p in candidate.effect.parameters]).reshape(-1, 2)
-    lower = np.maximum(lower, np.where(log, ends[:, 0], -LARGEST))
-    upper = np.minimum(upper, np.where(log, ends[:, 1], LARGEST))
+    lower = np.maximum(lower, np.where(log, ends[:, 0], -LARGEST_SIZE))
+    upper = np.minimum(upper, np.where(log, ends[:, 1], LARGEST_SIZE))
     lower.setflags(write=False)
     upper.setflags(write=False)
     return lower, upper
@@ -106,7 +101,7 @@ def _log_reach(parameter: Parameter, nested: bool, reach: float) -> tuple[float,
     if nested and parameter.name == "stiffness":
         # Where a simpler effect stands at infinite stiffness, going there only makes its equations stiff. Contacts give over a
         # way of their own, so that a weak friction has as weak a stiffness.
-        lowest, highest = lowest / WEAKER, max(positive) / 3.0
+        lowest, highest = lowest / WEAKEST_RATIO, max(positive) / 3.0
     return float(np.log(lowest)), float(np.log(highest))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.lanes.model import LaneModel
+from harness.diagnose.prediction.constants import FARTHEST_NOMINAL
 from harness.diagnose.prediction.coordinates import from_internal, start_vector, to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled, tolerances
 from harness.diagnose.problem.windows import Window
@@ -20,7 +21,6 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
-FARTHEST = 7.0  # powers of e that a nominal quantity may be tried away from its stated value
 MOST_KEPT = 4000  # rows, with the systems that they were made of
 
 
@@ -91,7 +91,9 @@ class Mechanisms:
     def altered(self, hypothesis: Hypothesis, x: Array) -> System:
         """The system with nominal factors and reshaping effects applied (joint laws are left to the rows)."""
         # A step that is tried may be absurd; its run is followed no more than its numbers can be held.
-        factors = np.exp(np.clip(tolerances(self.nominal) * x[: len(self.nominal)], -FARTHEST, FARTHEST)).tolist()
+        factors = np.exp(
+            np.clip(tolerances(self.nominal) * x[: len(self.nominal)], -FARTHEST_NOMINAL, FARTHEST_NOMINAL)
+        ).tolist()
         system = scaled(self.system, self.nominal, factors)
         reshaping = [(k, m.effect.reshape, m) for k, m in enumerate(hypothesis.members) if m.effect.reshape is not None]
         # What adds coordinates comes first: its directions are those of the upright system.

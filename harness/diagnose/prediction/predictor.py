@@ -19,7 +19,7 @@ from harness.denoc.lanes.model import LaneModel
 from harness.denoc.lanes.rows import INERTIA_SLOTS
 from harness.denoc.motion.hold import kept
 from harness.diagnose.prediction.assembly import Assembly
-from harness.diagnose.prediction.coordinates import CLOCK_MARGIN
+from harness.diagnose.prediction.constants import CLOCK_MARGIN, FINEST_STEP, MOST_WITHIN_A_BLOCK, RUN_TOLERANCE
 from harness.diagnose.prediction.mechanisms import Mechanism, Mechanisms
 from harness.diagnose.prediction.recorded_efforts import RecordedEfforts
 from harness.diagnose.prediction.stiff_runs import StiffRuns
@@ -37,10 +37,8 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-FINEST_STEP = 0.004  # s between the states that a free run hands over, unless the recording itself is coarser or finer
 ABREAST = 8  # lanes that run at the price of one
 UNEQUAL = 4  # times as long as another may a lane be that runs beside it: room is kept for the longest
-TOLERANCE = 1e-10  # error of a free run in one step [rad, rad/s]; thousands of steps stay far below any sensor's noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +99,7 @@ class Predictor(Mechanisms):
         self.deadline = deadline or Deadline()
         self.runs = problem.runs
         self.finest_step = finest_step
-        self.tolerance = TOLERANCE
+        self.tolerance = RUN_TOLERANCE
         # Where windows begin, by run and first sample; see ``estimation.assemblies``.
         self.assemblies: dict[tuple[int, int], Assembly] = {}
         self._grids: dict[tuple[Window, float], Grid] = {}
@@ -510,10 +508,7 @@ def _averaged(
     return np.asarray(signal + spread * np.gradient(np.gradient(signal, run.interval, axis=1), run.interval, axis=1))
 
 
-MOST_WITHIN = 4  # times at which what a sensor makes of a block is worked out
-
-
-def _within_a_block(run: Run, most: int = MOST_WITHIN) -> Array:
+def _within_a_block(run: Run, most: int = MOST_WITHIN_A_BLOCK) -> Array:
     """Times around the middle of a block [s] that stand for its samples: at most so many, spread as widely as they are."""
     count = min(run.averaged, most)
     if count == 1:

@@ -16,20 +16,20 @@ from numpy.typing import NDArray
 from harness.denoc.lanes.exponential import linearization, march, smooth
 from harness.denoc.lanes.model import LaneModel
 from harness.denoc.motion.hold import joined
+from harness.diagnose.prediction.constants import (
+    ALIKE_ROW_DIFFERENCE,
+    ALIKE_STATE_DIFFERENCE,
+    EASY_STEP_SHARE,
+    FEWEST_STIFF_STATES,
+    HALVED_STEP_CHANGE,
+    MOST_INNER_STEPS,
+    STIFF_TURN,
+)
 from harness.diagnose.problem.problem import ChannelInfo
 from harness.recording.sensors import observe
 
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
-
-# What half the steps may change in the sum of squares of a run, in variances of the noise. Errors of order 4 leave a 225th of
-# it; of order 2, where efforts have kinks and several joints turn, a ninth.
-SHOWN = 0.3
-FINEST = 32  # steps between two states that are handed over
-EASILY = 1.0 / 300.0  # of that, below which steps twice as long will do next time
-KIN_ROWS, KIN_STATES = 1e-4, 1e-5  # how far parameters (relative) and initial states differ of runs that err alike
-STIFF = 0.5  # rad that the fastest vibration turns in a step; below, steps that resolve it cost no more
-FEWEST = 16  # states that are worth it
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ class StiffRuns:
             return march(model, rows[which], states[which], time, steps, linear[some], tau=forces, threads=threads)[:3]
 
         coarse: Motion | None = None
-        while len(left) and inner <= FINEST:
+        while len(left) and inner <= MOST_INNER_STEPS:
             # One run of each kind is made twice.
             twice, kind = _kinds(rows[left], states[left], requests[left])
             coarse = (
@@ -112,24 +112,24 @@ class StiffRuns:
             fine = run(inner, np.arange(len(left)))
             changed = self._changed(model, rows[left[twice]], coarse, (fine[0][twice], fine[1][twice], fine[2][twice]))
             lost = ~np.isfinite(fine[0]).all(axis=(1, 2))
-            bad = np.isin(requests[left], requests[left[~(changed < SHOWN)[kind] | lost]])
+            bad = np.isin(requests[left], requests[left[~(changed < HALVED_STEP_CHANGE)[kind] | lost]])
             for array, part in zip(out, fine, strict=True):
                 array[left[~bad]] = part[~bad]
             fits[left[~bad]] = True
             if not bad.all():
-                self._usual[key] = max(2, inner // 2) if changed.max() < EASILY * SHOWN else inner
+                self._usual[key] = max(2, inner // 2) if changed.max() < EASY_STEP_SHARE * HALVED_STEP_CHANGE else inner
             coarse, linear, left, inner = (fine[0][bad], fine[1][bad], fine[2][bad]), linear[bad], left[bad], 2 * inner
         return out, fits
 
     def _worth_it(self, model: LaneModel, rows: Array, states: Array, time: Array, requests: Array) -> NDArray[np.intp]:
         """Runs of the requests that move smoothly and vibrate fast."""
-        if model.user or len(time) < FEWEST:
+        if model.user or len(time) < FEWEST_STIFF_STATES:
             return np.zeros(0, dtype=np.intp)
         asked, first = np.unique(requests, return_index=True)
         linear = linearization(model, rows[first], states[first])
         turn = np.abs(np.linalg.eigvals(np.nan_to_num(linear))).max(axis=1) * (time[1] - time[0])
         rough = requests[np.logical_not(smooth(model, rows))]
-        return np.flatnonzero(np.isin(requests, asked[turn > 2 * STIFF]) & ~np.isin(requests, rough))
+        return np.flatnonzero(np.isin(requests, asked[turn > 2 * STIFF_TURN]) & ~np.isin(requests, rough))
 
     def _changed(self, model: LaneModel, rows: Array, coarse: Motion, fine: Motion) -> Array:
         """Sum of squares (B,) of what half the steps change in the channels, in variances of the noise; nan where a run failed."""
@@ -149,8 +149,8 @@ def _kinds(rows: Array, states: Array, requests: Array) -> tuple[NDArray[np.intp
     while (kind < 0).any():
         k = int(np.argmax(kind < 0))
         alike = (requests == requests[k]) & (kind < 0)
-        alike &= (np.abs(rows - rows[k]) <= KIN_ROWS * np.abs(rows[k])).all(axis=1)
-        alike &= (np.abs(states - states[k]) <= KIN_STATES * np.maximum(1.0, np.abs(states[k]))).all(axis=1)
+        alike &= (np.abs(rows - rows[k]) <= ALIKE_ROW_DIFFERENCE * np.abs(rows[k])).all(axis=1)
+        alike &= (np.abs(states - states[k]) <= ALIKE_STATE_DIFFERENCE * np.maximum(1.0, np.abs(states[k]))).all(axis=1)
         alike[k] = True
         kind[alike] = len(found)
         found.append(k)

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.prediction.coordinates import REACH, internal_bounds
+from harness.diagnose.prediction.constants import REACH
+from harness.diagnose.prediction.coordinates import internal_bounds
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.study import Study
 
