@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from harness.diagnose.estimation.dispersion import POOLED, dispersion
+from harness.diagnose.estimation.constants import POOLED_RECORDINGS
+from harness.diagnose.estimation.dispersion import dispersion
 
 
 def _fit(means: np.ndarray, samples: int) -> Any:
@@ -28,7 +29,7 @@ def test_one_number_by_recording() -> None:
     assert found is not None
     # The standard error of the mean, once by noise (1/√400) and once by the spread of recordings (s/√4).
     ratio = means.var(ddof=1) / len(means) / (1.0 / (samples * len(means)))
-    student = t.ppf(0.975, POOLED + len(means) - 1) / norm.ppf(0.975)
+    student = t.ppf(0.975, POOLED_RECORDINGS + len(means) - 1) / norm.ppf(0.975)
     assert found.factors[0] == pytest.approx(np.sqrt(ratio) * student, rel=1e-12)
     for k, name in enumerate("abcd"):
         value, _ = found.without[name]
@@ -44,4 +45,4 @@ def test_recordings_that_agree_narrow_nothing() -> None:
 def test_of_few_recordings_the_spread_is_unknown_and_so_is_how_much_they_differ(means: list[float]) -> None:
     found = dispersion(_fit(np.array(means), 100), 0, list(range(len(means))))
     assert found is not None and not found.without
-    assert found.factors[0] == pytest.approx(t.ppf(0.975, POOLED) / norm.ppf(0.975), rel=1e-12)
+    assert found.factors[0] == pytest.approx(t.ppf(0.975, POOLED_RECORDINGS) / norm.ppf(0.975), rel=1e-12)

@@ -11,7 +11,8 @@ from simulated_recordings import nominal, recording
 
 from harness import diagnose
 from harness.cases.pendulums import hinge
-from harness.diagnose.estimation.horizon import AT_FIRST, PIECES_A_SWING, Horizon, transitions
+from harness.diagnose.estimation.constants import FORETOLD_GROWTH_AT_FIRST, PIECES_A_SWING
+from harness.diagnose.estimation.horizon import Horizon, transitions
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
 from harness.diagnose.problem.windows import Window
@@ -54,7 +55,7 @@ def test_windows_of_what_stands_upside_down_are_halved_until_errors_stay_small()
     assert [w.first for w in found[1:]] == [w.last for w in found[:-1]]
     assert (found[0].first, found[-1].last) == (0, SAMPLES)
     lengths = np.array([seconds(w) for w in found])
-    longest = np.log(AT_FIRST) / RATE
+    longest = np.log(FORETOLD_GROWTH_AT_FIRST) / RATE
     # Growth is counted in pieces, which may reach beyond a window at either end.
     beyond = 2.0 * (2.0 * np.pi / RATE / PIECES_A_SWING)
     assert lengths.max() < longest < 2.0 * (lengths.min() + beyond)

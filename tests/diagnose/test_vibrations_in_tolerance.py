@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import harness
-from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES, GROWTH, SLIP, stages
+from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES, VIBRATION_SLIP, WINDOW_GROWTH
+from harness.diagnose.estimation.vibration_windows import stages
 from harness.diagnose.problem.hypothesis import nominal_quantities, scaled
 from harness.diagnose.problem.problem import Problem, Run, pose
 from harness.diagnose.problem.windows import Window, cut
@@ -64,7 +65,9 @@ def test_the_finest_windows_keep_the_fastest_vibration_within_its_cycle(strip: S
     assert found
     slip = mounted_frequency(strip, "rod", 2) * strip.tolerance
     for window in found[0]:
-        assert window.size * 0.001 * slip <= SLIP * 1.05 or window.size < GROWTH * FEWEST_SAMPLES
+        assert (
+            window.size * 0.001 * slip <= VIBRATION_SLIP * 1.05 or window.size < WINDOW_GROWTH * FEWEST_WINDOW_SAMPLES
+        )
     for finer, coarser in zip(found, [*found[1:], windows], strict=True):
         # Every cut of the coarser is one of the finer: states are handed on.
         assert {w.first for w in coarser} < {w.first for w in finer}
@@ -74,7 +77,7 @@ def test_the_finest_windows_keep_the_fastest_vibration_within_its_cycle(strip: S
 def test_windows_keep_enough_samples_to_be_fitted(strip: System) -> None:
     posed = problem(strip, 3.0, 0.004)
     for cuts in stages(posed, cut(posed.runs, (0,), 1.5)):
-        assert min(window.size for window in cuts) >= FEWEST_SAMPLES
+        assert min(window.size for window in cuts) >= FEWEST_WINDOW_SAMPLES
 
 
 def test_rigid_mechanisms_need_no_finer_windows() -> None:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.beside_state_force import Beside, beside
+from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.objective import Objective
 from harness.diagnose.estimation.state_force import Force, StateForce
 from harness.diagnose.estimation.state_force_in_parts import in_parts
-from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.outcome import Outcome
@@ -104,7 +104,7 @@ def pieces(outcome: Outcome, windows: Sequence[Window]) -> tuple[Window, ...]:
     for window in windows:
         run = outcome.problem.runs[window.run]
         lasts = run.duration * window.size / len(run.time)
-        count = min(round(lasts / (A_PIECE * outcome.period)), window.size // FEWEST_SAMPLES)
+        count = min(round(lasts / (A_PIECE * outcome.period)), window.size // FEWEST_WINDOW_SAMPLES)
         out += equal_parts(window, max(count, 1))
     return tuple(out)
 

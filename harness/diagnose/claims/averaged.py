@@ -15,7 +15,8 @@ from scipy.optimize import brentq
 from scipy.stats import norm
 
 from harness.diagnose.claims.posterior import weighed
-from harness.diagnose.estimation.intervals import WIDE, Estimate
+from harness.diagnose.estimation.constants import NORMAL_95
+from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import from_internal
 from harness.diagnose.problem.hypothesis import Candidate
@@ -66,15 +67,15 @@ def _estimates(
     values = from_internal(member, own)
     out = {}
     for j, parameter in enumerate(member.effect.parameters):
-        ends = [own[j] - WIDE * spread[j], own[j] + WIDE * spread[j]]
+        ends = [own[j] - NORMAL_95 * spread[j], own[j] + NORMAL_95 * spread[j]]
         if rows:
             weights, means, spreads = (
                 np.array(column) for column in zip(*((w, x[j], s[j]) for w, x, s in rows), strict=True)
             )
-            ends += [quantile(weights, means, spreads, level) for level in (norm.cdf(-WIDE), norm.cdf(WIDE))]
+            ends += [quantile(weights, means, spreads, level) for level in (norm.cdf(-NORMAL_95), norm.cdf(NORMAL_95))]
         there = [float(from_internal(member, np.where(np.arange(len(own)) == j, end, own))[j]) for end in ends]
         low, high = max(min(there), parameter.lower), min(max(there), parameter.upper)
-        out[parameter.name] = Estimate(float(values[j]), (high - low) / (2.0 * WIDE), low, high)
+        out[parameter.name] = Estimate(float(values[j]), (high - low) / (2.0 * NORMAL_95), low, high)
     return out
 
 

@@ -13,9 +13,10 @@ from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.claims.posterior import SURE
 from harness.diagnose.criticism.held_out import FAKED
 from harness.diagnose.criticism.remainder import above_floor
+from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.discrepancy import responses
-from harness.diagnose.estimation.dispersion import FEWEST, Dispersion, dispersion
-from harness.diagnose.estimation.intervals import WIDE, Estimate, scaled
+from harness.diagnose.estimation.dispersion import Dispersion, dispersion
+from harness.diagnose.estimation.intervals import Estimate, scaled
 from harness.diagnose.estimation.least_squares import Fit, covariance
 from harness.diagnose.estimation.misfit import Misfit, sandwich
 from harness.diagnose.selection.outcome import Outcome, judge
@@ -52,7 +53,7 @@ def repeated(outcome: Outcome, conclusion: Conclusion) -> Repeated | None:
     """
     best, beside = conclusion.best, outcome.evidence is not None and not conclusion.by_free_runs
     names = [outcome.problem.runs[window.run].name for window in best.windows]
-    by_recording = len(set(names)) >= FEWEST
+    by_recording = len(set(names)) >= FEWEST_CLUSTERS
     clusters: list[Any] = names if by_recording else list(range(len(names)))
     count = len(outcome.predictor.nominal)
     expected = _expected(outcome, best, count, beside=beside)
@@ -100,7 +101,7 @@ def repeatability(outcome: Outcome, how: Repeated | None, key: str) -> list[dict
     for name, (x, std) in how.spread.without.items():
         values = [
             outcome.predictor.effect_values(how.fitted.hypothesis, k, x + sense * np.nan_to_num(std))
-            for sense in (0.0, -WIDE, WIDE)
+            for sense in (0.0, -NORMAL_95, NORMAL_95)
         ]
         parameters = {
             p.name: {"value": values[0][j], "ci95": sorted((values[1][j], values[2][j]))}

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from harness.diagnose.claims.rivals import APART
 from harness.diagnose.criticism.held_out import AMPLY, CARRIES
+from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.estimation.objective import LOST
 from harness.diagnose.selection.outcome import Outcome, judge
 from harness.diagnose.selection.state_evidence import curious
 

@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.least_squares import Fit, fit
-from harness.diagnose.estimation.objective import LOST
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, compatible, contains, dear
 from harness.diagnose.selection.beam_search import NEAR, exhausted, finished

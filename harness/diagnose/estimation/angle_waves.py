@@ -14,19 +14,21 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from harness.diagnose.estimation.constants import (
+    ANGLE_BLOCK_PERIODS,
+    ANGLE_LINE_EVIDENCE,
+    ANGLE_OVERSAMPLING,
+    FEWEST_ANGLE_PERIODS,
+    MOST_ANGLE_LINES,
+    MOST_PERIODS_A_TURN,
+    ROUNDING_OVERTONES,
+)
 
-MOST_LINES = 8
-FEWEST_PERIODS = 4.0  # within the motion's range; fewer are what any smooth misfit looks like
-FASTEST = 5000.0  # periods a turn
-OVERSAMPLING = 6.0  # trials within one resolved period
-BLOCK = 24.0  # resolved periods whose median power is what a line is held against
-OVERTONES = 40  # of rounding
-PLAIN = 16.0  # log of the odds against so strong a line anywhere in noise, e^16 to one
+Array = NDArray[np.float64]
 
 
 def without_waves(
-    residuals: Sequence[Array], angles: Sequence[Array], step: float = 0.0, most: int = MOST_LINES
+    residuals: Sequence[Array], angles: Sequence[Array], step: float = 0.0, most: int = MOST_ANGLE_LINES
 ) -> tuple[list[Array], list[float]]:
     """Residuals without their significant lines over the angle, and the lines' periods a turn, strongest first.
 
@@ -55,36 +57,36 @@ def _line(values: Array, angle: Array, extent: float, step: float) -> float | No
 
     A joint that turns more than once reads the same error every turn, so angles are taken within one.
     """
-    first = FEWEST_PERIODS * 2.0 * np.pi / extent
-    if first > FASTEST:
+    first = FEWEST_ANGLE_PERIODS * 2.0 * np.pi / extent
+    if first > MOST_PERIODS_A_TURN:
         return None
-    spacing = 2.0 * np.pi / extent / OVERSAMPLING
+    spacing = 2.0 * np.pi / extent / ANGLE_OVERSAMPLING
     if extent >= 2.0 * np.pi:
         angle = np.mod(angle, 2.0 * np.pi)
-    size = int(2 ** np.ceil(np.log2(2.0 * FASTEST / spacing)))
+    size = int(2 ** np.ceil(np.log2(2.0 * MOST_PERIODS_A_TURN / spacing)))
     turn = 2.0 * np.pi / spacing
     place = np.mod(np.round((angle - angle.min()) / turn * size).astype(np.int64), size)
     power: Array = np.abs(np.fft.rfft(np.bincount(place, weights=values, minlength=size))) ** 2
     periods = spacing * np.arange(len(power), dtype=np.float64)
-    usable = (periods >= first) & (periods <= FASTEST)
+    usable = (periods >= first) & (periods <= MOST_PERIODS_A_TURN)
     if step > 0.0:
         # Rounding is a sawtooth over the angle, whose overtones beyond what the places resolve come back lower.
-        overtones = 2.0 * np.pi / step * np.arange(1, OVERTONES + 1)
+        overtones = 2.0 * np.pi / step * np.arange(1, ROUNDING_OVERTONES + 1)
         folded = np.abs(overtones - size * spacing * np.round(overtones / (size * spacing)))
         for overtone in folded:
-            usable &= np.abs(periods - overtone) > 2.0 * OVERSAMPLING * spacing
+            usable &= np.abs(periods - overtone) > 2.0 * ANGLE_OVERSAMPLING * spacing
     periods, power = periods[usable], power[usable]
-    if len(periods) < BLOCK * OVERSAMPLING:
+    if len(periods) < ANGLE_BLOCK_PERIODS * ANGLE_OVERSAMPLING:
         return None
     ratio = power / _level(periods, power, spacing)
     best = int(np.argmax(ratio))
-    trials = len(periods) / OVERSAMPLING
-    return float(periods[best]) if ratio[best] > np.log(trials) + PLAIN else None
+    trials = len(periods) / ANGLE_OVERSAMPLING
+    return float(periods[best]) if ratio[best] > np.log(trials) + ANGLE_LINE_EVIDENCE else None
 
 
 def _level(periods: Array, power: Array, spacing: float) -> Array:
     """Mean power of noise about each number of periods, from medians over blocks that widen with it."""
-    width = np.maximum(0.5 * periods, BLOCK * OVERSAMPLING * spacing)
+    width = np.maximum(0.5 * periods, ANGLE_BLOCK_PERIODS * ANGLE_OVERSAMPLING * spacing)
     block = np.zeros(len(periods), dtype=np.int64)
     first, number = 0, 0
     while first < len(periods):

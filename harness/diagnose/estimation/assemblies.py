@@ -14,6 +14,15 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import (
+    ASSEMBLY_STARTS,
+    ASSEMBLY_SWINGS,
+    FEWEST_ASSEMBLY_SAMPLES,
+    MOST_ASSEMBLIES,
+    OUTSIDE_RANGE_SHARE,
+    SAME_ASSEMBLY,
+    WORSE_ASSEMBLY_RATIO,
+)
 from harness.diagnose.prediction.assembly import Assembly
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -25,14 +34,6 @@ from harness.system.kinematics import poses
 from harness.system.lowering import lower
 
 Array = NDArray[np.float64]
-
-STARTS = 64  # of Newton's method
-MOST = 16  # assemblies that are run
-SAME = 1e-3  # rad, or of the mechanism's size, within which two places of all bodies are one
-OUTSIDE = 0.05  # of a joint's range, beyond which a place is none
-SHARES = (0.125, 0.25, 0.5, 1.0)  # of a swing, over which runs are judged
-FEWEST = 8  # samples that are judged
-CLEARLY = 4.0  # times the mean square of the best: likelier by far with an error of unknown size, even if all of it errs together
 
 
 def closed_as_recorded(predictor: Predictor, window: Window, state: Array) -> Array:
@@ -64,12 +65,12 @@ def assemblies(predictor: Predictor, state: Array) -> Array:
     placed = mechanism.model.placed[places]
     sliding = np.array([joint.prismatic for joint in joints])
     reach = np.where(sliding, 2.0 * size(system), np.pi)
-    tried = np.repeat(state[None], STARTS, axis=0)
+    tried = np.repeat(state[None], ASSEMBLY_STARTS, axis=0)
     # The same places every time.
-    tried[:, places] = placed + np.random.default_rng(7).uniform(-1.0, 1.0, (STARTS, len(places))) * reach
+    tried[:, places] = placed + np.random.default_rng(7).uniform(-1.0, 1.0, (ASSEMBLY_STARTS, len(places))) * reach
     found = _unwound(predictor, _closed(predictor, tried), placed, sliding)
     low, high = (np.array([getattr(joint, end) for joint in joints]) for end in ("lower", "upper"))
-    slack = OUTSIDE * np.where(np.isfinite(high - low), high - low, 0.0)
+    slack = OUTSIDE_RANGE_SHARE * np.where(np.isfinite(high - low), high - low, 0.0)
     q = found[:, places]
     found = found[np.isfinite(found).all(axis=1) & (q >= low - slack).all(axis=1) & (q <= high + slack).all(axis=1)]
     found = found[np.argsort(np.abs((found - stated)[:, places] / reach).max(axis=1), kind="stable")]
@@ -77,12 +78,12 @@ def assemblies(predictor: Predictor, state: Array) -> Array:
     turned = [_turns(stated[places], sliding)]
     for other in found:
         turns = _turns(other[places], sliding)
-        if any(np.abs(turns - known).max() < 0.1 * SAME for known in turned):
+        if any(np.abs(turns - known).max() < 0.1 * SAME_ASSEMBLY for known in turned):
             continue
         turned.append(turns)
         # Angles of a ball may differ where no body does.
         shape = _shape(predictor, other)
-        if len(kept) < MOST and all(np.abs(shape - known).max() > SAME for known in seen):
+        if len(kept) < MOST_ASSEMBLIES and all(np.abs(shape - known).max() > SAME_ASSEMBLY for known in seen):
             kept.append(other)
             seen.append(shape)
     if len(kept) > 1 and stated is state:
@@ -118,9 +119,9 @@ def _begun(predictor: Predictor, window: Window, state: Array) -> Assembly:
         return Assembly(stated, stated)
     costs = _misfits(predictor, window, found)
     best = int(np.argmin(costs))
-    if costs[0] <= CLEARLY * costs[best]:
+    if costs[0] <= WORSE_ASSEMBLY_RATIO * costs[best]:
         best = 0
-    alike = int((costs <= CLEARLY * costs[best]).sum())
+    alike = int((costs <= WORSE_ASSEMBLY_RATIO * costs[best]).sum())
     if predictor.closed(state) is state:
         # The model's place leads to none of them.
         stated, best = found[best], 0
@@ -131,7 +132,7 @@ def _misfits(predictor: Predictor, window: Window, states: Array) -> Array:
     """Mean squares (A,) of what free runs leave, in units of the noise's and one more, over the shortest stretch that decides."""
     run = predictor.problem.runs[window.run]
     swing = 2.0 * np.pi / min(swings(predictor.system))
-    whole = int(np.clip(round(swing / run.interval) + 1, FEWEST, len(run.time) - window.first))
+    whole = int(np.clip(round(swing / run.interval) + 1, FEWEST_ASSEMBLY_SAMPLES, len(run.time) - window.first))
     stretch = Window(window.run, window.first, window.first + whole)
     x = np.zeros((1, len(predictor.nominal)))
     runs = np.array(predictor.predict(Hypothesis(), x, [(0, stretch, state) for state in states]))
@@ -142,14 +143,14 @@ def _misfits(predictor: Predictor, window: Window, states: Array) -> Array:
         squares = ((runs - values) / noise[:, None]) ** 2
     squares[:, ~np.isfinite(values)] = np.nan
     costs = np.ones(len(states))
-    for share in SHARES:
-        first = squares[:, :, : max(round(share * whole), FEWEST)]
+    for share in ASSEMBLY_SWINGS:
+        first = squares[:, :, : max(round(share * whole), FEWEST_ASSEMBLY_SAMPLES)]
         lost = ~np.isfinite(runs[:, :, : first.shape[2]]).all(axis=(1, 2))
         read = np.isfinite(values[:, : first.shape[2]]).any()
         costs = 1.0 + (np.nanmean(first, axis=(1, 2)) if read else np.zeros(len(states)))
         costs[lost] = np.inf
         low = np.sort(costs)
-        if low[1] > CLEARLY * low[0]:
+        if low[1] > WORSE_ASSEMBLY_RATIO * low[0]:
             break
     return costs
 
@@ -163,7 +164,7 @@ def _unwound(predictor: Predictor, states: Array, placed: Array, sliding: NDArra
     turned[:, places] -= 2.0 * np.pi * turns
     again = _closed(predictor, turned)
     with np.errstate(invalid="ignore"):
-        same = np.abs(again - turned).max(axis=1) < SAME
+        same = np.abs(again - turned).max(axis=1) < SAME_ASSEMBLY
     return np.where(same[:, None], again, states)
 
 

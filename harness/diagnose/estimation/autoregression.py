@@ -12,10 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from harness.diagnose.estimation.constants import FAINTEST_VARIANCE, LONGEST_NOISE_MEMORY
 
-LONGEST = 32  # samples that one may follow: white noise upon a slow error looks back as far as its size needs to be averaged away
-FAINTEST = 1e-12  # variance that is nothing, in units of the sensors' noise
+Array = NDArray[np.float64]
 
 
 def surprise_of_innovations(stretches: Sequence[Array]) -> float:
@@ -25,16 +24,18 @@ def surprise_of_innovations(stretches: Sequence[Array]) -> float:
     (Lütkepohl, New Introduction to Multiple Time Series Analysis (2005), ch. 4). Stretches under twice the longest order say
     nothing.
     """
-    long = [stretch for stretch in stretches if stretch.shape[1] > 2 * LONGEST]
+    long = [stretch for stretch in stretches if stretch.shape[1] > 2 * LONGEST_NOISE_MEMORY]
     return sum(_of_channel([stretch[c] for stretch in long]) for c in range(len(long[0]))) if long else 0.0
 
 
 def _of_channel(stretches: Sequence[Array]) -> float:
     count = sum(map(len, stretches))
     # A sample last, those before it from the latest on: one factorisation has the errors of every order.
-    lags = [*range(1, LONGEST + 1), 0]
-    rows = np.vstack([np.column_stack([own[LONGEST - k : len(own) - k] for k in lags]) for own in stretches])
+    lags = [*range(1, LONGEST_NOISE_MEMORY + 1), 0]
+    rows = np.vstack(
+        [np.column_stack([own[LONGEST_NOISE_MEMORY - k : len(own) - k] for k in lags]) for own in stretches]
+    )
     root = np.asarray(np.linalg.qr(rows, mode="r"))
     errors = np.cumsum(root[::-1, -1] ** 2)[::-1]
-    variance = np.maximum(errors / len(rows), FAINTEST)
-    return float(np.min(count * np.log(variance) + np.arange(LONGEST + 1) * np.log(count)))
+    variance = np.maximum(errors / len(rows), FAINTEST_VARIANCE)
+    return float(np.min(count * np.log(variance) + np.arange(LONGEST_NOISE_MEMORY + 1) * np.log(count)))

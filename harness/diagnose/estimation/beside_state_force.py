@@ -14,27 +14,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import (
+    CLOSER_GAIN,
+    CLOSER_ROUNDS,
+    ENOUGH_SURPRISE,
+    FAR_FROM_NOISE_RATIO,
+    HELD_STIFFNESS,
+    LOST,
+    MOST_STEPS_BESIDE,
+    PUSHING_ROUNDS,
+    SHORTENED_STEP,
+    SHORTEST_STEP,
+    STUCK_ANSWER,
+)
 from harness.diagnose.estimation.discrepancy import profiled, responses
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linear_response import over_each_step
 from harness.diagnose.estimation.linearisation import Linearisation, linearise
-from harness.diagnose.estimation.objective import LOST, Objective, States
+from harness.diagnose.estimation.objective import Objective, States
 from harness.diagnose.estimation.state_force import Force, Likeliest, Numbers, StateForce, Sums, over_the_state
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-ROUNDS = 20  # of pushing the likeliest force and looking again
-FAR = 2.0  # times the noise's variance left, from which on a set is begun where it follows the recorded motion
-ENOUGH = 1.0  # of the surprise, that a further round has to promise
-MOST_STEPS = 6  # of a fit beside a force that is not the last one yet
-CLOSER = 6  # times that the motion which forces act along is brought nearer to the recordings
-CLOSELY = 0.9  # of what is left (squares), above which that has come to an end
-STUCK = 1e-2  # of what joints usually answer to a force, below which they do not
-SHORTER, SHORTEST = 0.3, 0.05  # of a step that has led nowhere; of which none leads anywhere
-NEAR = 1e-2  # how stiffly numbers of effects are held where they stand, in the fit's own coordinates: what is not told stays
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +71,7 @@ def beside(
     def fitted_at(nodes: Array, x: Array, states: States, force_there: Force) -> Point:
         there = _pushed(force, objective, nodes)
         loud = float(np.mean(force_there.louder * force.together))
-        found = fit(there, x, states, fixed=held, most_steps=MOST_STEPS, enough=0.2 * loud, louder=loud)
+        found = fit(there, x, states, fixed=held, most_steps=MOST_STEPS_BESIDE, enough=0.2 * loud, louder=loud)
         return Point(there, nodes, found.x, found.states, found.linear)
 
     plain = looked_at(force, objective, None, fitted.x, fitted.states, held)
@@ -85,7 +88,10 @@ def beside(
         begun = [min([(alone, plain), *begun], key=lambda row: row[0].surprise)]
     else:
         begun = [(alone, plain)]
-        if np.any(sums.left > FAR * sums.counts) and (tracked := _tracking(force, objective, fitted)) is not None:
+        if (
+            np.any(sums.left > FAR_FROM_NOISE_RATIO * sums.counts)
+            and (tracked := _tracking(force, objective, fitted)) is not None
+        ):
             there = fitted_at(*tracked, force.likeliest(sums).force)
             if there.at.cost < plain.at.cost:
                 # The force there is as rough as readings are; what it says is known after a step from there.
@@ -102,20 +108,20 @@ def _descended(
     lower, upper = objective.bounds()
     share, own, slow = 1.0, False, False
     aim = force.likeliest(here.sums(force), best.shape)
-    for _ in range(ROUNDS):
-        if best.surprise - aim.value < ENOUGH:
+    for _ in range(PUSHING_ROUNDS):
+        if best.surprise - aim.value < ENOUGH_SURPRISE:
             break
         there = looked_at(force, objective, *here.towards(force, aim, share, lower, upper), held)
         shapes = [aim.force] if best.shape is None else [aim.force, best.shape]
         found = _held(force, there, shapes)
         if found.surprise < best.surprise:
             # Along a valley each step gains a little less than the one before: two in a row that gain nothing end it.
-            before, slow = slow, best.surprise - found.surprise < ENOUGH
-            best, here, share = found, there, min(1.0, share / SHORTER)
+            before, slow = slow, best.surprise - found.surprise < ENOUGH_SURPRISE
+            best, here, share = found, there, min(1.0, share / SHORTENED_STEP)
             if slow and before:
                 break
-        elif share >= SHORTEST:
-            share *= SHORTER
+        elif share >= SHORTEST_STEP:
+            share *= SHORTENED_STEP
             continue
         elif not own:
             # This set moves otherwise than the one that answers are along.
@@ -192,14 +198,14 @@ def along_the_recordings(
     """
     force, cost = None, np.inf
     predictor, near = objective.predictor, fitted
-    for _ in range(CLOSER):
+    for _ in range(CLOSER_ROUNDS):
         found = responses(predictor, objective.likelihood, near, torque, period)
         again = None if found is None else over_the_state(found)
         if again is None:
             break
         force, moved = again, beside(again, objective, fitted, held)
         left = sum(float(r @ r) for r in moved.residuals)
-        if moved.nodes is None or left > CLOSELY * cost:
+        if moved.nodes is None or left > CLOSER_GAIN * cost:
             break
         predictor, near, cost = moved.predictor, replace(fitted, x=moved.x, states=moved.states), left
     return force
@@ -258,7 +264,7 @@ def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Arr
             return None
         # What sticks answers to no force, and does not say which one is needed.
         answering = np.linalg.svd(by_force, compute_uv=False)[:, -1]
-        moving = answering > STUCK * np.median(answering)
+        moving = answering > STUCK_ANSWER * np.median(answering)
         if not moving.any():
             return None
         needed[window] = np.full(missing.shape, np.nan)
@@ -269,7 +275,7 @@ def _tracking(force: StateForce, objective: Objective, fitted: Fit) -> tuple[Arr
 
 def stiffness(size: int, nominal: int) -> Array:
     """How stiffly each of a set's numbers is held where it stands, (P,); the leading ``nominal`` ones by a unit normal prior."""
-    return np.where(np.arange(size) < nominal, 1.0, NEAR)
+    return np.where(np.arange(size) < nominal, 1.0, HELD_STIFFNESS)
 
 
 def _sums(force: StateForce, objective: Objective, x: Array, here: Linearisation, nodes: Array | None) -> Sums:

@@ -20,6 +20,15 @@ from scipy.linalg import cholesky, qr, solve_triangular
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
+from harness.diagnose.estimation.constants import (
+    LARGEST_FORCE,
+    LEFT_FORCE_CHANCE,
+    LONGEST_FORCE_MEMORY,
+    LOUDEST_VARIANCE,
+    MOST_FORCE_KNOTS,
+    MOST_KNOTS_A_SWING,
+    SMALLEST_FORCE,
+)
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linear_response import Response, channels_moved, respond, responsive
@@ -28,13 +37,6 @@ from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.windows import Window, contains
 
 Array = NDArray[np.float64]
-
-MOST_KNOTS = 180  # of a window's forces, all joints together: bounds the work
-FINEST = 40.0  # knots in the period of the slowest swing at most: what is faster moves no joint
-LONGEST = 8.0  # periods of the slowest swing: a force that lasts longer is a constant one
-CHANCE = 1e-6  # of the gain in likelihood under sensor noise alone, below which there is such a force
-LOUDEST = 1e12  # variance beside a force, in units of the noise's
-SMALLEST, LARGEST = 1e-7, 1e2  # sizes that are looked at, in units of the natural torque
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +108,9 @@ class Responses:
             return Forced(np.zeros((channels * window.size, 0)), np.zeros((0, 0)), np.zeros(0))
         places = self.places
         span = float(motion.time[-1])
-        count = int(np.clip(np.ceil(span * FINEST / self.period), 2, max(MOST_KNOTS // len(places), 2)))
+        count = int(
+            np.clip(np.ceil(span * MOST_KNOTS_A_SWING / self.period), 2, max(MOST_FORCE_KNOTS // len(places), 2))
+        )
         knots = np.linspace(0.0, span, count + 1)
         hats = hat_functions(knots, motion.time)
         columns = [self.moved(motion, place, hats) for place in places]
@@ -267,8 +271,10 @@ def estimate(
         return None
     n = len(joints)
     shortest = max(float(np.median([p.knots[1] - p.knots[0] for p in pieces])), 1e-9)
-    bounds = [(np.log(SMALLEST), np.log(LARGEST))] * n + [(np.log(shortest), np.log(LONGEST * found.period))]
-    bounds.append((0.0, np.log(LOUDEST)))
+    bounds = [(np.log(SMALLEST_FORCE), np.log(LARGEST_FORCE))] * n + [
+        (np.log(shortest), np.log(LONGEST_FORCE_MEMORY * found.period))
+    ]
+    bounds.append((0.0, np.log(LOUDEST_VARIANCE)))
 
     def loss(z: Array) -> tuple[float, Array]:
         value, slope = _gain(pieces, np.exp(z[:n]), float(np.exp(z[n])), float(np.exp(z[n + 1])))
@@ -288,8 +294,8 @@ def estimate(
     alone = max(
         sum(float(p.along @ p.along) + p.outside for p in pieces) / sum(p.count + len(p.along) for p in pieces), 1.0
     )
-    without, _ = _gain(pieces, np.full(n, SMALLEST), shortest, alone)
-    if chi2.sf(max(gain - max(without, 0.0), 0.0), n + 1) >= CHANCE:
+    without, _ = _gain(pieces, np.full(n, SMALLEST_FORCE), shortest, alone)
+    if chi2.sf(max(gain - max(without, 0.0), 0.0), n + 1) >= LEFT_FORCE_CHANCE:
         return None
     sizes = tuple(float(s) * found.torque for s in np.exp(best[1][:n]))
     return Discrepancy(
@@ -301,4 +307,4 @@ def _first_size(pieces: Sequence[_Piece], joints: int, memory: float) -> float:
     """A size that accounts for the excess of the residual over noise, in natural units."""
     excess = sum(max(float(p.along @ p.along) - len(p.along), 0.0) for p in pieces)
     one = sum(float(np.sum((p.r @ covariance_at(p.knots, np.ones(joints), memory)) * p.r)) for p in pieces)
-    return float(np.clip(np.sqrt(max(excess, 1e-12) / max(one, 1e-300)), 10.0 * SMALLEST, 0.1 * LARGEST))
+    return float(np.clip(np.sqrt(max(excess, 1e-12) / max(one, 1e-300)), 10.0 * SMALLEST_FORCE, 0.1 * LARGEST_FORCE))

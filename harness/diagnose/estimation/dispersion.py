@@ -16,12 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm, t
 
+from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, POOLED_RECORDINGS
 from harness.diagnose.estimation.least_squares import Fit, inverse
 
 Array = NDArray[np.float64]
-
-POOLED = 4.0  # recordings that the spread of all parameters together counts as, beside a parameter's own
-FEWEST = 3  # clusters without which their spread says nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +39,8 @@ def dispersion(
 ) -> Dispersion | None:
     """The spread of a fit's shared parameters over clusters of its windows; None where none is free.
 
-    Of fewer than ``FEWEST`` clusters no spread is seen. That they would differ by no more than expected is then as uncertain as the
-    pooled spread is by itself, and intervals are Student's of that.
+    Of fewer than ``FEWEST_CLUSTERS`` clusters no spread is seen. That they would differ by no more than expected is then as
+    uncertain as the pooled spread is by itself, and intervals are Student's of that.
 
     nominal: number of leading parameters with a unit normal prior. clusters: of every window of the fit. expected: standard
     deviations (P,) in units of those that the curvature says, where these are known to be others (``misfit.sandwich``).
@@ -54,8 +52,8 @@ def dispersion(
         return None
     wider = np.ones(len(free)) if expected is None else expected[free]
     factors = np.ones(len(fitted.x))
-    if count < FEWEST:
-        factors[free] = _student(POOLED) * wider
+    if count < FEWEST_CLUSTERS:
+        factors[free] = _student(POOLED_RECORDINGS) * wider
         return Dispersion(factors, {})
     # As many rows of every window as its triangle has (``linearisation.eliminated``).
     edges = np.cumsum([min(len(r), len(fitted.x) + 1) for r in fitted.linear.residuals])[:-1]
@@ -77,8 +75,8 @@ def dispersion(
     seen = sigma > 0.0
     ratio = np.where(seen, own / np.where(seen, sigma, 1.0) ** 2, 1.0)
     pooled = max(float(np.mean(ratio[seen])) if seen.any() else 1.0, 1.0)
-    moderated = np.maximum((POOLED * pooled + (count - 1) * ratio) / (POOLED + count - 1), 1.0)
-    factors[free] = np.sqrt(moderated) * _student(POOLED + count - 1) * wider
+    moderated = np.maximum((POOLED_RECORDINGS * pooled + (count - 1) * ratio) / (POOLED_RECORDINGS + count - 1), 1.0)
+    factors[free] = np.sqrt(moderated) * _student(POOLED_RECORDINGS + count - 1) * wider
     without = {}
     for name in names:
         rest = inverse(every - information[name])

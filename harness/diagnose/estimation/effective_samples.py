@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from harness.diagnose.estimation.constants import CORRELATION_REACH
 
-REACH = 5.0  # times the sum so far, up to which lags are summed (Sokal, Monte Carlo methods (1997) 3)
+Array = NDArray[np.float64]
 
 
 def hanging_together(pieces: Sequence[Array]) -> Array:
@@ -33,6 +33,6 @@ def hanging_together(pieces: Sequence[Array]) -> Array:
     out = np.empty(count)
     for c in range(count):
         total = np.cumsum(square[c])
-        far = np.arange(longest) >= REACH * total
+        far = np.arange(longest) >= CORRELATION_REACH * total
         out[c] = total[int(np.argmax(far))] if far.any() else total[-1]
     return out

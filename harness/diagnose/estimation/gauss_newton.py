@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import CURVED_STEP_RATIO
 from harness.diagnose.estimation.linearisation import Linearisation, eliminated
 from harness.diagnose.estimation.objective import Residuals, States
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-CURVED = 30.0  # times a step's length, beyond which what is added for its curvature is no correction
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +85,8 @@ class Stepping:
         step, _ = _step(curve, np.zeros(len(trial.x)), within, trial.damping)
         steps = following(curve.triangles, step, trial.damping, self.stiff, np.zeros_like(trial.state_steps))
         if not (
-            _length(step) <= CURVED * _length(trial.step) and _length(steps) <= CURVED * _length(trial.state_steps)
+            _length(step) <= CURVED_STEP_RATIO * _length(trial.step)
+            and _length(steps) <= CURVED_STEP_RATIO * _length(trial.state_steps)
         ):
             return None
         moved = {w: trial.states[w] + s for w, s in zip(self.windows, steps, strict=True)}

@@ -7,8 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import (
+    FEWEST_PIECE_SAMPLES,
+    FEWEST_WINDOW_SAMPLES,
+    FORETOLD_GROWTH,
+    FORETOLD_GROWTH_AT_FIRST,
+    PIECES_A_SWING,
+    STATE_DIFFERENCE,
+)
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
 from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.grid import hermite
@@ -17,14 +24,6 @@ from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window, equal_parts
 
 Array = NDArray[np.float64]
-
-STEP = 1e-6
-FORETOLD = 300.0  # times that an error may grow within a window; beyond, motion counts as unpredictable
-# The same before anything is fitted. What falls over, as an arm that is held up by its motors, leads a model that is off by a
-# hundredth of its weight astray by a tenth of a radian then.
-AT_FIRST = 30.0
-PIECES_A_SWING = 16
-FEWEST = 2  # samples in a piece
 
 
 class Horizon:
@@ -52,7 +51,7 @@ class Horizon:
         while left:
             halved: list[Window] = []
             for window in left:
-                if window.size < 2 * FEWEST_SAMPLES or _growth(self._along(window)) < AT_FIRST:
+                if window.size < 2 * FEWEST_WINDOW_SAMPLES or _growth(self._along(window)) < FORETOLD_GROWTH_AT_FIRST:
                     done.append(window)
                 else:
                     halved += equal_parts(window, 2)
@@ -66,7 +65,7 @@ class Horizon:
         growth = np.zeros((0, 0))
         for window in fitted.windows:
             own = self._along(window) if self.followed else self._free(fitted, window)
-            if current is not None and current.run == window.run and _growth(own @ growth) < FORETOLD:
+            if current is not None and current.run == window.run and _growth(own @ growth) < FORETOLD_GROWTH:
                 current = Window(window.run, current.first, window.last)
                 growth = own @ growth
                 continue
@@ -95,7 +94,7 @@ class Horizon:
         if run not in self._known:
             samples, interval = len(self.problem.runs[run].time), self.problem.runs[run].interval
             swing = 2.0 * np.pi / self.rate
-            size = int(np.clip(round(swing / PIECES_A_SWING / interval), FEWEST, FEWEST_SAMPLES))
+            size = int(np.clip(round(swing / PIECES_A_SWING / interval), FEWEST_PIECE_SAMPLES, FEWEST_WINDOW_SAMPLES))
             edges = np.arange(0, samples - 1, size)
             # Each ends where the next one begins.
             pieces = [Window(run, int(a), min(int(a) + size + 1, samples)) for a in edges]
@@ -122,7 +121,7 @@ def transitions(
         alike.setdefault((window.run, window.size if predictor.grid(window).exact else -1 - k), []).append(k)
     for places in alike.values():
         grid = predictor.grid(windows[places[0]])
-        starts = np.concatenate([np.vstack([states[k], states[k] + STEP * np.eye(n)]) for k in places])
+        starts = np.concatenate([np.vstack([states[k], states[k] + STATE_DIFFERENCE * np.eye(n)]) for k in places])
         lanes = [(0, windows[k], states[k]) for k in places]
         tau = predictor.acting(hypothesis, x[None, :], mechanism, lanes, grid.own)
         tau = None if tau is None else np.repeat(tau, n + 1, axis=0)
@@ -132,7 +131,7 @@ def transitions(
         )  # fmt: skip
         q, qd, _ = hermite(grid, *motion)
         ends = np.concatenate([q[:, -1], qd[:, -1]], axis=1).reshape(len(places), n + 1, n)
-        changes = (ends[:, 1:] - ends[:, :1]).transpose(0, 2, 1) / STEP
+        changes = (ends[:, 1:] - ends[:, :1]).transpose(0, 2, 1) / STATE_DIFFERENCE
         out[places] = changes * units[None, None, :] / units[None, :, None]
     return out
 

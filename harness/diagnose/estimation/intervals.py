@@ -7,17 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
+from harness.diagnose.estimation.constants import NORMAL_95, WIDEST_INTERVAL
 from harness.diagnose.estimation.least_squares import Fit, covariance
 from harness.diagnose.prediction.coordinates import from_internal, is_logarithmic
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Candidate, whole_numbers
 
 Array = NDArray[np.float64]
-
-WIDE = float(norm.ppf(0.975))
-WIDEST = 20.0  # of a fit's own coordinate, beyond which nothing is known
 
 
 @dataclass(frozen=True)
@@ -70,18 +67,18 @@ def _inside(member: Candidate, u: Array, j: int, sigma: float) -> Estimate:
     parameter, value = member.effect.parameters[j], float(from_internal(member, u)[j])
     if is_logarithmic(member)[j]:
         std = value * sigma
-        reach = float(np.exp(WIDE * min(sigma, WIDEST)))
+        reach = float(np.exp(NORMAL_95 * min(sigma, WIDEST_INTERVAL)))
         low, high = value / reach, value * reach
     else:
         std = sigma * float(member.scales[j])
         if parameter.name == "phase":
             # A whole turn more is the same phase; more than half a turn either way says nothing.
             value -= 2.0 * np.pi * round(value / (2.0 * np.pi))
-            return Estimate(value, std, value - min(WIDE * std, np.pi), value + min(WIDE * std, np.pi))
-        low, high = value - WIDE * std, value + WIDE * std
+            return Estimate(value, std, value - min(NORMAL_95 * std, np.pi), value + min(NORMAL_95 * std, np.pi))
+        low, high = value - NORMAL_95 * std, value + NORMAL_95 * std
         if member.effect.modifies and parameter.lower >= low and value > parameter.lower == 0.0:
             # Far from nothing, how another effect acts changes ever less with this number: it is known as a power of e is.
-            reach = float(np.exp(WIDE * min(std / value, WIDEST)))
+            reach = float(np.exp(NORMAL_95 * min(std / value, WIDEST_INTERVAL)))
             low, high = value / reach, value * reach
     return Estimate(value, std, max(low, parameter.lower), min(high, parameter.upper))
 
@@ -89,7 +86,7 @@ def _inside(member: Candidate, u: Array, j: int, sigma: float) -> Estimate:
 def _at_bound(member: Candidate, u: Array, j: int, width: float) -> Estimate:
     """The estimate of a parameter that lies at a bound: one-sided, ``width`` in the fit's coordinates."""
     parameter, own = member.effect.parameters[j], np.arange(member.size) == j
-    ends = [float(from_internal(member, np.where(own, u + sense * WIDE * width, u))[j]) for sense in (1.0, -1.0)]
+    ends = [float(from_internal(member, np.where(own, u + sense * NORMAL_95 * width, u))[j]) for sense in (1.0, -1.0)]
     low, high = max(min(ends), parameter.lower), min(max(ends), parameter.upper)
     return Estimate(float(from_internal(member, u)[j]), None, low, high)
 
@@ -97,7 +94,7 @@ def _at_bound(member: Candidate, u: Array, j: int, width: float) -> Estimate:
 def _bound_width(fitted: Fit, index: int, nominal: int) -> float:
     column = fitted.linear.matrix[:, index]
     information = float(column @ column) + (1.0 if index < nominal else 0.0)
-    return min(float(1.0 / np.sqrt(information)), WIDEST) if information > 0.0 else WIDEST
+    return min(float(1.0 / np.sqrt(information)), WIDEST_INTERVAL) if information > 0.0 else WIDEST_INTERVAL
 
 
 def scaled(own: Estimate, factor: float, lower: float, upper: float) -> Estimate:
@@ -124,7 +121,7 @@ def across(
         low = min([estimate.low, *(other[name].low for other in others)])
         high = max([estimate.high, *(other[name].high for other in others)])
         if (low, high) != (estimate.low, estimate.high):
-            out[name] = replace(estimate, std=max(estimate.std, (high - low) / (2.0 * WIDE)), low=low, high=high)
+            out[name] = replace(estimate, std=max(estimate.std, (high - low) / (2.0 * NORMAL_95)), low=low, high=high)
     return out
 
 
@@ -147,4 +144,4 @@ def _present(member: Candidate, values: Mapping[str, Estimate]) -> bool:
         return True
     first = member.effect.parameters[0]
     size, origin = values[first.name], first.neutral if np.isfinite(first.neutral) else 0.0
-    return abs(size.value - origin) > WIDE * (size.std or 0.0)
+    return abs(size.value - origin) > NORMAL_95 * (size.std or 0.0)

@@ -8,9 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import (
+    BETTER_STATE_RATIO,
+    EXPECTED_GAIN_RATIO,
+    LEAST_DAMPING,
+    LOST,
+    MOST_DAMPING,
+    PACE_STEPS,
+    STATE_MIXING_GAIN,
+    STATE_MIXING_ROUNDS,
+    UNCHANGED_STEP,
+)
 from harness.diagnose.estimation.gauss_newton import Stepping, Trial
 from harness.diagnose.estimation.linearisation import Linearisation, eliminated, linearise, vibrating
-from harness.diagnose.estimation.objective import LOST, Objective, Residuals, States
+from harness.diagnose.estimation.objective import Objective, Residuals, States
 from harness.diagnose.estimation.window_states import (
     best_states,
     following_by_loops,
@@ -23,15 +34,6 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-HOPE = 6.0  # a step's predicted gain times this is the most that the rest of a search is expected to bring
-PACED = 4  # places of a search that tell its pace
-SOFTEST = 1e-9  # least damping
-HARDEST = 1e8  # damping beyond which no step helps
-UNCHANGED = 3e-3  # a last step no longer than this (relative, at least to one) leaves the sensitivities as they are
-ROUNDS = 3  # of bringing windows to better states and going on from there
-SLOW = 1e-3  # of the cost, below which a step's gain by mixing states is not worth going on
-CLEARLY = 0.8  # times its cost, below which a window is brought to another initial state
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +109,7 @@ def fit(
         states = _unstuck(objective, x, start, others, residuals)
     patience = Patience(most_steps, enough, target)
     found = _descend(objective, x, states, held, patience, louder)
-    for _ in range(ROUNDS if others else 0):
+    for _ in range(STATE_MIXING_ROUNDS if others else 0):
         if objective.predictor.deadline.over:
             break
         again = _unstuck(objective, found.x, found.states, others, found.linear.residuals)
@@ -151,7 +153,7 @@ def _unstuck(
     better = {
         windows[k]: found[windows[k]][0]
         for k in places
-        if found[windows[k]][1] < CLEARLY * float(residuals[k] @ residuals[k])
+        if found[windows[k]][1] < BETTER_STATE_RATIO * float(residuals[k] @ residuals[k])
     }
     return {**states, **better} if better else states
 
@@ -184,10 +186,10 @@ def _descend(
         if patience.target == -np.inf:
             return False
         missing, hope = here.cost + prior - patience.target, max(predicted, 0.0)
-        if missing > patience.target and len(scores) >= PACED:
+        if missing > patience.target and len(scores) >= PACE_STEPS:
             # Far from any fit the linear view promises all there is; what the last steps brought says more.
-            hope = min(hope, left * (scores[-PACED] - scores[-1]) / (PACED - 1))
-        return missing > HOPE * hope
+            hope = min(hope, left * (scores[-PACE_STEPS] - scores[-1]) / (PACE_STEPS - 1))
+        return missing > EXPECTED_GAIN_RATIO * hope
 
     deadline = objective.predictor.deadline
     for left in range(patience.most_steps, 0, -1):
@@ -197,13 +199,13 @@ def _descend(
             break
         if damping not in tried:
             trials = [stepping.trial(here, x, current, damping)]
-            if trials[0].predicted < enough and damping > SOFTEST and not loosened:
+            if trials[0].predicted < enough and damping > LEAST_DAMPING and not loosened:
                 # Along a valley with steep sides a damped step promises little, however far there is to go.
                 loosened = True
-                loose = stepping.trial(here, x, current, SOFTEST)
+                loose = stepping.trial(here, x, current, LEAST_DAMPING)
                 if loose.predicted >= enough:
-                    damping, trials = SOFTEST, [loose]
-            while len(trials) < together and trials[-1].predicted >= enough and trials[-1].damping <= HARDEST:
+                    damping, trials = LEAST_DAMPING, [loose]
+            while len(trials) < together and trials[-1].predicted >= enough and trials[-1].damping <= MOST_DAMPING:
                 trials.append(stepping.trial(here, x, current, _harder(trials[-1].damping)))
             if beyond_reach(trials[0].predicted, left):
                 free = trials[0].free
@@ -228,7 +230,7 @@ def _descend(
         if gain > 0.0:
             reach = max(_reach(x, trial.x), *(_reach(current[w], trial.states[w]) for w in windows))
             x, current, prior = trial.x, predictor.with_followers(hypothesis, trial.x, trial.states), trial_prior
-            if converged and reach < UNCHANGED:
+            if converged and reach < UNCHANGED_STEP:
                 here = eliminated(found[0], found[1], here.bases, here.shared)
                 break
             here = linearise(objective, x, current, upper=upper, fixed=held, known=found, nearby=here)
@@ -236,13 +238,13 @@ def _descend(
             tried, mixed, mended, loosened = {}, mended, False, False
             # Quickly where the linear view holds: along a valley whose sides are steep, little damping is much.
             damping = max(
-                damping * (0.01 if gain > 0.9 * predicted else 0.1 if gain > 0.5 * predicted else 0.5), SOFTEST
+                damping * (0.01 if gain > 0.9 * predicted else 0.1 if gain > 0.5 * predicted else 0.5), LEAST_DAMPING
             )
             # What only a mixture of states could gain may go on for long by ever less.
-            if converged or (mixed and gain < max(enough, SLOW * here.cost)):
+            if converged or (mixed and gain < max(enough, STATE_MIXING_GAIN * here.cost)):
                 break
         else:
-            if converged or damping > HARDEST:
+            if converged or damping > MOST_DAMPING:
                 break
             damping = _harder(damping)
     begun = vibrating(here, stepping.stiff) + objective.hypothesis.out_of_step * len(windows)

@@ -15,6 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from harness.denoc.lanes.model import LaneModel
+from harness.diagnose.estimation.constants import FORCE_DIFFERENCE, STATE_DIFFERENCE
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.prediction.predictor import Predictor
@@ -27,8 +28,6 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-STATE_STEP = 1e-6  # rad, rad/s
-FORCE_STEP = 1e-3  # of the natural torque
 TOGETHER = 64  # histories propagated at once, whose deviations fit into the processor's cache
 
 
@@ -110,15 +109,15 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
         rows[:, model.slot("base", "excitation_phase")] += (
             2.0 * np.pi * frequency * np.repeat(time[:-1] + start, copies)
         )
-    shake = FORCE_STEP * float(np.linalg.norm(row[[model.slot("base", f"gravity_{a}") for a in "xyz"]]) or 9.81)
+    shake = FORCE_DIFFERENCE * float(np.linalg.norm(row[[model.slot("base", f"gravity_{a}") for a in "xyz"]]) or 9.81)
     for axis in "xyz":
         direction = row[model.slot("base", f"excitation_{axis}")]
         rows[copies - 1 :: copies, model.slot("base", f"gravity_{axis}")] -= shake * direction
     states = np.repeat(np.concatenate([q[0, :-1], qd[0, :-1]], axis=1), copies, axis=0)
     for j in range(2 * n):
-        states[1 + j :: copies, j] += STATE_STEP
+        states[1 + j :: copies, j] += STATE_DIFFERENCE
     acting = over_each_step(predictor, tau, (points, n), copies)
-    push = FORCE_STEP * torque
+    push = FORCE_DIFFERENCE * torque
     for j in range(n):
         acting[1 + 2 * n + j :: copies, :, j] += push
     eq, eqd, _ = model.simulate(
@@ -127,7 +126,7 @@ def respond(predictor: Predictor, fitted: Fit, window: Window, torque: float) ->
     )  # fmt: skip
     end = np.concatenate([eq[:, 1], eqd[:, 1]], axis=1).reshape(points, copies, 2 * n)
     change = end[:, 1:] - end[:, :1]
-    transition = np.swapaxes(change[:, : 2 * n], 1, 2) / STATE_STEP
+    transition = np.swapaxes(change[:, : 2 * n], 1, 2) / STATE_DIFFERENCE
     force = np.swapaxes(change[:, 2 * n : 3 * n], 1, 2) / push
     base = change[:, 3 * n] / shake
     return Response(

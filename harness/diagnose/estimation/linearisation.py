@@ -13,18 +13,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import (
+    DIFFERENCE,
+    FELT_CHANGE,
+    LONGEST_DIFFERENCE,
+    LONGEST_SHARP_DIFFERENCE,
+    NARROWEST_ROOM,
+    SHARP_CHANGE,
+    SHORTEST_SHARP_DIFFERENCE,
+    STEEPEST_SLOPE,
+)
 from harness.diagnose.estimation.objective import Objective, Residuals, States, price
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
 
-# Step of difference quotients, in the fit's own coordinates (order one); of large initial states, relative to them. Over a free
-# run of a hundred radians curvature costs a ten thousandth of the quotient, which is less than most noise.
-DIFFERENCE = 1e-6
-# Norm of the change of the whitened prediction that a quotient is taken of where that needs a longer step, up to LONGEST. Runs in
-# which friction switches are uneven by 1e-4, where it is soft by up to 1e-2, and a weak parameter's slope would be that.
-FELT, LONGEST = 1.0, 1e-2
-STEEPEST = 1e60  # standard deviations of noise in a unit of a coordinate
 BLOCK = 1024  # rows factorised at once, so that they stay in the cache
 
 
@@ -105,7 +108,7 @@ def linearise(
         for j in range(n):
             np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=both[:, j])
         # A moved run that has gone so far says nothing of a slope, and squares of it would leave the numbers.
-        both[:, ~(np.abs(both).max(axis=0, initial=0.0) < STEEPEST)] = 0.0
+        both[:, ~(np.abs(both).max(axis=0, initial=0.0) < STEEPEST_SLOPE)] = 0.0
         residuals.append(here)
         bases.append(both[:, :n])
         shared.append(both[:, n:])
@@ -119,12 +122,7 @@ def _norms(view: Linearisation) -> Array:
 
 def telling_steps(nearby: Linearisation) -> Array:
     """Steps (P,) of the shared parameters that change the prediction enough to be told from the unevenness of its runs."""
-    return np.asarray(np.clip(FELT / np.maximum(_norms(nearby), FELT), DIFFERENCE, LONGEST))
-
-
-CHANGE = 10.0  # norm of the change of the whitened prediction by one step of a sharp difference quotient
-LEAST, MOST = 1e-7, 0.1  # of such a step,
-NARROWEST = 1e-3  # unless a bound is nearer, but no nearer than this
+    return np.asarray(np.clip(FELT_CHANGE / np.maximum(_norms(nearby), FELT_CHANGE), DIFFERENCE, LONGEST_DIFFERENCE))
 
 
 def sharply(objective: Objective, x: Array, states: States, rough: Linearisation) -> Linearisation:
@@ -135,11 +133,14 @@ def sharply(objective: Objective, x: Array, states: States, rough: Linearisation
     central differences over steps that change the prediction alike, extrapolated (Richardson, Phil. Trans. A 210 (1911) 307).
     """
     norms = _norms(rough)
-    steps = np.maximum(np.clip(CHANGE / np.maximum(norms, 1e-300), LEAST, MOST), 1e-9 * np.abs(x))
+    steps = np.maximum(
+        np.clip(SHARP_CHANGE / np.maximum(norms, 1e-300), SHORTEST_SHARP_DIFFERENCE, LONGEST_SHARP_DIFFERENCE),
+        1e-9 * np.abs(x),
+    )
     lower, upper = objective.bounds()
     room = np.minimum(x - lower, upper - x)
     # What stands at a bound cannot be moved both ways, what is held was not moved at all.
-    moves = np.flatnonzero((norms > 0.0) & (room >= np.minimum(steps, NARROWEST)))
+    moves = np.flatnonzero((norms > 0.0) & (room >= np.minimum(steps, NARROWEST_ROOM)))
     steps = np.minimum(steps, np.maximum(room, 0.0))
     if not len(moves):
         return rough

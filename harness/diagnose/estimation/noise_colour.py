@@ -21,6 +21,8 @@ from scipy.optimize import minimize
 from scipy.signal import lfilter
 from scipy.stats import gamma
 
+from harness.diagnose.estimation.constants import MISFIT_BAND_COST, QUIET_QUANTILE, SPECTRAL_LINE_RATIO
+
 Array = NDArray[np.float64]
 
 
@@ -90,10 +92,6 @@ class Colour:
         return Colour(self.white / np.sqrt(step), coloured, self.phi**step, self.interval * step)
 
 
-MISFIT_COST = 1.5  # a band three times above the noise counts as misfit, not as noise
-QUIET_QUANTILE = 0.25  # between a misfit's peaks the noise shows: the quieter quarter of the bins
-
-
 def _bands(omega: Array, power: Array, averaged: int, motion: float) -> tuple[Array, Array, Array]:
     """Power and number of bins in bands that widen with frequency, robust against peaks.
 
@@ -161,7 +159,7 @@ def estimate_colour(segments: list[Array], interval: float, motion_band_hz: floa
         ratio = relative / (exp(min(max(white, -30.0), 30.0)) + exp(min(max(coloured, -30.0), 30.0)) * shape)
         # Whittle: log S + I/S, zero at its best value; bounded where a misfit may stand far above the noise.
         cost = ratio - 1.0 - np.log(ratio)
-        cost = np.where(inside & (ratio > 1.0), np.minimum(cost, MISFIT_COST), cost)
+        cost = np.where(inside & (ratio > 1.0), np.minimum(cost, MISFIT_BAND_COST), cost)
         return float(np.sum((bins if weights is None else weights) * cost))
 
     white_only = minimize(lambda y: loss((y[0], -40.0, 0.0)), [0.0], method="Nelder-Mead")
@@ -186,11 +184,8 @@ def estimate_colour(segments: list[Array], interval: float, motion_band_hz: floa
     return Colour(white * size, coloured * size, phi, interval)
 
 
-LINE = 12.0  # a bin so far above the noise belongs to a line of the spectrum; e⁻¹² of the bins of noise do
-
-
 def _scale(omega: Array, power: Array, colour: Colour, motion: float) -> float:
     """Factor on a noise's standard deviation that sets its mean power right beyond the motion's band (medians are coarse)."""
     ratio = power / colour.spectrum(omega)
-    beyond = ratio[(omega >= motion) & (ratio < LINE)]
+    beyond = ratio[(omega >= motion) & (ratio < SPECTRAL_LINE_RATIO)]
     return float(np.sqrt(np.mean(beyond))) if len(beyond) >= 20 else 1.0

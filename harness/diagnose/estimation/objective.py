@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.prediction.constants import REACH
 from harness.diagnose.prediction.coordinates import internal_bounds
@@ -18,7 +19,6 @@ from harness.diagnose.problem.windows import Window
 Array = NDArray[np.float64]
 States = Mapping[Window, Array]
 
-LOST = 1e30  # cost of a run that left the numbers; what is merely far off costs less beside any noise
 Residuals = tuple[float, tuple[Array, ...]]
 """Sum of squared whitened residuals and, per window, the residuals (M,); a run that left the numbers costs ``LOST``."""
 

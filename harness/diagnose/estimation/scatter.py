@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from harness.diagnose.estimation.constants import EXACT_SCATTER
 from harness.diagnose.estimation.noise_colour import Colour
 from harness.diagnose.prediction.constants import RUN_TOLERANCE
 from harness.diagnose.problem.problem import Problem
-
-EXACT = 1e-6  # of a channel's extent: sensors resolve no less, and computed motions agree to no more
 
 
 def crude_colours(problem: Problem) -> tuple[Colour, ...]:
@@ -25,4 +24,4 @@ def quietest(problem: Problem, channel: int) -> float:
     extent = float(np.nanmax([np.nanmax(np.abs(run.values[channel])) for run in problem.train]))
     # What stays at rest has no extent, and is still computed no better than to the error of every step, added up as by chance.
     computed = RUN_TOLERANCE * np.sqrt(max(len(run.time) for run in problem.train))
-    return max(problem.steps[channel] / np.sqrt(12.0), EXACT * extent, float(computed))
+    return max(problem.steps[channel] / np.sqrt(12.0), EXACT_SCATTER * extent, float(computed))

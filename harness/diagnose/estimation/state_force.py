@@ -21,15 +21,25 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_solve, cholesky, solve_triangular
 from scipy.optimize import minimize
 
-from harness.diagnose.estimation.discrepancy import (
-    LARGEST,
-    LOUDEST,
-    SMALLEST,
-    Profiled,
-    Responses,
-    hat_functions,
-    responses,
+from harness.diagnose.estimation.constants import (
+    CONTINUED_STEPS,
+    COVARIANCE_JITTER,
+    FEWEST_NODES_A_SIDE,
+    FIRST_ADDED,
+    LARGEST_ADDED,
+    LARGEST_FORCE,
+    LONGEST_FORCE_LENGTH,
+    LOUDEST_VARIANCE,
+    MOST_NODES_A_SIDE,
+    MOST_STATE_NODES,
+    NODE_RIDGE,
+    SHORTEST_FORCE_LENGTH,
+    SMALLEST_FORCE,
+    TURNING_SPEED,
+    USUAL_LEVEL,
+    USUAL_STATE_FORCE,
 )
+from harness.diagnose.estimation.discrepancy import Profiled, Responses, hat_functions, responses
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linear_response import Response
@@ -39,17 +49,7 @@ from harness.effects.effect import cauchy_surprise
 
 Array = NDArray[np.float64]
 
-MOST_NODES = 240  # of the grids over the state, all joints together: bounds the work
-FEWEST_A_SIDE, MOST_A_SIDE = 5, 11
-SHORTEST, LONGEST = 0.15, 5.0  # over which the force changes, in standard deviations of position and velocity
-USUAL = 0.01  # of the natural torque: what a model that is right leaves of the forces that it has; the scale of a Cauchy prior
-USUAL_LEVEL = 0.001  # the same of friction that is a recording's own: a tenth of what joints have, a hundredth or two
 KINDS = 2  # of friction that recordings may have more or less of: dry and viscous
-TURNING = 0.1  # standard deviations of the velocity, over which dry friction changes sides
-BEYOND = 3  # steps of a grid, over which a force is continued where no motion passed
-SMOOTHED = 1e-6  # of their mean square, added to nodes that few readings tell
-ROUNDING, LARGEST_ADDED = 1e-15, 1e-6  # of the largest square, added to a matrix that rounding has made indefinite
-JITTER = 1e-6  # of the variance, so that covariances of long lengths can be factorised
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +158,7 @@ class StateForce:
     def usual(self) -> Array:
         """How large each of the sizes usually is."""
         levels = 0 if self.over_grid.all() else self.joints
-        return np.concatenate([np.full(self.joints, USUAL), np.full(levels, USUAL_LEVEL)])
+        return np.concatenate([np.full(self.joints, USUAL_STATE_FORCE), np.full(levels, USUAL_LEVEL)])
 
     def prior_root(self, force: Force) -> Array:
         """L with L Lᵀ the prior covariance of the forces at the nodes, in natural torques."""
@@ -174,7 +174,7 @@ class StateForce:
     def _correlation(self, force: Force) -> Array:
         correlation = _alike(self._apart, force.lengths) * (self.group[:, None] == self.group)
         correlation[~self.over_grid] = 0.0
-        correlation[np.diag_indices(len(correlation))] = 1.0 + JITTER
+        correlation[np.diag_indices(len(correlation))] = 1.0 + COVARIANCE_JITTER
         return np.asarray(correlation)
 
     def pushes(self, nodes: Array) -> dict[Window, Push]:
@@ -210,7 +210,7 @@ class StateForce:
             known = np.isfinite(values)
             columns, values = columns[:, known], values[known]
             square = columns @ columns.T
-            square[np.diag_indices(len(square))] += SMOOTHED * np.trace(square) / len(square)
+            square[np.diag_indices(len(square))] += NODE_RIDGE * np.trace(square) / len(square)
             out[own] = np.linalg.solve(square, columns @ values)
         return out
 
@@ -301,7 +301,7 @@ class StateForce:
 
     def without(self, sums: Sums) -> float:
         """The same with no force at all."""
-        none = Force(np.full(len(self.usual), SMALLEST), np.ones(2), sums.louder)
+        none = Force(np.full(len(self.usual), SMALLEST_FORCE), np.ones(2), sums.louder)
         return self._noise(sums, none, float(np.sum(sums.left / sums.louder / self.together))) + float(
             np.sum(sums.deviations**2)
         )
@@ -369,9 +369,11 @@ class StateForce:
             found, slope = self._at(sums, force(z))
             return found.value, slope
 
-        largest = np.where(np.arange(joints) < self.joints, LARGEST, LARGEST if levels else SMALLEST)
-        bounds = [(np.log(SMALLEST), high) for high in np.log(largest)] + [(0.0, np.log(LOUDEST))] * count
-        bounds += [(np.log(SHORTEST), np.log(LONGEST))] * 2
+        largest = np.where(np.arange(joints) < self.joints, LARGEST_FORCE, LARGEST_FORCE if levels else SMALLEST_FORCE)
+        bounds = [(np.log(SMALLEST_FORCE), high) for high in np.log(largest)] + [
+            (0.0, np.log(LOUDEST_VARIANCE))
+        ] * count
+        bounds += [(np.log(SHORTEST_FORCE_LENGTH), np.log(LONGEST_FORCE_LENGTH))] * 2
         usual = np.concatenate([np.log(2.0 * self.usual), np.log(0.5 * loud + 0.5)])
         starts = [np.concatenate([usual, np.log((0.4, 0.4))])]
         near = near or self.shape
@@ -399,7 +401,7 @@ def over_the_state(found: Responses) -> StateForce | None:
     moving = {w: m for w, m in motions.items() if m is not None}
     if not moving or not places:
         return None
-    a_side = int(np.clip(np.sqrt(MOST_NODES / len(places)), FEWEST_A_SIDE, MOST_A_SIDE))
+    a_side = int(np.clip(np.sqrt(MOST_STATE_NODES / len(places)), FEWEST_NODES_A_SIDE, MOST_NODES_A_SIDE))
     channels = len(found.probe.predictor.problem.channels)
     joint: list[int] = []
     at: list[Array] = []
@@ -438,7 +440,7 @@ def _frictions(velocity: Array, runs: Sequence[int], run: int) -> Array:
     """Dry and viscous friction of every recording along a motion of one of them, (KINDS·R, G). velocity: in standard deviations."""
     out = np.zeros((KINDS * len(runs), len(velocity)))
     own = KINDS * runs.index(run)
-    out[own], out[own + 1] = np.tanh(velocity / TURNING), velocity
+    out[own], out[own + 1] = np.tanh(velocity / TURNING_SPEED), velocity
     return out
 
 
@@ -451,7 +453,7 @@ def _root(matrix: Array) -> Array:
         except np.linalg.LinAlgError:
             if added > LARGEST_ADDED:
                 raise
-            added = max(10.0 * added, ROUNDING)
+            added = max(10.0 * added, FIRST_ADDED)
 
 
 def _axis(values: Array, count: int) -> Array:
@@ -468,7 +470,7 @@ def _alike(apart: Array, lengths: Array) -> Array:
 def _further(axis: Array) -> Array:
     """An axis that goes on for a few steps at both ends."""
     step = axis[1] - axis[0]
-    beyond = step * np.arange(1, BEYOND + 1)
+    beyond = step * np.arange(1, CONTINUED_STEPS + 1)
     return np.concatenate([axis[0] - beyond[::-1], axis, axis[-1] + beyond])
 
 

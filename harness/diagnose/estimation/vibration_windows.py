@@ -7,13 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.denoc import Denoc
+from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES, SAMPLES_A_CYCLE, VIBRATION_SLIP, WINDOW_GROWTH
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window, equal_parts
-
-SLIP = 0.125  # of a cycle; a fit finds its way back from a quarter
-SAMPLES_A_CYCLE = 4.0  # of a vibration that recordings show
-FEWEST_SAMPLES = 24  # in a window
-GROWTH = 4  # windows joined to one from stage to stage
 
 
 def stages(problem: Problem, windows: Sequence[Window]) -> list[tuple[Window, ...]]:
@@ -32,13 +28,13 @@ def stages(problem: Problem, windows: Sequence[Window]) -> list[tuple[Window, ..
         return []
     longest = max(float(_duration(problem, window)) for window in windows)
     out: list[tuple[Window, ...]] = []
-    parts = GROWTH
-    while longest / (parts / GROWTH) > SLIP / slipping:
+    parts = WINDOW_GROWTH
+    while longest / (parts / WINDOW_GROWTH) > VIBRATION_SLIP / slipping:
         cuts = tuple(piece for window in windows for piece in _split(window, parts))
         if out and cuts == out[-1]:  # samples are too few to go on
             break
         out.append(cuts)
-        parts *= GROWTH
+        parts *= WINDOW_GROWTH
     return out[::-1]
 
 
@@ -49,6 +45,6 @@ def _duration(problem: Problem, window: Window) -> float:
 
 def _split(window: Window, parts: int) -> tuple[Window, ...]:
     """Equal parts of a window, fewer where they would hold too few samples."""
-    while parts > 1 and window.size < parts * FEWEST_SAMPLES:
-        parts //= GROWTH
+    while parts > 1 and window.size < parts * FEWEST_WINDOW_SAMPLES:
+        parts //= WINDOW_GROWTH
     return equal_parts(window, parts)

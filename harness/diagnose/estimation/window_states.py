@@ -17,6 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.assemblies import closed_as_recorded
+from harness.diagnose.estimation.constants import (
+    ODD_WINDOW_RATIO,
+    STATE_DIFFERENCE,
+    STATE_READING_TIME,
+    STATE_STEPS,
+    SWING_SPEED,
+    VIBRATION_AMPLITUDE,
+)
 from harness.diagnose.estimation.objective import Objective, Residuals, States
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -25,12 +33,6 @@ from harness.diagnose.problem.windows import Window, local_state
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
-SHORTLY = 0.03  # s, over which a state is read off a recording at least
-ODD = 3.0  # times the median mean square of all windows
-STEPS = 5  # downhill; near a kink more do not help, and away from it fewer are enough
-STEP = 1e-6  # of difference quotients [rad, rad/s]
-VIBRATION = 0.1  # rad or m, that a vibration plausibly begins with
-SWING_SPEED = 2.0  # of a swing of one radian, times its frequency [rad/s]
 
 
 def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
@@ -43,7 +45,7 @@ def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
     joints = predictor.system.joint_names
     rate = SWING_SPEED * max((references(predictor.system, name).frequency for name in joints), default=1.0)
     dependent = predictor.mechanism(hypothesis).model.dependent
-    loose = np.array([0.0 if name in joints and name not in dependent else 1.0 / VIBRATION for name in names])
+    loose = np.array([0.0 if name in joints and name not in dependent else 1.0 / VIBRATION_AMPLITUDE for name in names])
     return np.concatenate([loose, loose / rate])
 
 
@@ -68,7 +70,7 @@ def best_states(objective: Objective, x: Array, options: Sequence[States]) -> tu
 def suspects(residuals: Sequence[Array]) -> list[int]:
     """Places of windows that are fitted far worse than most, as those are that have ended beyond a kink."""
     squares = np.array([float(r @ r) / max(len(r), 1) for r in residuals])
-    return [int(k) for k in np.flatnonzero(squares > ODD * np.median(squares))]
+    return [int(k) for k in np.flatnonzero(squares > ODD_WINDOW_RATIO * np.median(squares))]
 
 
 def settled(objective: Objective, x: Array, options: Sequence[States]) -> dict[Window, tuple[Array, float]]:
@@ -78,14 +80,16 @@ def settled(objective: Objective, x: Array, options: Sequence[States]) -> dict[W
     costs, residuals = objective.of_options(x, _named(windows, states))
     damping = np.full(costs.shape, 1e-3)
     n = states[0].shape[1]
-    for _ in range(STEPS):
-        moved = [np.concatenate([own + STEP * e for e in np.eye(n)]) for own in states]
+    for _ in range(STATE_STEPS):
+        moved = [np.concatenate([own + STATE_DIFFERENCE * e for e in np.eye(n)]) for own in states]
         _, changed = objective.of_options(x, _named(windows, moved))
         trials = []
         for w, own in enumerate(states):
             trial = own.copy()
             for k in range(len(own)):
-                jacobian = np.array([changed[w][j * len(own) + k] - residuals[w][k] for j in range(n)]).T / STEP
+                jacobian = (
+                    np.array([changed[w][j * len(own) + k] - residuals[w][k] for j in range(n)]).T / STATE_DIFFERENCE
+                )
                 scale = np.linalg.norm(jacobian, axis=0) + 1e-12
                 stacked = np.vstack([jacobian, np.sqrt(damping[w, k]) * np.diag(scale)])
                 right = np.concatenate([-residuals[w][k], np.zeros(n)])
@@ -104,7 +108,9 @@ def _named(windows: Sequence[Window], states: Sequence[Array]) -> list[list[Stat
     return [[{window: state} for state in own] for window, own in zip(windows, states, strict=True)]
 
 
-def measured_state(problem: Problem, predictor: Predictor, window: Window, shortest: float = SHORTLY) -> Array:
+def measured_state(
+    problem: Problem, predictor: Predictor, window: Window, shortest: float = STATE_READING_TIME
+) -> Array:
     """Initial positions and velocities read off the recording by a local cubic over six samples or ``shortest`` [s] either way;
     what is not measured begins at zero."""
     names = predictor.mechanism(Hypothesis()).names

@@ -17,7 +17,8 @@ from harness.diagnose.answer.explain import Foretold, finding_words, untold
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.answer.left_out import explained_share
 from harness.diagnose.claims.grades import POSSIBLE
-from harness.diagnose.estimation.intervals import WIDE, Estimate
+from harness.diagnose.estimation.constants import NORMAL_95
+from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.effort_fit import EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_grades import grade, repeatability, without_each
 from harness.diagnose.inverse.effort_left import effort_left
@@ -147,7 +148,7 @@ class EffortAnswer:
             value, s = float(self.best.x[first + j]), float(sigma[first + j])
             span = 1e-6 * float(member.scales[j])
             bound = value <= parameter.lower + span or value >= parameter.upper - span
-            low, high = max(value - WIDE * s, parameter.lower), min(value + WIDE * s, parameter.upper)
+            low, high = max(value - NORMAL_95 * s, parameter.lower), min(value + NORMAL_95 * s, parameter.upper)
             out[parameter.name] = Estimate(value, None if bound else s, low, high)
         return out
 

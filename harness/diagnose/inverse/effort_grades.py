@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from harness.diagnose.claims.grades import AS_MUCH, ESTABLISHED, LIKELY, POSSIBLE, VAGUE
 from harness.diagnose.criticism.held_out import FAKED
-from harness.diagnose.estimation.dispersion import FEWEST
-from harness.diagnose.estimation.intervals import WIDE, Estimate
+from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
+from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_model import EffortModel
 from harness.diagnose.problem.hypothesis import Candidate
@@ -31,7 +31,7 @@ def without_each(parts: Sequence[EffortData], fitted: EffortFit) -> list[tuple[s
     runs = [run for part in parts for run in part.model.runs]
     grids = [grid for part in parts for grid in part.grids]
     names = [run.name for run in runs]
-    if len(set(names)) < FEWEST:
+    if len(set(names)) < FEWEST_CLUSTERS:
         return []
     out = []
     for name in dict.fromkeys(names):
@@ -52,7 +52,7 @@ def repeatability(others: Sequence[tuple[str, EffortFit]], nominal: int, k: int)
         for j, parameter in enumerate(member.effect.parameters):
             value, std = float(fitted.x[first + j]), float(sigma[first + j])
             if np.isfinite(std):
-                ends = np.clip([value - WIDE * std, value + WIDE * std], parameter.lower, parameter.upper)
+                ends = np.clip([value - NORMAL_95 * std, value + NORMAL_95 * std], parameter.lower, parameter.upper)
                 parameters[parameter.name] = {"value": value, "ci95": [float(end) for end in ends]}
         rows.append({"recording": name, "left_out": True, "parameters": parameters})
     return rows

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.discrepancy import (
     Discrepancy,
     Responses,
@@ -23,7 +24,6 @@ from harness.diagnose.estimation.discrepancy import (
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.misfit import Misfit, misfit, squares
-from harness.diagnose.estimation.objective import LOST
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.estimation.intervals import WIDE, WIDEST, Estimate, inflation
+from harness.diagnose.estimation.constants import NORMAL_95, WIDEST_INTERVAL
+from harness.diagnose.estimation.intervals import Estimate, inflation
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.objective import States
 from harness.diagnose.prediction.coordinates import is_logarithmic
@@ -136,11 +137,11 @@ def profiled(study: Study, fitted: Fit, k: int, read: Mapping[str, Estimate]) ->
             low, high = whole_interval(study, fitted, first + j, parameter.lower, parameter.upper)
             out[parameter.name] = _whole(own, low, high)
         elif log[j] and member.effect.adds_coordinates and own.std is not None and own.std < UNKNOWN * own.value:
-            narrow = WIDE * min(own.std / own.value, WIDEST)
+            narrow = NORMAL_95 * min(own.std / own.value, WIDEST_INTERVAL)
             down, up = (reached(study, fitted, first + j, sense * narrow) for sense in (-1.0, 1.0))
             low = max(own.value * float(np.exp(down)), parameter.lower)
             high = min(own.value * float(np.exp(up)), parameter.upper)
-            std = max(own.std, own.value * (up - down) / (2.0 * WIDE))
+            std = max(own.std, own.value * (up - down) / (2.0 * NORMAL_95))
             out[parameter.name] = replace(own, std=std, low=low, high=high)
         elif log[j] and own.std is None and not member.effect.adds_coordinates and 0.0 < own.low < own.high:
             # At an end of where it was searched, a parameter may do so little that its slope is that of the solver's steps.
@@ -154,10 +155,10 @@ def profiled(study: Study, fitted: Fit, k: int, read: Mapping[str, Estimate]) ->
         elif member.effect.sensor is not None and member.effect.sensor.at_first and own.std is not None and not log[j]:
             # Let go later with the speed gained by then is the same motion but for squares: what stood still parts the two.
             scale = float(member.scales[j])
-            widest = 2.0 * WIDE * own.std / scale
+            widest = 2.0 * NORMAL_95 * own.std / scale
             down, up = (kept_within(study, fitted, first + j, sense * widest) for sense in (-1.0, 1.0))
             low, high = max(own.value + down * scale, parameter.lower), min(own.value + up * scale, parameter.upper)
-            out[parameter.name] = replace(own, std=(high - low) / (2.0 * WIDE), low=low, high=high)
+            out[parameter.name] = replace(own, std=(high - low) / (2.0 * NORMAL_95), low=low, high=high)
     return out
 
 

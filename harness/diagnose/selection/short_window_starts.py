@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
 from harness.diagnose.problem.windows import equal_parts
 from harness.diagnose.selection.beam_search import Effort, grow, transfer
 from harness.diagnose.selection.dissipation_starts import everywhere
@@ -56,7 +56,7 @@ def very_short(study: Study) -> Study:
     cuts = tuple(
         piece
         for window in study.windows
-        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_SAMPLES, 1, PARTS)))
+        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_WINDOW_SAMPLES, 1, PARTS)))
     )
     fine = Study(study.problem, study.predictor, study.likelihood, study.candidates, cuts, swing=study.swing)
     fine.empty()

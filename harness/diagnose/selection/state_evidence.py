@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.autoregression import surprise_of_innovations
-from harness.diagnose.estimation.beside_state_force import ENOUGH, Beside, along_the_recordings, beside
+from harness.diagnose.estimation.beside_state_force import Beside, along_the_recordings, beside
+from harness.diagnose.estimation.constants import ENOUGH_SURPRISE, LOST
 from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
-from harness.diagnose.estimation.objective import LOST
 from harness.diagnose.estimation.state_force import StateForce
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate, Hypothesis
 from harness.diagnose.selection.scans.catalogue import scanned
@@ -68,7 +68,7 @@ class Evidence:
 
         # No part of a set is likelier than the set: where it seems so, the set has ended elsewhere. What is far less likely than a
         # set of one more may have ended where a joint sticks in the wrong place.
-        if behind(part, ENOUGH):
+        if behind(part, ENOUGH_SURPRISE):
             found = begun(part)
         if behind(whole, 2.0 * UNPARTED):
             found = begun(whole)

@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.estimation.constants import STATE_READING_TIME
 from harness.diagnose.estimation.discrepancy import Profiled, profiled
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise, sharply
 from harness.diagnose.estimation.objective import Objective
-from harness.diagnose.estimation.window_states import SHORTLY, measured_state
+from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.coordinates import is_logarithmic
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible, dear, whole_numbers
@@ -193,13 +194,13 @@ class Study:
                 states[window] = carry_state(self.predictor, Hypothesis(), hypothesis, found)
         return states
 
-    def read_off(self, hypothesis: Hypothesis, window: Window, span: float = SHORTLY) -> Array:
+    def read_off(self, hypothesis: Hypothesis, window: Window, span: float = STATE_READING_TIME) -> Array:
         """The initial state of any window as it is read off the recording over a span [s]."""
         return carry_state(self.predictor, Hypothesis(), hypothesis, self._measured(window, span))
 
     def others(self, hypothesis: Hypothesis) -> list[dict[Window, Array]]:
         """Initial states as they are read off the recording, sharply and smoothly, for windows whose own have gone astray."""
-        spans = sorted({SHORTLY, max(SHORTLY, self.swing / SMOOTHLY)})
+        spans = sorted({STATE_READING_TIME, max(STATE_READING_TIME, self.swing / SMOOTHLY)})
         return [{window: self.read_off(hypothesis, window, span) for window in self.windows} for span in spans]
 
     def _measured(self, window: Window, span: float) -> Array:

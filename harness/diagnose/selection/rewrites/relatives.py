@@ -13,8 +13,8 @@ from itertools import islice, product
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit, fit
-from harness.diagnose.estimation.vibration_windows import FEWEST_SAMPLES
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible, dear
 from harness.diagnose.problem.windows import Window
@@ -178,7 +178,8 @@ def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Arr
     found: Fit | None = None
     for share in BEGINNINGS:
         parts = {
-            w: w._replace(last=w.first + max(round(share * w.size), min(FEWEST_SAMPLES, w.size))) for w in study.windows
+            w: w._replace(last=w.first + max(round(share * w.size), min(FEWEST_WINDOW_SAMPLES, w.size)))
+            for w in study.windows
         }
         on, begun = objective.on(list(parts.values())), {part: states[w] for w, part in parts.items()}
         if found is None:
