@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
-from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, grade
+from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, effect_says_not_what, grade
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.problem.candidates import candidates
 
@@ -41,3 +41,35 @@ def test_what_there_was_no_time_to_weigh_is_possible_unless_it_leaves_noise_alon
     conclusion = SimpleNamespace(hurried=True, level=level, remains=SimpleNamespace(significant=False))
     values = {"offset": Estimate(0.03, 0.001, 0.028, 0.032)}
     assert grade(outcome, conclusion, claim, values, []) == expected
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "vaguely"),
+    [
+        # A weight of 3 kg that may be a ton, and one of 3 kg that may be 20.
+        ("payload_mass@rod", {"mass": Estimate(3.0, 100.0, 0.0, 946.0)}, True),
+        ("payload_mass@rod", {"mass": Estimate(3.0, 8.0, 0.0, 20.0)}, False),
+        # Less than nothing is as far.
+        ("com_offset@rod", {"offset": Estimate(-0.01, 0.1, -0.2, 0.19)}, True),
+        # A gain is absent at one.
+        ("sensor_gain@pivot.position", {"gain": Estimate(1.001, 0.01, 0.98, 1.022)}, True),
+        ("sensor_gain@pivot.position", {"gain": Estimate(1.1, 0.01, 1.08, 1.12)}, False),
+        # A stop that may be anywhere beyond its place is known to be no nearer.
+        (
+            "end_stop@pivot",
+            {"angle": Estimate(0.4, None, 0.35, 1e9), "stiffness": Estimate(1.0, 50.0, 0.0, 99.0)},
+            False,
+        ),
+    ],
+)
+def test_numbers_that_are_not_known_to_a_factor_of_ten_say_not_what_is_there(
+    key: str, values: dict[str, Estimate], vaguely: bool
+) -> None:
+    known = {c.key: c for c in candidates(nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0))}
+    member = known[key]
+    told = {p.name: values.get(p.name, Estimate(1.0, 0.01, 0.98, 1.02)) for p in member.effect.parameters}
+    assert effect_says_not_what(member, told) == vaguely
+    conclusion = SimpleNamespace(hurried=False, remains=SimpleNamespace(significant=False))
+    claim = SimpleNamespace(candidate=member)
+    expected = POSSIBLE if vaguely else ESTABLISHED
+    assert grade(SimpleNamespace(force=None), conclusion, claim, told, []) == expected

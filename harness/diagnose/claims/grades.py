@@ -19,8 +19,10 @@ from harness.diagnose.estimation.dispersion import Dispersion, dispersion
 from harness.diagnose.estimation.intervals import Estimate, scaled
 from harness.diagnose.estimation.least_squares import Fit, covariance
 from harness.diagnose.estimation.misfit import Misfit, sandwich
+from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.outcome import Outcome, judge
 from harness.diagnose.selection.state_evidence import placed
+from harness.effects.effect import Parameter
 from harness.effects.scale import pull
 
 Array = NDArray[np.float64]
@@ -122,8 +124,10 @@ def grade(
 ) -> str:
     """How firmly a claim stands.
 
-    Where noise is all that is left: established; where an error of a known shape is left, likely, or possible if it may as well be
-    absent, or is far larger than what it is named for ever is (a model that is far off bends whatever can be bent).
+    Where noise is all that is left: established; possible, if none of its numbers is known to a factor of ten (of two that only
+    together do what the recordings ask for, neither is known to be there); where an error of a known shape is left, likely, or
+    possible if it may as well be absent, or is far larger than what it is named for ever is (a model that is far off bends
+    whatever can be bent).
 
     Where the time was up before sets could be weighed beside the force that they leave out, possible, whatever they leave; or where
     free runs of what is told are no nearer to the data held out than those of the nominal model.
@@ -141,6 +145,8 @@ def grade(
     if unweighed and (outcome.force is not None or above_floor(conclusion.level, outcome.study.likelihood)):
         return POSSIBLE
     if outcome.force is None:
+        if effect_says_not_what(claim.candidate, values):
+            return POSSIBLE
         if not conclusion.remains.significant:
             return ESTABLISHED
         return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim, values) else LIKELY
@@ -158,9 +164,9 @@ def grade(
         or not _holds(first.neutral, *row["parameters"][first.name]["ci95"])
         for row in rows
     ]
-    vague = first is not None and values[first.name].high > VAGUE * abs(values[first.name].value)
+    unknown = first is not None and vague(first, values[first.name])
     itself = outcome.evidence is None or claim.probability >= SURE
-    return ESTABLISHED if stands and all(stands) and not vague and itself else LIKELY
+    return ESTABLISHED if stands and all(stands) and not unknown and itself else LIKELY
 
 
 def foretells(outcome: Outcome, conclusion: Conclusion) -> bool:
@@ -184,6 +190,23 @@ def _may_be_absent(claim: Claim, values: Mapping[str, Estimate]) -> bool:
     """Whether the interval of how strongly an effect acts holds that it does not."""
     first = next(iter(claim.candidate.effect.parameters), None)
     return first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
+
+
+def effect_says_not_what(member: Candidate, values: Mapping[str, Estimate]) -> bool:
+    """Whether none of an effect's numbers is known to a factor of ten: recordings say that something is there, not what."""
+    return bool(values) and all(vague(p, values[p.name]) for p in member.effect.parameters)
+
+
+def vague(parameter: Parameter, value: Estimate) -> bool:
+    """Whether an interval reaches ten times as far from the effect's absence as the estimate is; of what is absent where it is
+    infinite, as stiffness is, in reciprocals."""
+    ends = np.array([value.low, value.high, value.value])
+    if np.isinf(parameter.neutral):
+        with np.errstate(divide="ignore"):
+            away = np.abs(1.0 / ends)
+    else:
+        away = np.abs(ends - (parameter.neutral if np.isfinite(parameter.neutral) else 0.0))
+    return bool(np.max(away[:2]) > VAGUE * away[2])
 
 
 def _holds(neutral: float, low: float, high: float) -> bool:

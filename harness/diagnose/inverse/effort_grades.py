@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.claims.grades import AS_MUCH, ESTABLISHED, LIKELY, POSSIBLE, VAGUE
+from harness.diagnose.claims.grades import AS_MUCH, ESTABLISHED, LIKELY, POSSIBLE, vague
 from harness.diagnose.criticism.held_out import FAKED
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
@@ -81,14 +81,14 @@ def grade(
     absent = first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
     if placed(member) or absent or share < (AS_MUCH if effect.plain else FAKED):
         return POSSIBLE
-    vague = first is not None and values[first.name].high > VAGUE * abs(values[first.name].value)
+    unknown = first is not None and vague(first, values[first.name])
     stands = [
         first is None
         or first.name not in row["parameters"]
         or not _holds(first.neutral, *row["parameters"][first.name]["ci95"])
         for row in rows
     ]
-    return ESTABLISHED if stands and all(stands) and not vague and not rivals else LIKELY
+    return ESTABLISHED if stands and all(stands) and not unknown and not rivals else LIKELY
 
 
 def _holds(neutral: float, low: float, high: float) -> bool:
