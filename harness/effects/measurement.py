@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from harness.effects.resampling import POINTS, resample
 from harness.kept_kernels import forgive
 from harness.system.description import Array
 
@@ -89,18 +90,23 @@ def delay(signal: Array, time: Array, params: Array) -> Array:
     swings as it goes on, if it begins in motion, and the first sample if it begins at rest (a held link is released): the
     curvature counts as far as the speed at the start exceeds what it makes of it in a delay.
     """
-    shifted = resample(signal, time, time[None, :] - params[:, :1])
-    early = time[None, :] - params[:, :1] < time[0]
-    if not early.any() or len(time) < 4:
-        return shifted
+    asked = time[None, :] - params[:, :1]
+    first = int(np.searchsorted(time, time[0] + float(np.max(params[:, 0]))))
+    if first == 0 or len(time) < POINTS:
+        return resample(signal, time, asked)
+    # What is asked for from before the first sample, by any of them, comes first.
+    shifted = resample(signal, time, np.maximum(asked, time[0]))
+    asked = asked[:, :first]
+    early = asked < time[0]
     lag = np.maximum(params[:, :1], 1e-12)
     speed, bend, moving, turns = _beginning(signal, time, lag, 1.0)
     if not within(time):
         moving = speed**2 / (speed**2 + (bend * lag) ** 2 + 1e-300)
-    before = time[None, :] - params[:, :1] - time[0]
+    before = asked - time[0]
     swing = np.sqrt(turns) / lag * before / np.pi
     wave = before * (speed * np.sinc(swing) + 0.5 * moving * bend * before * np.sinc(0.5 * swing) ** 2)
-    return np.where(early, signal[:, :1] + wave, shifted)
+    shifted[:, :first] = np.where(early, signal[:, :1] + wave, shifted[:, :first])
+    return shifted
 
 
 def _at_first(signal: Array, time: Array) -> tuple[Array, Array]:
@@ -247,53 +253,6 @@ def _beginning(signal: Array, time: Array, tau: Array, stretch: float = STRETCH)
     # What slows down has moved before, unless it only seems to.
     since = np.clip(speed * bend / (tau * bend**2 + 1e-300), -AGES, AGES)
     return speed, bend, -np.expm1(np.where(since > 0.0, -since, -(since**2))), turns
-
-
-def resample(signal: Array, time: Array, query: Array) -> Array:
-    """Each lane's signal (B, T) at its own times (B, Q): cubic through four neighbours, parabola outside.
-
-    Fewer than four samples are interpolated linearly.
-    """
-    count = len(time)
-    if count < 4:
-        return np.stack([np.interp(q, time, s) for q, s in zip(query, signal, strict=True)])
-    first = np.clip(np.searchsorted(time, query, side="right") - 2, 0, count - 4)
-    nodes = [time[first + k] for k in range(4)]
-    values = [np.take_along_axis(signal, first + k, axis=1) for k in range(4)]
-    result = np.zeros(query.shape)
-    for j in range(4):
-        weight = np.ones(query.shape)
-        for k in range(4):
-            if k != j:
-                weight *= (query - nodes[k]) / (nodes[j] - nodes[k])
-        result += weight * values[j]
-    for outside, end in ((query < time[0], 0), (query > time[-1], -1)):
-        if outside.any():
-            _extrapolate(result, signal, time, query, outside, end)
-    return result
-
-
-def _extrapolate(result: Array, signal: Array, time: Array, query: Array, outside: Array, end: int) -> None:
-    """Fill ``outside`` by parabolas through three samples about as far apart as the farthest query is out."""
-    for lane in np.flatnonzero(outside.any(axis=1)):
-        which = outside[lane].astype(bool)
-        distance = float(np.abs(query[lane][which] - time[end]).max())
-        inward = np.abs(time - time[end])
-        order = np.argsort(inward, kind="stable")
-        positions = np.unique(
-            np.clip(np.searchsorted(inward[order], [0.0, distance, 2.0 * distance]), [0, 1, 2], len(time) - 1)
-        )
-        picked = order[positions]
-        x, y = time[picked], signal[lane, picked]
-        q = query[lane][which]
-        total = np.zeros(q.shape)
-        for j in range(len(x)):
-            weight = np.ones(q.shape)
-            for k in range(len(x)):
-                if k != j:
-                    weight *= (q - x[k]) / (x[j] - x[k])
-            total += weight * y[j]
-        result[lane, which] = total
 
 
 def _moments(u: Array) -> tuple[Array, Array, Array, Array]:

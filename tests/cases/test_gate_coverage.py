@@ -18,7 +18,7 @@ from harness.denoc.compiling.tasks import TASKS
 from harness.denoc.joint_laws import laws
 from harness.denoc.lanes.model import LaneModel
 from harness.denoc.loops.closed import Closed
-from harness.effects import measurement
+from harness.effects import measurement, resampling
 from harness.engines import registry
 from harness.recording.formats.detect import READERS
 from harness.system import Beam, Joint, Link
@@ -44,8 +44,9 @@ def paths_of_the_code() -> set[str]:
         found |= {f"{word} {field.name}" for field in fields(owner)}
     found |= {
         f"sensor {name}"
-        for name in functions(measurement)
-        if getattr(measurement, name).__module__ == measurement.__name__
+        for module in (measurement, resampling)
+        for name in functions(module)
+        if getattr(module, name).__module__ == module.__name__
     }
     # Text is read here, by no reader of a process of its own.
     found |= {f"recording {module}" for _, module, _ in READERS} | {"recording csv"}
