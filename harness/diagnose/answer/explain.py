@@ -10,8 +10,8 @@ from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED, UNSEARCHED
-from harness.diagnose.criticism.check import LEVEL, Test
-from harness.diagnose.criticism.remainder import AT_FLOOR
+from harness.diagnose.criticism.check import Test
+from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO, TEST_CHANCE
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.problem.deadline import NotTried
 from harness.recording.units import written
@@ -109,7 +109,7 @@ def summary(
     held = "also on data held out"
     if conclusion.only_held:
         held = "with the data held out fitted too"
-    elif foretold.times > AT_FLOOR:
+    elif foretold.times > COMPLETE_RESIDUAL_RATIO:
         within = f"they are predicted to {times(foretold.times, 2)} times the noise"
         held = f"on data held out if fitted to them too; without that, {within}"
     if conclusion.cut_short == UNCRITICISED:
@@ -243,7 +243,7 @@ def untried(not_tried: Sequence[NotTried]) -> str:
 
 def plainest(conclusion: Conclusion) -> Test:
     """The test that says most of what is left."""
-    tests = [t for t in conclusion.remains.tests if t.chance < LEVEL] or conclusion.remains.tests
+    tests = [t for t in conclusion.remains.tests if t.chance < TEST_CHANCE] or conclusion.remains.tests
     found = min(tests, key=lambda t: (t.chance, -t.gain))
     if found.places >= 0:
         # What happens once in every recording is weighed with all its times, as it is where it stands against a finding.

@@ -14,10 +14,10 @@ from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
 from harness.diagnose.claims.plain_laws import plain_laws
 from harness.diagnose.claims.posterior import SURE, posterior
 from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
-from harness.diagnose.criticism.check import LEVEL, Asked, left_by
-from harness.diagnose.criticism.checks.held_out_misfit import WORSE
+from harness.diagnose.criticism.check import Asked, left_by
+from harness.diagnose.criticism.constants import CARRIES_RATIO, HELD_OUT_MISFIT_SIGMAS, TEST_CHANCE
 from harness.diagnose.criticism.doubt import doubtful, doubtful_together
-from harness.diagnose.criticism.held_out import CARRIES, a_force_as_well, carries, firm
+from harness.diagnose.criticism.held_out import a_force_as_well, carries, firm
 from harness.diagnose.criticism.members import beside_force
 from harness.diagnose.criticism.remainder import Remains, above_floor, answers, asked_of, examine
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
@@ -122,7 +122,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         # stretched model predicts them as well. The stretch itself is then the evidence.
         needed = HELD_OUT
         if enough and visible and straightens:
-            needed = -WORSE
+            needed = -HELD_OUT_MISFIT_SIGMAS
         elif enough and visible and gain > AMPLE * price:
             needed = min(needed, _contrary(outcome, smaller, fitted))
         # What only the data held out ask for has been fitted to them, and must be confirmed within them.
@@ -343,7 +343,7 @@ def _stands(outcome: Outcome, best: Fit, k: int, remains: Remains) -> bool:
         return False
     if beside_force(outcome, best, k):
         return not doubtful(outcome, best, k, remains)
-    if not carries(outcome, best, outcome.study.below(best, k), CARRIES):
+    if not carries(outcome, best, outcome.study.below(best, k), CARRIES_RATIO):
         return False
     return not a_force_as_well(outcome, best, k) and not doubtful(outcome, best, k, remains)
 
@@ -393,7 +393,7 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
     above = (
         above_floor(_level(outcome, held), outcome.study.likelihood)
-        and follows_itself(by_channel(held, held.windows)) < LEVEL
+        and follows_itself(by_channel(held, held.windows)) < TEST_CHANCE
     )
     return remains, remains.significant or above
 

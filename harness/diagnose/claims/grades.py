@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.claims.posterior import SURE
-from harness.diagnose.criticism.held_out import FAKED
+from harness.diagnose.criticism.constants import FAKED_RATIO
 from harness.diagnose.criticism.remainder import above_floor
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.discrepancy import responses
@@ -153,7 +153,7 @@ def grade(
     effect = claim.candidate.effect
     if outcome.evidence is not None and (claim.of_class < SURE or not foretold):
         return POSSIBLE
-    if claim.gain < (AS_MUCH if effect.plain else FAKED) * conclusion.remains.excess:
+    if claim.gain < (AS_MUCH if effect.plain else FAKED_RATIO) * conclusion.remains.excess:
         return POSSIBLE
     if placed(claim.candidate) or _may_be_absent(claim, values):
         return POSSIBLE

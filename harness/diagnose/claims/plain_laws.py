@@ -9,7 +9,7 @@ claimed either, but who has to act on the answer should know of them.
 from __future__ import annotations
 
 from harness.diagnose.claims.rivals import APART
-from harness.diagnose.criticism.held_out import AMPLY, CARRIES
+from harness.diagnose.criticism.constants import AMPLY_CARRIES_RATIO, CARRIES_RATIO
 from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.outcome import Outcome, judge
@@ -29,5 +29,5 @@ def plain_laws(outcome: Outcome, best: Fit, *, sure: bool) -> Fit | None:
         return None
     likeliest = [f for f in plain if study.criterion(f) < min(lowest + APART, study.criterion(best) - APART)]
     fewest = min(likeliest, key=lambda f: (len(f.hypothesis.members), study.criterion(f)))
-    times = AMPLY if sure else CARRIES
+    times = AMPLY_CARRIES_RATIO if sure else CARRIES_RATIO
     return fewest if times**2 * judge(outcome, fewest).cost < judge(outcome, best).cost else None

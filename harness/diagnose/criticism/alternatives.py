@@ -10,8 +10,6 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.study import Study
 from harness.effects.effect import Effect
 
-BETTER = 12.0  # in the criterion, by which an unnamed force must do better than an effect that explains all
-
 
 def imitated(study: Study, best: Fit, smaller: Fit, margin: float = 0.0, *, exact: bool = False) -> bool:
     """Whether a force, or error of a reading, that nobody has named does better by ``margin`` than what a member does.

@@ -12,6 +12,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.criticism.constants import LOUDNESS_BLOCKS
 from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
@@ -23,11 +24,6 @@ from harness.effects.effect import Effect
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
-
-LEVEL = (
-    1e-5  # chance at which a test of the remainder counts; all recordings are tested at once, a dozen questions each
-)
-BLOCKS = 20  # of a window, the loudness of most of which is that of what is left
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +155,7 @@ class Remainder:
 
 def left_by(study: Study, fitted: Fit, outcome: Outcome | None = None) -> Remainder:
     """What a fit leaves, to be checked."""
-    blocks = [block for r in fitted.linear.residuals for block in np.array_split(r, BLOCKS)]
+    blocks = [block for r in fitted.linear.residuals for block in np.array_split(r, LOUDNESS_BLOCKS)]
     loud = [float(np.mean(b[b != 0.0] ** 2)) if np.any(b != 0.0) else 1.0 for b in blocks]
     return Remainder(study, fitted, nuisance(fitted, study.predictor), max(1.0, float(np.median(loud))), outcome)
 

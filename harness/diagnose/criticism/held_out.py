@@ -6,6 +6,16 @@ import numpy as np
 
 from harness.diagnose.criticism.alternatives import tests_of
 from harness.diagnose.criticism.check import Asked
+from harness.diagnose.criticism.constants import (
+    AMPLY_CARRIES_RATIO,
+    CARRIES_RATIO,
+    FAKED_RATIO,
+    NEEDED_SHARE,
+    STEADY_FREQUENCY_DIFFERENCE,
+    STEADY_PHASE_DIFFERENCE,
+    STEADY_SIGMAS,
+    STEADY_SIZE_DIFFERENCE,
+)
 from harness.diagnose.criticism.locate import rmse
 from harness.diagnose.criticism.members import nowhere
 from harness.diagnose.criticism.remainder import asked_of
@@ -13,20 +23,6 @@ from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.selection.outcome import Outcome, judge, judge_straight, trained
 from harness.diagnose.selection.state_evidence import placed
-
-FAKED = (
-    10.0  # an effect must explain so many times what the remainder still holds, or the remainder might have faked it
-)
-NEEDED = (
-    0.05  # share of what an effect explains that an unnamed force must leave, to which its linear response is trusted
-)
-CARRIES = (
-    1.4  # times that the held-out free run's error grows without an effect that is claimed beside such a remainder
-)
-AMPLY = 1.8  # times that it grows without an effect that is claimed whatever the data held out give by themselves
-STEADY, STEADY_FREQUENCY = 0.4, 0.03  # relative differences between separate recordings
-STEADY_PHASE = 0.6  # rad
-UNSURE = 3.0  # standard deviations that separate estimates may always be apart
 
 
 def firm(outcome: Outcome, best: Fit, k: int) -> bool:
@@ -40,9 +36,9 @@ def firm(outcome: Outcome, best: Fit, k: int) -> bool:
     if anywhere or nowhere(outcome, best, k) or a_force_as_well(outcome, best, k):
         return False
     smaller = outcome.study.below(best, k)
-    if carries(outcome, best, smaller, AMPLY):
+    if carries(outcome, best, smaller, AMPLY_CARRIES_RATIO):
         return True
-    return carries(outcome, best, smaller, CARRIES) and steady(outcome, trained(outcome, best), k)
+    return carries(outcome, best, smaller, CARRIES_RATIO) and steady(outcome, trained(outcome, best), k)
 
 
 def carries(outcome: Outcome, best: Fit, smaller: Fit, times: float) -> bool:
@@ -79,12 +75,14 @@ def steady(outcome: Outcome, own: Fit, k: int) -> bool:
         origin = parameter.neutral if np.isfinite(parameter.neutral) else 0.0
         one, two = a[j] - origin, b[j] - origin
         if parameter.name == "phase":
-            if abs(np.angle(np.exp(1j * (one - two)))) > STEADY_PHASE:
+            if abs(np.angle(np.exp(1j * (one - two)))) > STEADY_PHASE_DIFFERENCE:
                 return False
         elif parameter.name == "frequency" or j == 0:
-            reach = (STEADY_FREQUENCY if parameter.name == "frequency" else STEADY) * max(abs(one), abs(two))
+            reach = (STEADY_FREQUENCY_DIFFERENCE if parameter.name == "frequency" else STEADY_SIZE_DIFFERENCE) * max(
+                abs(one), abs(two)
+            )
             unsure = float(np.linalg.norm([s[parameter.name].std or 0.0 for s in spreads]))
-            if abs(one - two) > max(reach, UNSURE * unsure):
+            if abs(one - two) > max(reach, STEADY_SIGMAS * unsure):
                 return False
     return True
 
@@ -104,5 +102,5 @@ def a_force_as_well(outcome: Outcome, best: Fit, k: int) -> bool:
         return {(t.name, t.where[0]): max(there - t.gain, 0.0) for t in tests_of(study, fitted, asked)}
 
     without, with_ = left(smaller), left(best)
-    least = NEEDED * (smaller.score - best.score)
-    return any(without[key] < max(FAKED * with_[key], least) for key in without.keys() & with_.keys())
+    least = NEEDED_SHARE * (smaller.score - best.score)
+    return any(without[key] < max(FAKED_RATIO * with_[key], least) for key in without.keys() & with_.keys())

@@ -8,6 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.criticism.constants import (
+    FAR_OUT_SHARE,
+    FAST_MOTION_SHARE,
+    MIDDLE_SHARE,
+    SLOW_MOTION_SHARE,
+    TELLING_PLACE_RATIO,
+)
 from harness.diagnose.estimation.discrepancy import Discrepancy, covariance_at
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.outcome import Outcome
@@ -15,10 +22,6 @@ from harness.effects.scale import references
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-SLOW, FAST = 0.2, 0.7  # of the greatest speed
-MIDDLE, FAR = 0.3, 0.7  # of the half range of angles
-TELLING = 1.5  # times its share of the time that a place must hold of the force
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +89,7 @@ def place_of(system: System, recordings: Sequence[str], left: Sequence[LeftForce
         for words, masks in _places(system, recordings, own):
             inside = sum(_square(p, m) for p, m in zip(own, masks, strict=True)) / max(squares[joint], 1e-300)
             time = sum(float(np.sum(m)) for m in masks) / max(sum(len(p.time) for p in own), 1)
-            if time <= 0.0 or inside < TELLING * time:
+            if time <= 0.0 or inside < TELLING_PLACE_RATIO * time:
                 continue
             # Of places that hold more than their time, the one that holds most beyond it.
             worth = at_joint * (inside - time)
@@ -110,14 +113,14 @@ def _places(
     fast = max(float(np.max(np.abs(p.qd))) for p in own)
     low, high = min(float(np.min(p.q)) for p in own), max(float(np.max(p.q)) for p in own)
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
-    yield f"slower than {SLOW * fast:.2g} {unit}/s", [np.abs(p.qd) < SLOW * fast for p in own]
-    yield f"faster than {FAST * fast:.2g} {unit}/s", [np.abs(p.qd) > FAST * fast for p in own]
+    yield f"slower than {SLOW_MOTION_SHARE * fast:.2g} {unit}/s", [np.abs(p.qd) < SLOW_MOTION_SHARE * fast for p in own]
+    yield f"faster than {FAST_MOTION_SHARE * fast:.2g} {unit}/s", [np.abs(p.qd) > FAST_MOTION_SHARE * fast for p in own]
     yield (
-        f"between {centre - MIDDLE * half:.2g} and {centre + MIDDLE * half:.2g} {unit}",
-        [np.abs(p.q - centre) < MIDDLE * half for p in own],
+        f"between {centre - MIDDLE_SHARE * half:.2g} and {centre + MIDDLE_SHARE * half:.2g} {unit}",
+        [np.abs(p.q - centre) < MIDDLE_SHARE * half for p in own],
     )
-    yield f"below {centre - FAR * half:.2g} {unit}", [p.q < centre - FAR * half for p in own]
-    yield f"above {centre + FAR * half:.2g} {unit}", [p.q > centre + FAR * half for p in own]
+    yield f"below {centre - FAR_OUT_SHARE * half:.2g} {unit}", [p.q < centre - FAR_OUT_SHARE * half for p in own]
+    yield f"above {centre + FAR_OUT_SHARE * half:.2g} {unit}", [p.q > centre + FAR_OUT_SHARE * half for p in own]
     yield "moving forwards", [p.qd > 0.0 for p in own]
     yield "moving backwards", [p.qd < 0.0 for p in own]
     runs = dict.fromkeys(p.run for p in own)

@@ -8,14 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.criticism.constants import LOCATED_BAND_SHARE, LOCATED_CHANCE, LOCATED_PIECES
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.outcome import Outcome
 
 Array = NDArray[np.float64]
-
-PIECES = 24  # of a recording, each tested on its own
-CHANCE = 1e-4  # at which a piece counts as left by the model
-BAND = 0.9  # share of the misfit's power inside the band that is named
 
 
 @dataclass(frozen=True)
@@ -86,9 +83,9 @@ def locate(outcome: Outcome, side: str, site: str) -> tuple[Mismatch, ...]:
 def _windows(time: Array, white: Array) -> list[tuple[float, float]]:
     """Stretches of time where the whitened residual is more than noise."""
     out = []
-    for index in np.array_split(np.arange(len(white)), PIECES):
+    for index in np.array_split(np.arange(len(white)), LOCATED_PIECES):
         used = white[index][white[index] != 0.0]
-        if len(used) >= 5 and chi2.sf(float(used @ used), len(used)) < CHANCE / PIECES:
+        if len(used) >= 5 and chi2.sf(float(used @ used), len(used)) < LOCATED_CHANCE / LOCATED_PIECES:
             out.append((float(time[index[0]]), float(time[index[-1]])))
     return out
 
@@ -114,8 +111,8 @@ def _band(residual: Array, interval: float, noise: float) -> tuple[float, float]
     total = np.cumsum(power)
     if total[-1] <= 0.0:
         return (0.0, float(frequency[-1]))
-    low = int(np.searchsorted(total, 0.5 * (1.0 - BAND) * total[-1]))
-    high = int(np.searchsorted(total, (1.0 - 0.5 * (1.0 - BAND)) * total[-1]))
+    low = int(np.searchsorted(total, 0.5 * (1.0 - LOCATED_BAND_SHARE) * total[-1]))
+    high = int(np.searchsorted(total, (1.0 - 0.5 * (1.0 - LOCATED_BAND_SHARE)) * total[-1]))
     return (round(float(frequency[low]), 4), round(float(frequency[min(high, len(frequency) - 1)]), 4))
 
 

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.criticism.constants import PROBING_FORCE_SHARE
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linear_response import Response, channels_moved, respond, responsive
@@ -16,8 +17,6 @@ from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-PUSH = 1e-4  # size of the probing forces, in units of the gravity torque: small enough to stay linear
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +57,11 @@ class Probe:
         grid = self.predictor.grid(window, self.predictor.margin(self.fitted.hypothesis))
         # Predictions are carried on a little beyond the window, where the linear response ends.
         extra = np.zeros((len(histories) + 1, len(grid.time), len(self.names)))
-        extra[:-1, : histories.shape[1], k] = PUSH * self.torque * histories
+        extra[:-1, : histories.shape[1], k] = PROBING_FORCE_SHARE * self.torque * histories
         lanes = [(0, window, self.fitted.states[window])] * len(extra)
         predictions = self.predictor.predict(self.fitted.hypothesis, self.fitted.x[None, :], lanes, extra=extra)
         white = self.likelihood.whiten(window, predictions)
-        return np.nan_to_num((white[:-1] - white[-1]) / PUSH)
+        return np.nan_to_num((white[:-1] - white[-1]) / PROBING_FORCE_SHARE)
 
 
 def probe(predictor: Predictor, likelihood: Likelihood, fitted: Fit, torque: float) -> Probe:

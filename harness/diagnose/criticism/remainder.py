@@ -14,19 +14,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.diagnose.criticism.check import LEVEL, Asked, Check, Form, Map, Remainder, Test
+from harness.diagnose.criticism.check import Asked, Check, Form, Map, Remainder, Test
 from harness.diagnose.criticism.checks.catalogue import checks
+from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO, TEST_CHANCE
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.selection.study import Study
 from harness.parallel import meanwhile
 
-AT_FLOOR = 1.2  # held-out residual over the noise floor up to which a model counts as complete
-
 
 def above_floor(level: float, likelihood: Likelihood) -> bool:
     """Whether what is left of data held out, over the noise, is more than a complete model leaves of readings so rounded."""
-    return bool(level > AT_FLOOR * np.sqrt(likelihood.rounded))
+    return bool(level > COMPLETE_RESIDUAL_RATIO * np.sqrt(likelihood.rounded))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +48,7 @@ def examine(left: Remainder, *asked: Asked) -> Remains:
     """The checks of what a fit leaves: whether any speaks against noise alone, and as what force it shows at one joint."""
     found = answers(left, asked_of(*(asked or (Asked.OF_EVERY_FIT,))))
     tests = tuple(test for _, test in found)
-    counting = [(check, test) for check, test in found if test.chance < LEVEL]
+    counting = [(check, test) for check, test in found if test.chance < TEST_CHANCE]
     excess = max([0.0, *(check.leaves(test) for check, test in counting)])
     form, force_map = _force([test for _, test in counting], tests)
     return Remains(bool(counting), tests, excess, form, force_map)
@@ -90,4 +89,4 @@ def _force(counting: Sequence[Test], tests: Sequence[Test]) -> tuple[Form | None
 def excess(study: Study, best: Fit, remains: Remains) -> float:
     """What a set leaves above the noise, by the tests of the remainder or by all of its cost."""
     everywhere = float(np.sqrt(best.linear.cost / max(study.samples, 1.0)))
-    return max(remains.excess, (everywhere**2 - AT_FLOOR**2) * study.samples)
+    return max(remains.excess, (everywhere**2 - COMPLETE_RESIDUAL_RATIO**2) * study.samples)

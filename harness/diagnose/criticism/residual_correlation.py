@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.criticism.constants import CORRELATION_LAGS
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-LAGS = 10  # samples over which a misfit is looked for to go on, at most a quarter of a stretch
 
 
 def by_channel(fitted: Fit, windows: Sequence[Window]) -> list[Array]:
@@ -37,7 +36,7 @@ def follows_itself(stretches: Sequence[Array]) -> float:
     Financ. Stud. 1 (1988) 41, theorem 3; Escanciano and Lobato, J. Econometrics 151 (2009) 140).
     """
     total, count = 0.0, 0
-    for lag in range(1, LAGS + 1):
+    for lag in range(1, CORRELATION_LAGS + 1):
         along, variance = 0.0, 0.0
         for r in stretches:
             if len(r) >= 4 * lag:

@@ -17,6 +17,13 @@ from scipy.stats import chi2
 
 from harness.denoc.model import Denoc
 from harness.diagnose.criticism.check import Test
+from harness.diagnose.criticism.constants import (
+    HIGHEST_SHAKING,
+    LOWEST_SHAKING,
+    MOST_SHAKING_FREQUENCIES,
+    SHAKING_FINENESS,
+    SHAKING_WAVES_DEPENDENT,
+)
 from harness.diagnose.criticism.gains import jointly
 from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit
@@ -30,11 +37,7 @@ from harness.system import System
 Array = NDArray[np.float64]
 
 UP_AND_DOWN, SIDEWAYS = "a support that moves up and down", "a support that moves sideways"
-LOWEST, HIGHEST = 0.2, 4.0  # frequencies, over the swing's
-FINENESS = 2.0  # frequencies in one over the longest window
-MOST = 240  # frequencies
 AT_ONCE = MOST_TOGETHER // 2  # two waves each
-DEPENDENT = 1e-9  # share of the largest column's square, below which the area of two is rounding
 
 
 def shaken_up_and_down(study: Study, fitted: Fit) -> Test:
@@ -86,10 +89,12 @@ def _at_one_frequency(study: Study, own: Probe, changes: Callable[[Window, Array
     space = nuisance(fitted, study.predictor)
     swing = 1.0 / study.swing
     longest = max(float(m.time[-1]) for m in own.motions.values())
-    count = int(np.clip((HIGHEST - LOWEST) * swing * longest * FINENESS, 2, MOST))
+    count = int(
+        np.clip((HIGHEST_SHAKING - LOWEST_SHAKING) * swing * longest * SHAKING_FINENESS, 2, MOST_SHAKING_FREQUENCIES)
+    )
     # What does not come round once in any recording is a gravity, or a trend, of its own in each.
-    lowest = max(LOWEST * swing, 1.0 / longest)
-    frequencies = np.linspace(lowest, max(HIGHEST * swing, lowest), count)
+    lowest = max(LOWEST_SHAKING * swing, 1.0 / longest)
+    frequencies = np.linspace(lowest, max(HIGHEST_SHAKING * swing, lowest), count)
     alike, apart = np.zeros(count), np.zeros(count)
 
     def moved_at(part: slice) -> list[Array]:
@@ -128,7 +133,7 @@ def _gains(seen: Projected) -> Array:
     p, q = seen.along[:k], seen.along[k:]
     # Of two columns by Cramer's rule; those of which nothing is left outside the adjustable gain nothing.
     area = a * b - c**2
-    open_ones = area > DEPENDENT * np.maximum(a, b).max(initial=0.0) ** 2
+    open_ones = area > SHAKING_WAVES_DEPENDENT * np.maximum(a, b).max(initial=0.0) ** 2
     return np.where(open_ones, (b * p**2 - 2.0 * c * p * q + a * q**2) / np.where(open_ones, area, 1.0), 0.0)
 
 

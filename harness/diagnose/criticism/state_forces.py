@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import AtJoint, Map, Remainder, Test
+from harness.diagnose.criticism.constants import STATE_FORCE_PLACES
 from harness.diagnose.criticism.gains import solve_gain
 
 Array = NDArray[np.float64]
 
-BUMPS = 10  # places over the range of a joint at which a force of its own is allowed
 STATE = "forces over the state"
 
 
@@ -34,7 +34,7 @@ def state_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> t
     for label, sign in (("sign(w)", np.tanh(20.0 * w)), ("u sign(w)", u * np.tanh(20.0 * w))):
         names.append(label)
         values.append(sign)
-    centres = np.linspace(-1.0, 1.0, BUMPS)
+    centres = np.linspace(-1.0, 1.0, STATE_FORCE_PLACES)
     width = centres[1] - centres[0]
     for c in centres:
         bump = np.exp(-(((u - c) / width) ** 2))

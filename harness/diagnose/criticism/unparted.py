@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from harness.diagnose.criticism.held_out import AMPLY, FAKED, carries
+from harness.diagnose.criticism.constants import AMPLY_CARRIES_RATIO, FAKED_RATIO, MOST_UNPARTED
+from harness.diagnose.criticism.held_out import carries
 from harness.diagnose.criticism.remainder import Remains, excess
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Candidate
@@ -10,8 +11,6 @@ from harness.diagnose.selection.exchange import known_in_place_of, related
 from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.rewrites.relatives import relatives
 from harness.diagnose.selection.rewrites.special_case import specialized
-
-MOST_UNPARTED = 4  # relatives fitted for what beside a remainder might as well be the law
 
 
 def special_case(outcome: Outcome, best: Fit, remains: Remains) -> Fit | None:
@@ -22,9 +21,9 @@ def special_case(outcome: Outcome, best: Fit, remains: Remains) -> Fit | None:
     """
     if not remains.significant:
         return None
-    limit = best.score + FAKED * excess(outcome.study, best, remains)
+    limit = best.score + FAKED_RATIO * excess(outcome.study, best, remains)
     plainer = sorted(specialized(outcome.study, best), key=lambda f: f.score)
-    return next((f for f in plainer if f.score < limit and not carries(outcome, best, f, AMPLY)), None)
+    return next((f for f in plainer if f.score < limit and not carries(outcome, best, f, AMPLY_CARRIES_RATIO)), None)
 
 
 def unparted(outcome: Outcome, best: Fit, k: int, remains: Remains) -> list[Candidate]:
@@ -36,10 +35,10 @@ def unparted(outcome: Outcome, best: Fit, k: int, remains: Remains) -> list[Cand
         return []
     study, member = outcome.study, best.hypothesis.members[k]
     relatives(study, best, k, len(study.fits) + MOST_UNPARTED)
-    limit = best.score + FAKED * excess(study, best, remains)
+    limit = best.score + FAKED_RATIO * excess(study, best, remains)
     likeliest = sorted(known_in_place_of(study, best, k), key=lambda pair: pair[1].score)[: 2 * MOST_UNPARTED]
     return [
         new
         for new, other in likeliest
-        if related(member, new) and other.score < limit and not carries(outcome, best, other, AMPLY)
+        if related(member, new) and other.score < limit and not carries(outcome, best, other, AMPLY_CARRIES_RATIO)
     ]

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.criticism.constants import HELD_CHANGE, HELD_STRETCH_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.windows import Window
 from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
-
-FEWEST = 8  # samples of a stretch
-STILL = 1e-3  # of the noise, by which a prediction that stands still changes from sample to sample at most
 
 
 def predicted(study: Study, fitted: Fit) -> Iterator[tuple[Window, Array, Array]]:
@@ -29,13 +27,13 @@ def predicted(study: Study, fitted: Fit) -> Iterator[tuple[Window, Array, Array]
 
 def still(steps: Array) -> NDArray[np.bool_]:
     """Where a prediction stands still, (T,)."""
-    return np.asarray(np.all(steps <= STILL, axis=0))
+    return np.asarray(np.all(steps <= HELD_CHANGE, axis=0))
 
 
 def stretches(resting: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First sample of every stretch that is still, and the one after its last."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], resting, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if b - a >= FEWEST]
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if b - a >= HELD_STRETCH_SAMPLES]
 
 
 def variation(rows: Array) -> float:

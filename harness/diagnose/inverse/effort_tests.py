@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
-from harness.diagnose.criticism.remainder import AT_FLOOR
+from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_search import EffortStudy
@@ -115,7 +115,7 @@ def _held_out(asked: _Asked) -> Iterator[dict[str, Any]]:
 def _louder(asked: _Asked) -> Iterator[dict[str, Any]]:
     """More than the noise, which is what the most that ordinary torques can take leaves."""
     ratio = asked.floor / asked.noise
-    if ratio > AT_FLOOR:
+    if ratio > COMPLETE_RESIDUAL_RATIO:
         count = max(asked.study.data.samples, 1.0)
         yield _row(
             "more than the noise of the effort", (ratio**2 - 1.0) * count, float(chi2.sf(ratio**2 * count, count)),

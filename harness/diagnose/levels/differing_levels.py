@@ -16,7 +16,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.rivals import ranking
-from harness.diagnose.criticism.check import LEVEL
+from harness.diagnose.criticism.constants import TEST_CHANCE
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.levels.levels import LevelFit, fit_levels, free_run_error, labels
 from harness.diagnose.levels.unequal_friction import Unequal, rubbing, unequal_friction
@@ -60,7 +60,7 @@ def differing_levels(
     if fitted is None or not _can_be_levelled(fitted):
         return None
     asked = unequal_friction(outcome.study, fitted)
-    if asked is None or asked.chance > LEVEL or float(np.ptp(asked.levels)) < LEAST:
+    if asked is None or asked.chance > TEST_CHANCE or float(np.ptp(asked.levels)) < LEAST:
         return None
     start = _start(outcome, fitted)
     anew = [_anew(outcome, fitted, k) for k in range(len(problem.runs))]
@@ -155,7 +155,7 @@ def _equal(found: LevelFit) -> bool:
     if not np.all(std > 0.0):
         return True
     square = float(np.sum(((factors - 1.0) / std) ** 2))
-    return float(chi2.sf(square, len(factors))) > LEVEL or float(np.ptp([*factors, 1.0])) < LEAST
+    return float(chi2.sf(square, len(factors))) > TEST_CHANCE or float(np.ptp([*factors, 1.0])) < LEAST
 
 
 def _law(attachment: Attachment) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.diagnose.criticism.check import LEVEL
+from harness.diagnose.criticism.constants import TEST_CHANCE
 from harness.diagnose.criticism.structure import worth_of_structure
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.levels.differing_levels import comparable
@@ -25,7 +25,7 @@ def _worth_of_levels(study: Study, fitted: Fit) -> float:
     if not comparable(study.problem):
         return 0.0
     asked = unequal_friction(study, fitted)
-    if asked is None or asked.chance > LEVEL:
+    if asked is None or asked.chance > TEST_CHANCE:
         return 0.0
     there = max(fitted.score - study.samples, 0.0)
     return asked.share * there - (len(asked.levels) - 1) * float(np.log(study.samples))

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
+from harness.diagnose.criticism.constants import LOCAL_FORCE_WIDTHS, ONE_SIDED_FORCE_ANGLES
 
 Array = NDArray[np.float64]
 
 LOCAL = "a force at one place or one side"
-WIDTHS = (0.25, 0.1, 0.04)  # of the range of motion: how far a force at one place may reach
-SIDES = 9  # angles at which a force may begin that acts on one side only, beside zero
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -34,13 +33,13 @@ def _local_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> 
     w = np.clip(qd / fast, -1.5, 1.5)
     sense = np.tanh(20.0 * w)
     values = []
-    for share in WIDTHS:
+    for share in LOCAL_FORCE_WIDTHS:
         width = share * (high - low)
         for centre in np.arange(low, high + 0.5 * width, 0.5 * width):
             x = (q - centre) / width
             bump = np.exp(-(x**2))
             values += [bump, x * bump, bump * w, bump * sense]
-    for centre in [*np.linspace(low, high, SIDES + 2)[1:-1], *([0.0] if low < 0.0 < high else [])]:
+    for centre in [*np.linspace(low, high, ONE_SIDED_FORCE_ANGLES + 2)[1:-1], *([0.0] if low < 0.0 < high else [])]:
         beyond = (q > centre).astype(np.float64)
         values += [beyond * (q - centre), (1.0 - beyond) * (q - centre), beyond * w, beyond * sense]
     return np.array(values)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Form, Remainder, Test, is_no_motion
+from harness.diagnose.criticism.constants import FORCE_TERMS_DEPENDENT, MOST_FORCE_TERMS
 from harness.diagnose.criticism.gains import solve_gain
 from harness.diagnose.selection.score_tests import Projected
 
@@ -42,9 +43,6 @@ TERMS: tuple[tuple[str, Callable[[Array, Array], Array]], ...] = (
 )
 """Library of the sparsest form: forces over position q and velocity v of a joint."""
 
-MOST_TERMS = 3
-DEPENDENT = 1e-8  # ratio of eigenvalues of the columns' correlations
-
 
 def _asked(left: Remainder) -> Iterator[Test]:
     """The gain by the sparsest form, all forms of as many terms counted in its chance."""
@@ -65,7 +63,7 @@ def sparsest(left: Remainder) -> Form:
     seen = left.space.measure(at.probe.changes(at.joint, lambda q, v: np.array([term(q, v) for _, term in TERMS])))
     price = float(np.log(len(left.space.residual))) + 2.0 * float(np.log(len(TERMS)))
     best: tuple[int, ...] = ()
-    for size in range(1, MOST_TERMS + 1):
+    for size in range(1, MOST_FORCE_TERMS + 1):
         gain, chosen = _best_subset(seen, size)
         if gain > solve_gain(seen, best, 1e-4)[0] + price * (size - len(best)):
             best = chosen
@@ -88,7 +86,7 @@ def _best_subset(seen: Projected, size: int) -> tuple[float, tuple[int, ...]]:
     right = (seen.along / units)[subsets]
     values, vectors = np.linalg.eigh(scaled[subsets[:, :, None], subsets[:, None, :]])
     along = np.einsum("kij,ki->kj", vectors, right)
-    independent = values[:, 0] > DEPENDENT * values[:, -1]
+    independent = values[:, 0] > FORCE_TERMS_DEPENDENT * values[:, -1]
     gains = np.where(independent, np.sum(along**2 / np.maximum(values, 1e-300), axis=1), 0.0)
     best = int(np.argmax(gains))
     return float(gains[best]), tuple(int(k) for k in subsets[best])

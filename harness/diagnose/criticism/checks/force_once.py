@@ -8,10 +8,10 @@ import numpy as np
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
+from harness.diagnose.criticism.constants import SINGLE_FORCE_PERIODS
 from harness.diagnose.criticism.gains import jointly
 
 ONCE = "a force that acts once"
-PULSE = 0.5  # of a swing's period: how long a force that acts once is taken to last
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -19,7 +19,7 @@ def _asked(left: Remainder) -> Iterator[Test]:
     own, space, joint = left.at.probe, left.space, left.at.joint
     best, count, where = 0.0, 0, ""
     chosen = [np.zeros(len(q)) for q in space.states]
-    width = PULSE * left.period
+    width = SINGLE_FORCE_PERIODS * left.period
     for window, found in own.motions.items():
         centres = np.arange(0.5 * width, found.time[-1], 0.5 * width)
         if len(centres) == 0:

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
+from harness.diagnose.criticism.constants import SETTING_IN_MOMENTS
 from harness.diagnose.criticism.gains import jointly
 from harness.effects.effect import Effect, Family
 
 Array = NDArray[np.float64]
 
 SETS_IN = "a force that sets in"
-MOMENTS = 12  # in a recording at which a force is tried to set in
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -23,7 +23,7 @@ def _asked(left: Remainder) -> Iterator[Test]:
     at, space = left.at, left.space
     own, joint, k = at.probe, at.joint, at.place
     longest = max(run.date(-1) for run in own.predictor.runs)
-    moments = np.linspace(0.0, longest, MOMENTS + 2)[1:-1]
+    moments = np.linspace(0.0, longest, SETTING_IN_MOMENTS + 2)[1:-1]
     best, count, where = 0.0, 0, ""
     chosen, columns = [], []
     for place, window in enumerate(own.fitted.windows):

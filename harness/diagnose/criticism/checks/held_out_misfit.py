@@ -11,12 +11,12 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.stats import norm
 
-from harness.diagnose.criticism.check import LEVEL, Asked, Check, Remainder, Test, nothing_left
+from harness.diagnose.criticism.check import Asked, Check, Remainder, Test, nothing_left
+from harness.diagnose.criticism.constants import HELD_OUT_MISFIT_SIGMAS, TEST_CHANCE
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
 from harness.diagnose.selection.outcome import trained
 
 MISFIT = "a worse fit of the data held out"
-WORSE = 5.0  # standard deviations by which data held out may be left worse than those fitted to
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -34,11 +34,11 @@ def _asked(left: Remainder) -> Iterator[Test]:
     added = fitted.score - own.score
     rise = float(np.log(max(added, 1e-300) / judged / level))
     z = rise / float(np.sqrt(2.0 / count + 2.0 / judged))
-    if z < WORSE:
+    if z < HELD_OUT_MISFIT_SIGMAS:
         return
     # Noise may be louder there, and is no misfit as long as its samples do not follow one another.
     chance = max(float(norm.sf(z)), follows_itself(by_channel(fitted, outcome.held_windows)))
-    if chance >= LEVEL:
+    if chance >= TEST_CHANCE:
         return
     where = f"mean square {np.exp(rise):.2f} times that of the training data"
     yield Test(MISFIT, added - judged * level, 1, chance, (where,), -1)

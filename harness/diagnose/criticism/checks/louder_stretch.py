@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test, nothing_left
+from harness.diagnose.criticism.constants import FEWEST_LOUDER_STRETCHES, LOUDER_STRETCH_SAMPLES, LOUDER_STRETCHES
 from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
@@ -16,9 +17,6 @@ from harness.diagnose.estimation.likelihood import Likelihood
 Array = NDArray[np.float64]
 
 LOUDER = "a louder stretch"
-STRETCHES = 16  # of a window, over all channels
-FEWEST = 20  # samples that a stretch must have
-FEWEST_STRETCHES = 8  # that can be compared
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -35,11 +33,11 @@ def louder_stretch(likelihood: Likelihood, fitted: Fit) -> tuple[float, float]:
     rounded: list[float] = []
     channels = len(likelihood.colours)
     for k, own in enumerate(by_channel(fitted, fitted.windows)):
-        for part in np.array_split(own, max(STRETCHES // channels, 1)):
-            if np.count_nonzero(part) >= FEWEST:
+        for part in np.array_split(own, max(LOUDER_STRETCHES // channels, 1)):
+            if np.count_nonzero(part) >= LOUDER_STRETCH_SAMPLES:
                 stretches.append(part)
                 rounded.append(likelihood.roundest(k % channels))
-    if len(stretches) < FEWEST_STRETCHES:
+    if len(stretches) < FEWEST_LOUDER_STRETCHES:
         return 0.0, 1.0
     count = np.array([np.count_nonzero(part) for part in stretches])
     square = np.array([float(part @ part) for part in stretches])

@@ -10,13 +10,13 @@ from scipy.signal import correlate
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
+from harness.diagnose.criticism.constants import READING_JUMP_PLACES
 from harness.diagnose.criticism.gains import jointly
 from harness.diagnose.estimation.noise_colour import Colour
 
 Array = NDArray[np.float64]
 
 JUMP = "a jump of the reading"
-JUMPS = 160  # places of a recording at which a lasting jump is tried, evenly spread and again where it is likely
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -27,7 +27,7 @@ def _asked(left: Remainder) -> Iterator[Test]:
         loudest = -1.0
         run = left.predictor.runs[window.run]
         edge = _edge(window.size)
-        evenly = np.linspace(edge, window.size - edge, min(JUMPS, window.size // 8)).astype(int)
+        evenly = np.linspace(edge, window.size - edge, min(READING_JUMP_PLACES, window.size // 8)).astype(int)
         residual = left.fitted.linear.residuals[place].reshape(-1, window.size)
         for c, channel in enumerate(left.predictor.problem.channels):
             likely = _likeliest_jumps(left.likelihood.colours[c], residual[c], left.likelihood.weights(window)[c])
@@ -62,7 +62,7 @@ def _likeliest_jumps(colour: Colour, residual: Array, weights: Array) -> NDArray
     edge = _edge(len(residual))
     inside = slice(edge, max(len(residual) - edge, edge))
     gains = along[inside] ** 2 / np.maximum(squares[inside], 1e-12)
-    return np.asarray(edge + np.argsort(gains)[-JUMPS:], dtype=np.intp)
+    return np.asarray(edge + np.argsort(gains)[-READING_JUMP_PLACES:], dtype=np.intp)
 
 
 def _edge(samples: int) -> int:

@@ -19,6 +19,12 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test, is_no_motion
+from harness.diagnose.criticism.constants import (
+    LONGEST_RELAXATION,
+    RELAXATION_TIMES,
+    RELAXATIONS_DEPENDENT,
+    SHORTEST_RELAXATION,
+)
 from harness.diagnose.criticism.members import tuned_to_relax
 from harness.diagnose.selection.score_tests import Projected
 from harness.effects.effect import Effect
@@ -26,8 +32,6 @@ from harness.effects.effect import Effect
 Array = NDArray[np.float64]
 
 RELAXES = "a force that relaxes"
-SHORTEST, LONGEST, TIMES = 0.03, 100.0, 16  # relaxation times, over the swing's period / 2π, and how many are tried
-DEPENDENT = 1e-10  # of the largest eigenvalue of the columns' correlations, below which the rest is rounding
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -36,7 +40,7 @@ def _asked(left: Remainder) -> Iterator[Test]:
     All are taken to have relaxed before a window begins.
     """
     joint = left.at.joint
-    times = left.period / (2.0 * np.pi) * np.geomspace(SHORTEST, LONGEST, TIMES)
+    times = left.period / (2.0 * np.pi) * np.geomspace(SHORTEST_RELAXATION, LONGEST_RELAXATION, RELAXATION_TIMES)
     seen = left.space.measure(left.at.probe.in_time(joint, partial(_forces, times=times)))
     gain, stiffness = _spectrum(seen)
     acting = np.flatnonzero(stiffness > 0.0)
@@ -45,11 +49,13 @@ def _asked(left: Remainder) -> Iterator[Test]:
     if elements == 0:
         yield Test(f"{RELAXES} at {joint}", 0.0, 0, 1.0, (joint,))
         return
-    chance = min(1.0, TIMES**elements * float(chi2.sf(gain / left.noise, 2 * elements)))
+    chance = min(1.0, RELAXATION_TIMES**elements * float(chi2.sf(gain / left.noise, 2 * elements)))
     groups = np.split(acting, np.flatnonzero(np.diff(acting) > 1) + 1)
     means = [float(np.exp(np.average(np.log(times[g]), weights=stiffness[g]))) for g in groups]
     # At either end of the times that are tried an element is a damper or a spring.
-    told = [f"{mean:.2g} s" for mean, g in zip(means, groups, strict=True) if 0 not in g and TIMES - 1 not in g]
+    told = [
+        f"{mean:.2g} s" for mean, g in zip(means, groups, strict=True) if 0 not in g and RELAXATION_TIMES - 1 not in g
+    ]
     where = "within " + ", ".join(told) if told else "like a damper" if 0 in acting else "like a spring"
     yield Test(f"{RELAXES} at {joint}", gain, elements, chance, (joint, where), elements)
 
@@ -73,7 +79,7 @@ def _spectrum(seen: Projected) -> tuple[float, Array]:
         return 0.0, stiffness
     size = norms[visible]
     values, vectors = np.linalg.eigh(seen.gram[np.ix_(visible, visible)] / np.outer(size, size))
-    strong = values > DEPENDENT * values[-1]
+    strong = values > RELAXATIONS_DEPENDENT * values[-1]
     root = np.sqrt(values[strong])
     matrix = root[:, None] * vectors[:, strong].T
     right = -(vectors[:, strong].T @ (seen.along[visible] / size)) / root

@@ -8,10 +8,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
+from harness.diagnose.criticism.constants import COLOUR_ERROR_RATIO, SWING_BAND
 
 SPECTRUM = "the spectrum around the swing"
-MOTION = (0.3, 4.0)  # times the swing's frequency
-LOUDER = 1.5  # times the noise's power, beyond what an error of the noise's colour can make
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -26,10 +25,10 @@ def _asked(left: Remainder) -> Iterator[Test]:
                 continue
             power = np.abs(np.fft.rfft(x)) ** 2 / max(np.count_nonzero(x), 1)
             frequency = np.fft.rfftfreq(len(x), interval)
-            inside = (frequency > MOTION[0] / left.period) & (frequency < MOTION[1] / left.period)
+            inside = (frequency > SWING_BAND[0] / left.period) & (frequency < SWING_BAND[1] / left.period)
             total += float(power[inside].sum())
             count += int(inside.sum())
-            above = frequency >= MOTION[1] / left.period
+            above = frequency >= SWING_BAND[1] / left.period
             beyond += float(power[above].sum())
             others += int(above.sum())
     # Noise that is louder for a while is so at all frequencies.
@@ -38,7 +37,7 @@ def _asked(left: Remainder) -> Iterator[Test]:
         yield Test(SPECTRUM, 0.0, 1, 1.0)
         return
     # Powers of white noise are exponential: twice their sum is chi-squared with two degrees of freedom each.
-    chance = float(chi2.sf(2.0 * total, 2 * count)) if total > LOUDER * count else 1.0
+    chance = float(chi2.sf(2.0 * total, 2 * count)) if total > COLOUR_ERROR_RATIO * count else 1.0
     yield Test(SPECTRUM, 2.0 * (total - count), count, chance, places=-1)
 
 

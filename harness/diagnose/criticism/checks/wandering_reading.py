@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
+from harness.diagnose.criticism.constants import COLOUR_ERROR_RATIO, WANDERING_HALF_WAVES
 from harness.diagnose.criticism.gains import solve_gain
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.windows import Window
@@ -20,8 +21,6 @@ from harness.diagnose.problem.windows import Window
 Array = NDArray[np.float64]
 
 WANDERS = "a reading that wanders"
-BENDS = 12  # half waves over a window, at most
-LOUDER = 1.5  # times what noise gains, beyond what an error of the noise's colour can make
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
@@ -38,7 +37,7 @@ def _asked(left: Remainder) -> Iterator[Test]:
             signal[first : first + len(own), c] = left.likelihood.colours[c].std * own
             columns.append(left.likelihood.whiten_signal(window, signal))
         gain, amplitudes, size = solve_gain(left.space.measure(columns), range(edges[-1]))
-        chance = float(chi2.sf(gain / left.noise, max(size, 1.0))) if gain > LOUDER * size else 1.0
+        chance = float(chi2.sf(gain / left.noise, max(size, 1.0))) if gain > COLOUR_ERROR_RATIO * size else 1.0
         extents = [float(np.ptp(amplitudes[a:b] @ own)) for own, a, b in zip(courses, edges, edges[1:], strict=False)]
         widest = int(np.argmax(extents))
         by = f"by {left.likelihood.colours[c].std * extents[widest]:.2g} {channel.unit}"
@@ -49,7 +48,7 @@ def _asked(left: Remainder) -> Iterator[Test]:
 def _courses(predictor: Predictor, window: Window, period: float) -> Array:
     """Half waves over a window (k, T), from zero on; none if no half wave is slow enough."""
     time = predictor.runs[window.run].time[window.first : window.last]
-    count = min(int((time[-1] - time[0]) / period), BENDS)
+    count = min(int((time[-1] - time[0]) / period), WANDERING_HALF_WAVES)
     turns = np.arange(1, count + 1)[:, None] * (time - time[0]) / (time[-1] - time[0])
     return np.asarray(np.cos(np.pi * turns) - 1.0)
 

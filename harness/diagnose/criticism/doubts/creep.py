@@ -11,12 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from harness.diagnose.criticism.constants import CREEP_SHARE, CREEP_SPEED_SHARE
 from harness.diagnose.criticism.reason import Reason, Suspect
 from harness.diagnose.criticism.where_held import predicted, still, stretches, variation
 from harness.effects.effect import Family
-
-MOSTLY = 0.5  # of what a member explains, and of a stretch
-SLOWLY = 0.2  # of the fastest motion, up to which a joint creeps
 
 
 def _creeps(suspect: Suspect) -> bool:
@@ -37,12 +35,12 @@ def _creeps(suspect: Suspect) -> bool:
             if not frees:
                 there += variation(one) - variation(other)
                 continue
-            rests = np.mean(still(moved)[first:last]) >= 1.0 - MOSTLY
+            rests = np.mean(still(moved)[first:last]) >= 1.0 - CREEP_SHARE
             # A swing that goes on because there is more behind it is no creep.
-            slow = bool(np.all(moved[:, first:last].max(axis=1) <= SLOWLY * fastest))
+            slow = bool(np.all(moved[:, first:last].max(axis=1) <= CREEP_SPEED_SHARE * fastest))
             if slow and not rests:
                 there += float(np.sum(one**2) - np.sum(other**2))
-    return there > MOSTLY * total > 0.0
+    return there > CREEP_SHARE * total > 0.0
 
 
 REASON = Reason("it only frees what dry friction would hold", _creeps)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from harness.diagnose.criticism.alternatives import imitated
-from harness.diagnose.criticism.held_out import FAKED, firm
+from harness.diagnose.criticism.constants import FAKED_RATIO
+from harness.diagnose.criticism.held_out import firm
 from harness.diagnose.criticism.members import beside_force
 from harness.diagnose.criticism.reason import Reason, Suspect
 from harness.diagnose.criticism.remainder import excess
@@ -15,7 +16,7 @@ def _little(suspect: Suspect) -> bool:
     if not remains.significant or beside_force(outcome, best, k):
         return False
     study = outcome.study
-    if smaller.score - best.score >= FAKED * excess(study, best, remains) and not imitated(study, best, smaller):
+    if smaller.score - best.score >= FAKED_RATIO * excess(study, best, remains) and not imitated(study, best, smaller):
         return False
     return not firm(outcome, best, k)
 

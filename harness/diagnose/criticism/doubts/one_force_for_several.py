@@ -6,13 +6,14 @@ force that nobody has named explains something; only what brings what it promise
 
 from __future__ import annotations
 
-from harness.diagnose.criticism.alternatives import BETTER, imitated
+from harness.diagnose.criticism.alternatives import imitated
+from harness.diagnose.criticism.constants import UNNAMED_FORCE_BETTER
 from harness.diagnose.criticism.reason import Reason, Suspect
 
 
 def _one_does(suspect: Suspect) -> bool:
     exact = suspect.remains.significant
-    return imitated(suspect.outcome.study, suspect.best, suspect.smaller, BETTER, exact=exact)
+    return imitated(suspect.outcome.study, suspect.best, suspect.smaller, UNNAMED_FORCE_BETTER, exact=exact)
 
 
 REASON = Reason("one force that nobody has named does better", _one_does, together=True)

@@ -6,8 +6,9 @@ that come together, whatever its elements cost.
 
 from __future__ import annotations
 
-from harness.diagnose.criticism.alternatives import BETTER, tests_of
+from harness.diagnose.criticism.alternatives import tests_of
 from harness.diagnose.criticism.checks import relaxing_force
+from harness.diagnose.criticism.constants import UNNAMED_FORCE_BETTER
 from harness.diagnose.criticism.reason import Reason, Suspect
 
 
@@ -17,7 +18,7 @@ def _filtered(suspect: Suspect) -> bool:
         return False
     study = suspect.outcome.study
     there = min(smaller.score - best.score, smaller.score - study.samples)
-    return any(test.gain >= there - BETTER for test in tests_of(study, smaller, [relaxing_force.CHECK]))
+    return any(test.gain >= there - UNNAMED_FORCE_BETTER for test in tests_of(study, smaller, [relaxing_force.CHECK]))
 
 
 REASON = Reason("one force that relaxes is likelier than several filters", _filtered, together=True)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.criticism.constants import EVENT_EXCHANGES, EVENT_PERIODS, EVENT_ROUNDS, EVENT_STRIDE_PERIODS
 from harness.diagnose.criticism.members import shakes
 from harness.diagnose.criticism.reason import Reason, Suspect
 from harness.diagnose.estimation.least_squares import Fit, fit
@@ -24,11 +25,6 @@ from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.score_tests import carry_state
 
 Array = NDArray[np.float64]
-
-LASTS = 1.0  # periods of the slowest swing: the samples around an event that nobody has to explain
-STRIDE = 0.25  # periods between the moments tried
-ROUNDS = 2  # of choosing moments: parameters that the event has bent are put right by the first
-EXCHANGES = 10  # of moments and parameters in turn, at most, until neither changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +57,7 @@ def _event_as_well(suspect: Suspect) -> bool:
     along = motions(outcome.predictor, best, best.windows)
     objective = outcome.study.objective(smaller.hypothesis)
     x, lag = smaller.x, np.inf
-    for _ in range(ROUNDS):
+    for _ in range(EVENT_ROUNDS):
         chosen = _best(_cuts(outcome, best, smaller, x, along), x[: objective.nominal])
         pieces = [piece for cut in chosen for piece in cut.pieces]
         states = _states(outcome, best, smaller, along, pieces)
@@ -109,7 +105,7 @@ def _best(cuts: Sequence[Sequence[Cut]], nominal: Array) -> list[Cut]:
     for seed in (cut for run in cuts for cut in run):
         own = [seed]
         by = _followed(own, nominal)
-        for _ in range(EXCHANGES):
+        for _ in range(EVENT_EXCHANGES):
             found = [min(run, key=lambda c: c.lag(by)) for run in cuts]
             if found == own:
                 break
@@ -149,9 +145,9 @@ def _halves(outcome: Outcome, window: Window) -> list[tuple[Window, Window]]:
     """A window cut at evenly spaced moments, what lies around each of them left out."""
     period = outcome.period
     time = outcome.problem.runs[window.run].time[window.first : window.last]
-    moments = np.arange(time[0] + period, time[-1] - period, STRIDE * period)
-    ends = window.first + np.searchsorted(time, moments - 0.5 * LASTS * period)
-    begins = window.first + np.searchsorted(time, moments + 0.5 * LASTS * period)
+    moments = np.arange(time[0] + period, time[-1] - period, EVENT_STRIDE_PERIODS * period)
+    ends = window.first + np.searchsorted(time, moments - 0.5 * EVENT_PERIODS * period)
+    begins = window.first + np.searchsorted(time, moments + 0.5 * EVENT_PERIODS * period)
     return [
         (Window(window.run, window.first, int(a)), Window(window.run, int(b), window.last))
         for a, b in zip(ends, begins, strict=True)
