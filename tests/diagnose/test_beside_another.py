@@ -12,11 +12,13 @@ from simulated_recordings import Rig, nominal, releases
 
 from harness.diagnose.answer.diagnosis import rivals_of
 from harness.diagnose.claims import rivals
+from harness.diagnose.claims.constants import CROSSED_EVIDENCE
 from harness.diagnose.claims.model_comparison import why_lost
-from harness.diagnose.claims.rivals import APART, CROSSED, beside_another
+from harness.diagnose.claims.rivals import beside_another
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linearisation import Linearisation
 from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.selection.exchange import Swap
 
@@ -52,7 +54,9 @@ def test_a_rival_beside_what_the_partner_could_be_is_told_with_it(known: dict[st
     assert beside_another(outcome, fits[0], 1) == {}
 
 
-@pytest.mark.parametrize("changed", [{(RUB, SOFT): 100.0 + 1.1 * APART}, {(LOAD, SOFT): 105.0 + 1.1 * APART}])
+@pytest.mark.parametrize(
+    "changed", [{(RUB, SOFT): 100.0 + 1.1 * UNPARTED_EVIDENCE}, {(LOAD, SOFT): 105.0 + 1.1 * UNPARTED_EVIDENCE}]
+)
 def test_what_the_recordings_part_is_not_told(
     known: dict[str, Candidate], changed: dict[tuple[str, str], float]
 ) -> None:
@@ -61,7 +65,7 @@ def test_what_the_recordings_part_is_not_told(
     assert beside_another(outcome, fits[0], 0) == {}
 
 
-@pytest.mark.parametrize(("alone", "tried"), [(0.5 * CROSSED, True), (1.1 * CROSSED, False)])
+@pytest.mark.parametrize(("alone", "tried"), [(0.5 * CROSSED_EVIDENCE, True), (1.1 * CROSSED_EVIDENCE, False)])
 def test_both_exchanges_are_fitted_where_either_alone_is_not_hopeless(
     known: dict[str, Candidate], monkeypatch: pytest.MonkeyPatch, alone: float, tried: bool
 ) -> None:
@@ -74,7 +78,7 @@ def test_both_exchanges_are_fitted_where_either_alone_is_not_hopeless(
 
     monkeypatch.setattr(rivals, "exchanged", exchanged)
     rivals._crossed(outcome, fits[0])
-    assert asked == ([(SOFT, LOAD, 105.0 + APART)] if tried else [])
+    assert asked == ([(SOFT, LOAD, 105.0 + UNPARTED_EVIDENCE)] if tried else [])
 
 
 def test_what_would_stand_beside_a_rival_is_told_with_it() -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.stats import norm
 
+from harness.diagnose.claims.constants import NEGLIGIBLE_POSTERIOR, QUANTILE_SIGMAS
 from harness.diagnose.claims.posterior import weighed
 from harness.diagnose.estimation.constants import NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
@@ -24,9 +25,6 @@ from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.state_evidence import Evidence
 
 Array = NDArray[np.float64]
-
-NOTHING = 1e-6  # share of the posterior that changes no quantile
-FARTHEST = 10.0  # standard deviations, within which a quantile of a mixture is looked for
 
 
 def averaged(
@@ -39,7 +37,7 @@ def averaged(
     study, count = outcome.study, len(outcome.predictor.nominal)
     rows: dict[str, list[tuple[float, Array, Array]]] = {member.key: [] for member in told.hypothesis.members}
     for share, fitted in weighed(outcome, at_hand=at_hand):
-        if share < NOTHING:
+        if share < NEGLIGIBLE_POSTERIOR:
             continue
         found = evidence.beside(study, fitted)
         if not np.isfinite(found.spread).all():
@@ -87,4 +85,4 @@ def quantile(weights: Array, means: Array, spreads: Array, level: float) -> floa
     def beyond(x: float) -> float:
         return float(share @ norm.cdf((x - means) / spreads)) - level
 
-    return float(brentq(beyond, np.min(means - FARTHEST * spreads), np.max(means + FARTHEST * spreads)))
+    return float(brentq(beyond, np.min(means - QUANTILE_SIGMAS * spreads), np.max(means + QUANTILE_SIGMAS * spreads)))

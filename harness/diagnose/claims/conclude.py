@@ -9,11 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.claims.constants import (
+    AMPLE_GAIN_RATIO,
+    BLIND_SIGMAS,
+    CONTRARY_SIGMAS,
+    CROWDED_PRICE_RATIO,
+    CROWDED_SET,
+    HELD_OUT_SIGMAS,
+    INEXACT_LAW_SHARE,
+    PRACTICAL_SHARE,
+    RINGING_SHARE,
+    SURE_PROBABILITY,
+    UNPROVEN_EVIDENCE,
+    UNREPEATED_SHARE,
+)
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
 from harness.diagnose.claims.plain_laws import plain_laws
-from harness.diagnose.claims.posterior import SURE, posterior
-from harness.diagnose.claims.rivals import APART, beside_another, known_near, near, preferred
+from harness.diagnose.claims.posterior import posterior
+from harness.diagnose.claims.rivals import beside_another, known_near, near, preferred
 from harness.diagnose.criticism.check import Asked, left_by
 from harness.diagnose.criticism.constants import CARRIES_RATIO, HELD_OUT_MISFIT_SIGMAS, TEST_CHANCE
 from harness.diagnose.criticism.doubt import doubtful, doubtful_together
@@ -24,6 +38,7 @@ from harness.diagnose.criticism.residual_correlation import by_channel, follows_
 from harness.diagnose.criticism.unparted import special_case, unparted
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linearisation import linearise
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.deadline import Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.outcome import Outcome, heldout_z, judge, judged, trained, training_gain
@@ -33,22 +48,6 @@ from harness.diagnose.selection.state_evidence import Evidence
 from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
 
 Array = NDArray[np.float64]
-
-INEXACT = 1e-3  # of what an effect does, to which its law may be wrong; less than that beside it is no effect
-PRACTICAL = 0.05  # an effect must change the prediction by this share of the noise at least
-HELD_OUT = 1.5  # standard deviations by which it must improve data held out
-BLIND = (
-    4.0  # noise standard deviations between predictions of data held out, up to which those cannot confirm an effect
-)
-# Share of what an effect explains, below which training says nothing of it, unless that pays its price. (A weak spring may show in
-# the difference between amplitudes alone: tolerances leave half a hundredth of it to the training.)
-UNREPEATED = 0.002
-CONTRARY = 3.0  # standard deviations by which they then may fall short
-AMPLE = 5.0  # times its price that such an effect must gain
-MANY = 3  # members from which on a set may piece together what nobody has named,
-CROWDED = 3.0  # so that each must gain so many times its price
-RUNG = 0.9  # share of what a wave explains, from which on something that rings may be it
-UNPROVEN = 30.0  # in the criterion, by which a set is better that does not stand on data held out
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,21 +113,21 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
         price = _price(study, smaller, fitted, k)
         straightens = _straightens(outcome, smaller, fitted, member)
         # No law that is inexact bends a nominal quantity so far.
-        inexact = 0.0 if straightens else (INEXACT * _strongest_beside(outcome, fitted, k)) ** 2
+        inexact = 0.0 if straightens else (INEXACT_LAW_SHARE * _strongest_beside(outcome, fitted, k)) ** 2
         enough = gain > max(price, inexact)
-        visible = gain > PRACTICAL**2 * study.samples
+        visible = gain > PRACTICAL_SHARE**2 * study.samples
         z = heldout_z(outcome, smaller, fitted) if enough and visible else -np.inf
         # What the nominal model had to be stretched beyond its tolerance to imitate cannot show on data held out: the
         # stretched model predicts them as well. The stretch itself is then the evidence.
-        needed = HELD_OUT
+        needed = HELD_OUT_SIGMAS
         if enough and visible and straightens:
             needed = -HELD_OUT_MISFIT_SIGMAS
-        elif enough and visible and gain > AMPLE * price:
+        elif enough and visible and gain > AMPLE_GAIN_RATIO * price:
             needed = min(needed, _contrary(outcome, smaller, fitted))
         # What only the data held out ask for has been fitted to them, and must be confirmed within them.
         repeated = z > needed and (
             _in_training(outcome, smaller, fitted, price)
-            or (gain > AMPLE * price and held_out_repeats(outcome, smaller, fitted, price))
+            or (gain > AMPLE_GAIN_RATIO * price and held_out_repeats(outcome, smaller, fitted, price))
         )
         if not repeated and min(z, gain / 100.0) < worst_value:
             worst, worst_value = k, min(z, gain / 100.0)
@@ -139,12 +138,12 @@ def _price(study: Study, smaller: Fit, fitted: Fit, k: int) -> float:
     """What member ``k`` has to gain: its numbers, the vibrations it begins, and more where many are told together."""
     begun = max(fitted.vibrating - smaller.vibrating, 0.0)
     price = study.price(fitted.hypothesis.members[k], len(fitted.hypothesis.members) - 1) + BEGUN * begun
-    return price * CROWDED if fitted.hypothesis.things >= MANY else price
+    return price * CROWDED_PRICE_RATIO if fitted.hypothesis.things >= CROWDED_SET else price
 
 
 def _in_training(outcome: Outcome, smaller: Fit, larger: Fit, price: float) -> bool:
     """Whether the training data speak for the larger set by themselves."""
-    return training_gain(outcome, smaller, larger) > min(price, UNREPEATED * (smaller.score - larger.score))
+    return training_gain(outcome, smaller, larger) > min(price, UNREPEATED_SHARE * (smaller.score - larger.score))
 
 
 def _strongest_beside(outcome: Outcome, fitted: Fit, k: int) -> float:
@@ -164,9 +163,9 @@ def _contrary(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
     one, other = judge(outcome, smaller), judge(outcome, larger)
     pairs = zip(one.linear.residuals, other.linear.residuals, strict=True)
     apart = float(np.sqrt(sum(float(np.sum((a - b) ** 2)) for a, b in pairs)))
-    if apart > BLIND:
+    if apart > BLIND_SIGMAS:
         return np.inf
-    least = apart**2 - 2.0 * CONTRARY * apart
+    least = apart**2 - 2.0 * CONTRARY_SIGMAS * apart
     return float(np.sign(least) * np.sqrt(abs(least)))
 
 
@@ -183,7 +182,7 @@ def settle(outcome: Outcome, best: Fit) -> Fit:
     good, worst = _passes(outcome, best)
     if good:
         return best
-    near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + APART][:6]
+    near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + UNPARTED_EVIDENCE][:6]
     for fitted in near:
         if fitted is not best and _passes(outcome, fitted)[0]:
             return fitted
@@ -271,7 +270,7 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     claims = _claims(outcome, best, remains)
     instead = None
     if outcome.evidence is not None:
-        instead = plain_laws(outcome, best, sure=any(claim.of_class >= SURE for claim in claims))
+        instead = plain_laws(outcome, best, sure=any(claim.of_class >= SURE_PROBABILITY for claim in claims))
     if instead is not None:
         best = outcome.reweigh(instead)
         remains, _ = _remains(outcome, best)
@@ -297,7 +296,7 @@ def _criticised(
     study = outcome.study
     best = reached.settled = settle(outcome, wanted)
     doubted: list[str] = []
-    if study.criterion(best) - study.criterion(wanted) > UNPROVEN:
+    if study.criterion(best) - study.criterion(wanted) > UNPROVEN_EVIDENCE:
         # What training speaks for beyond doubt and the data held out do not bear out is no finding, but nothing is well either.
         doubted += [key for key in wanted.hypothesis.keys if key not in best.hypothesis.keys]
     unproven = reached.doubted = tuple(doubted)
@@ -449,7 +448,7 @@ def _out_of_step(study: Study, best: Fit, k: int) -> list[Candidate]:
             return followed
         # What hardly dies away rings in every recording as it was released.
         rung = study.known(best.hypothesis.without(k).with_(other))
-        return rung is not None and without - rung.score > RUNG * (without - best.score)
+        return rung is not None and without - rung.score > RINGING_SHARE * (without - best.score)
 
     return [c for c in study.candidates if c.effect.name in member.effect.confusable_with and alike(c)]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.claims.conclude import Claim, Conclusion
-from harness.diagnose.claims.posterior import SURE
+from harness.diagnose.claims.constants import BEYOND_BELIEF_RATIO, PLAIN_LAW_RATIO, SURE_PROBABILITY, VAGUE_RATIO
 from harness.diagnose.criticism.constants import FAKED_RATIO
 from harness.diagnose.criticism.remainder import above_floor
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
@@ -28,9 +28,6 @@ from harness.effects.scale import pull
 Array = NDArray[np.float64]
 
 ESTABLISHED, LIKELY, POSSIBLE = "established", "likely", "possible"
-BEYOND = 30.0  # times its usual size: of a centre of mass, three lengths of its link
-AS_MUCH = 1.0  # times what is left that a plain law must explain, or it may be part of that
-VAGUE = 10.0  # times an estimate that its interval reaches to, beyond which recordings say that something is there, not what
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,9 +148,9 @@ def grade(
             return ESTABLISHED
         return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim, values) else LIKELY
     effect = claim.candidate.effect
-    if outcome.evidence is not None and (claim.of_class < SURE or not foretold):
+    if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
-    if claim.gain < (AS_MUCH if effect.plain else FAKED_RATIO) * conclusion.remains.excess:
+    if claim.gain < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO) * conclusion.remains.excess:
         return POSSIBLE
     if placed(claim.candidate) or _may_be_absent(claim, values):
         return POSSIBLE
@@ -165,7 +162,7 @@ def grade(
         for row in rows
     ]
     unknown = first is not None and vague(first, values[first.name])
-    itself = outcome.evidence is None or claim.probability >= SURE
+    itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
     return ESTABLISHED if stands and all(stands) and not unknown and itself else LIKELY
 
 
@@ -181,7 +178,7 @@ def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:
             away = min(
                 abs(end - parameter.neutral) for end in (values[parameter.name].low, values[parameter.name].high)
             )
-            if away > BEYOND * parameter.plausible.size(claim.candidate.references):
+            if away > BEYOND_BELIEF_RATIO * parameter.plausible.size(claim.candidate.references):
                 return True
     return False
 
@@ -206,7 +203,7 @@ def vague(parameter: Parameter, value: Estimate) -> bool:
             away = np.abs(1.0 / ends)
     else:
         away = np.abs(ends - (parameter.neutral if np.isfinite(parameter.neutral) else 0.0))
-    return bool(np.max(away[:2]) > VAGUE * away[2])
+    return bool(np.max(away[:2]) > VAGUE_RATIO * away[2])
 
 
 def _holds(neutral: float, low: float, high: float) -> bool:

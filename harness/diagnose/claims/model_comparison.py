@@ -6,11 +6,10 @@ from collections.abc import Collection
 
 import numpy as np
 
+from harness.diagnose.claims.constants import WORSE_PREDICTION_RATIO
 from harness.diagnose.claims.rivals import as_stated
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.study import Study
-
-WORSE = 1.02  # times the error on data held out, from which on it is worth saying
 
 
 def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, imitated: Collection[str] = ()) -> str:
@@ -43,7 +42,7 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
     said = max(parts, key=lambda words: parts[words])
     if parts[said] < 1.0:
         return "as good"
-    if error > WORSE * least > 0.0:
+    if error > WORSE_PREDICTION_RATIO * least > 0.0:
         said += f", predicts the data held out {_ratio(error / least)} worse"
     return said
 

@@ -8,10 +8,10 @@ claimed either, but who has to act on the answer should know of them.
 
 from __future__ import annotations
 
-from harness.diagnose.claims.rivals import APART
 from harness.diagnose.criticism.constants import AMPLY_CARRIES_RATIO, CARRIES_RATIO
 from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.selection.outcome import Outcome, judge
 from harness.diagnose.selection.state_evidence import curious
 
@@ -25,9 +25,13 @@ def plain_laws(outcome: Outcome, best: Fit, *, sure: bool) -> Fit | None:
     study = outcome.study
     plain = [f for f in study.fits.values() if f.hypothesis.members and f.score < LOST and not curious(f)]
     lowest = min(map(study.criterion, plain), default=0.0)
-    if not plain or lowest >= study.criterion(best) - APART:
+    if not plain or lowest >= study.criterion(best) - UNPARTED_EVIDENCE:
         return None
-    likeliest = [f for f in plain if study.criterion(f) < min(lowest + APART, study.criterion(best) - APART)]
+    likeliest = [
+        f
+        for f in plain
+        if study.criterion(f) < min(lowest + UNPARTED_EVIDENCE, study.criterion(best) - UNPARTED_EVIDENCE)
+    ]
     fewest = min(likeliest, key=lambda f: (len(f.hypothesis.members), study.criterion(f)))
     times = AMPLY_CARRIES_RATIO if sure else CARRIES_RATIO
     return fewest if times**2 * judge(outcome, fewest).cost < judge(outcome, best).cost else None

@@ -19,8 +19,6 @@ from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
 
-SURE = 0.95  # posterior probability over all sets, from which on an effect, or one of its class, is more than possible
-
 
 @dataclass(frozen=True, eq=False)
 class Posterior:

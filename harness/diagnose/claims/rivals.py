@@ -13,9 +13,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.claims.constants import (
+    CROSSED_EVIDENCE,
+    DEAR_RIVAL_PROMISE,
+    FEW_MEMBERS,
+    FEWEST_RIVALS_TOLD,
+    HOPEFUL_LACK,
+    MOST_CROSSED_RIVALS,
+    MOST_GENERAL_RIVALS,
+    MOST_PLACED_RIVALS,
+    MOST_RIVAL_FITS,
+    MOST_RIVALS,
+    MOST_WIDENED_RIVALS,
+    RIVAL_PROMISE,
+    SHAKEN_RATIO,
+)
 from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.prediction.coordinates import to_internal
+from harness.diagnose.problem.constants import STRONG_EVIDENCE, UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, compatible, contains, dear
 from harness.diagnose.selection.beam_search import NEAR, exhausted, finished
 from harness.diagnose.selection.cogging_periods import replaced
@@ -30,28 +46,11 @@ from harness.diagnose.selection.search_bounds import beyond_the_ends
 from harness.diagnose.selection.starts import like
 from harness.diagnose.selection.study import FAR, Study
 
-MOST = 9  # rivals fitted for each member
-ENOUGH_FITS = 60  # of one study, beyond which something outside the catalogue is at work and no further rival is fitted
-WORTH_FITTING = (
-    0.5  # share of a member's gain that a rival's score test must promise; the test is linear, the truth is not
-)
-DEARLY = 0.65  # the same for what is dear to fit, whose test is made at its likely size and so is closer to the truth
-HOPEFUL = 0.1  # share of a member's gain that a rival may lack to be made more general
-MOST_WIDENED = 3
-MOST_PLACED = 4  # rivals whose forces over the angle are tried at other places
-MOST_GENERAL = 4  # rivals whose more general laws are tried at typical values
-FEWEST_TOLD = 2  # rivals, however far from the best set
-MOST_CROSSED = 6  # pairs of exchanges fitted
-CROSSED = 30.0  # by how much one of them may be worse alone, in the criterion
-FEW = 2  # members; of larger sets that leave more than noise, only known rivals are told
-APART = 10.0  # twice the logarithm of the odds, below which hypotheses cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
-LIKELY = 6.0  # the same for odds of twenty, beyond which a set has no say in an interval of 95 %
-
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Fits with member ``k`` replaced: by candidates whose score test promises a similar gain, by its relatives, and all known."""
     study = outcome.study
-    if len(best.hypothesis.members) <= FEW or not exhausted(study, best):
+    if len(best.hypothesis.members) <= FEW_MEMBERS or not exhausted(study, best):
         _fit_in_place_of(study, best, k)
     known = [f for _, f in known_in_place_of(study, best, k)]
     # What is still under way along a narrow valley may come as near as any.
@@ -63,24 +62,24 @@ def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
     without = study.reduce(best, k)
     member = best.hypothesis.members[k]
     own = without.score - best.score
-    found = [f for _, own in rewritten(study, best, Turn.IN_PLACE, Room(ENOUGH_FITS, member=k)) for f in own]
+    found = [f for _, own in rewritten(study, best, Turn.IN_PLACE, Room(MOST_RIVAL_FITS, member=k)) for f in own]
     for scored in study.ranked(without):
-        if len(study.fits) >= ENOUGH_FITS or len(found) >= MOST or scored.gain < WORTH_FITTING * own:
+        if len(study.fits) >= MOST_RIVAL_FITS or len(found) >= MOST_RIVALS or scored.gain < RIVAL_PROMISE * own:
             break
-        if dear(scored.candidate) and scored.gain < DEARLY * own:
+        if dear(scored.candidate) and scored.gain < DEAR_RIVAL_PROMISE * own:
             continue
         if scored.candidate.key != member.key and not related(member, scored.candidate):
             found.append(study.extend(without, scored))
     # A general law in the place of another member helps only what comes near already.
-    limit = min(best.score + HOPEFUL * max(own, 0.0), FAR * best.score)
+    limit = min(best.score + HOPEFUL_LACK * max(own, 0.0), FAR * best.score)
     hopeful = sorted((f for f in found if f.score < limit and f is not best), key=lambda f: f.score)
-    for base in (best, *hopeful[:MOST_WIDENED]):
+    for base in (best, *hopeful[:MOST_WIDENED_RIVALS]):
         generalized(study, base)
 
 
 def with_the_same(outcome: Outcome, best: Fit, key: str) -> list[Fit]:
     """Other sets that hold a member of the best one too and that are at least a twentieth as likely."""
-    study, limit = outcome.study, _limit(outcome, best, LIKELY)
+    study, limit = outcome.study, _limit(outcome, best, STRONG_EVIDENCE)
     others = (f for identity, f in study.fits.items() if key in identity and identity != best.hypothesis.identity)
     return [f for f in others if f.score < LOST and study.evidence(f) < limit]
 
@@ -93,22 +92,22 @@ def _limit(outcome: Outcome, best: Fit, apart: float) -> float:
 
 def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """Rivals of member ``k`` that the recordings do not part from the best set, likeliest first."""
-    study, limit = outcome.study, _limit(outcome, best, APART)
+    study, limit = outcome.study, _limit(outcome, best, UNPARTED_EVIDENCE)
     found = sorted((f for f in in_place_of(outcome, best, k) if study.evidence(f) < limit), key=study.evidence)
     # Of what cannot be told apart, more general laws are not told either.
     in_place = [f for f in found if len(f.hypothesis.members) == len(best.hypothesis.members)]
     found += _instead_of_several(study, best, k) + _several_instead(study, best, k)
-    for base in (best, *in_place[:MOST_GENERAL]):
+    for base in (best, *in_place[:MOST_GENERAL_RIVALS]):
         own = k if base is best else [key in best.hypothesis.keys for key in base.hypothesis.keys].index(False)
         known = {f.hypothesis.identity for f in found} | {best.hypothesis.identity}
-        wider = (f for f in unseen(outcome, base, own) if f.score < best.score + APART)
+        wider = (f for f in unseen(outcome, base, own) if f.score < best.score + UNPARTED_EVIDENCE)
         found += [f for f in wider if f.hypothesis.identity not in known]
     return found
 
 
 def known_near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
     """The same of what has been fitted anyhow."""
-    study, limit = outcome.study, _limit(outcome, best, APART)
+    study, limit = outcome.study, _limit(outcome, best, UNPARTED_EVIDENCE)
     found = [f for _, f in known_in_place_of(study, best, k) if f.score < LOST and study.evidence(f) < limit]
     return sorted(found, key=study.evidence) + _instead_of_several(study, best, k) + _several_instead(study, best, k)
 
@@ -118,42 +117,42 @@ def beside_another(outcome: Outcome, best: Fit, k: int) -> dict[Candidate, tuple
 
     What is told apart beside one of two effects that look alike need not be beside the other.
     """
-    study, limit = outcome.study, _limit(outcome, best, APART)
+    study, limit = outcome.study, _limit(outcome, best, UNPARTED_EVIDENCE)
     found: dict[Candidate, tuple[Candidate, ...]] = {}
     for swap in swaps(study, best):
         if swap.k == k or swap.fit.score >= LOST or study.evidence(swap.fit) > limit:
             continue
         own = swap.fit.hypothesis.keys.index(best.hypothesis.keys[k])
         for candidate, other in known_in_place_of(study, swap.fit, own):
-            if other.score < LOST and study.evidence(other) < study.evidence(swap.fit) + APART:
+            if other.score < LOST and study.evidence(other) < study.evidence(swap.fit) + UNPARTED_EVIDENCE:
                 found[candidate] = (*found.get(candidate, ()), swap.candidate)
     return found
 
 
 def _crossed(outcome: Outcome, best: Fit) -> list[Fit]:
     """Fits with a member exchanged beside what another one could as well be: see ``beside_another``."""
-    study, limit = outcome.study, _limit(outcome, best, APART)
-    if len(best.hypothesis.members) > FEW and exhausted(study, best):
+    study, limit = outcome.study, _limit(outcome, best, UNPARTED_EVIDENCE)
+    if len(best.hypothesis.members) > FEW_MEMBERS and exhausted(study, best):
         return []
     every = [swap for swap in swaps(study, best) if swap.fit.score < LOST]
     aside = [swap for swap in every if study.evidence(swap.fit) < limit]
     pairs: dict[frozenset[str], tuple[Swap, Swap]] = {}
     for one in aside:
         for two in every:
-            if one.k != two.k and two.worse < CROSSED:
+            if one.k != two.k and two.worse < CROSSED_EVIDENCE:
                 pairs.setdefault(frozenset({one.candidate.key, two.candidate.key}), (one, two))
     found: list[Fit] = []
     for one, two in sorted(pairs.values(), key=lambda pair: pair[0].worse + pair[1].worse):
-        if len(found) >= MOST_CROSSED or len(study.fits) >= ENOUGH_FITS:
+        if len(found) >= MOST_CROSSED_RIVALS or len(study.fits) >= MOST_RIVAL_FITS:
             break
-        both = exchanged(study, best, one, two, target=one.fit.score + APART)
+        both = exchanged(study, best, one, two, target=one.fit.score + UNPARTED_EVIDENCE)
         found += [] if both is None else [both]
     return found
 
 
 def _instead_of_several(study: Study, best: Fit, k: int) -> list[Fit]:
     """Known sets in which one effect stands in the place of member ``k`` and of others, that do as well for their number."""
-    own, limit = best.hypothesis, study.criterion(best) + APART
+    own, limit = best.hypothesis, study.criterion(best) + UNPARTED_EVIDENCE
     return [
         f
         for identity, f in study.fits.items()
@@ -218,7 +217,7 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
                 study.objective(rest.with_(wider)), start,
                 study.states_for(rest.with_(wider), best), fixed=held, enough=0.2,
             )  # fmt: skip
-            if fitted.score < best.score + APART:
+            if fitted.score < best.score + UNPARTED_EVIDENCE:
                 found.append(fitted)
                 break
     return found
@@ -240,19 +239,16 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
         # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
         close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
-        others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED]]
+        others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED_RIVALS]]
         others += [beyond_the_ends(study, f) for f in close]
         others += _crossed(outcome, best)
-        others += [f for _, own in rewritten(study, best, Turn.FEWER, Room(ENOUGH_FITS)) for f in own]
+        others += [f for _, own in rewritten(study, best, Turn.FEWER, Room(MOST_RIVAL_FITS)) for f in own]
         better = min(others, key=study.criterion, default=best)
         if study.criterion(better) > study.criterion(best) - 1e-6:
             break
         best = better
-    list(rewritten(study, best, Turn.LAST, Room(ENOUGH_FITS)))
+    list(rewritten(study, best, Turn.LAST, Room(MOST_RIVAL_FITS)))
     return as_stated(study, best)
-
-
-SHAKEN = 4.0  # times, either way, that the numbers which shape a law are started anew
 
 
 def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
@@ -264,7 +260,7 @@ def _shaken(outcome: Outcome, best: Fit) -> list[NDArray[np.float64]]:
         for j, parameter in enumerate(member.effect.parameters):
             if j == 0 or parameter.lower < 0.0 or parameter.name in ("phase", "periods", "frequency"):
                 continue
-            for factor in (SHAKEN, 1.0 / SHAKEN):
+            for factor in (SHAKEN_RATIO, 1.0 / SHAKEN_RATIO):
                 other = values.copy()
                 other[j] = np.clip(other[j] * factor, parameter.lower, parameter.upper)
                 x = study.predictor.with_values(best.hypothesis, k, best.x, other)
@@ -280,5 +276,5 @@ def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:
         f for f in outcome.study.fits.values() if f.cost < LOST and f.hypothesis.identity != best.hypothesis.identity
     ]
     shortlist = sorted(computed, key=outcome.study.criterion)
-    near = [f for k, f in enumerate(shortlist) if k < FEWEST_TOLD or f.score < FAR * best.score]
+    near = [f for k, f in enumerate(shortlist) if k < FEWEST_RIVALS_TOLD or f.score < FAR * best.score]
     return [best, *near][:count]

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.claims.grades import AS_MUCH, ESTABLISHED, LIKELY, POSSIBLE, vague
+from harness.diagnose.claims.constants import PLAIN_LAW_RATIO
+from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, vague
 from harness.diagnose.criticism.constants import FAKED_RATIO
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
@@ -79,7 +80,7 @@ def grade(
     if not remainder:
         return ESTABLISHED
     absent = first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
-    if placed(member) or absent or share < (AS_MUCH if effect.plain else FAKED_RATIO):
+    if placed(member) or absent or share < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO):
         return POSSIBLE
     unknown = first is not None and vague(first, values[first.name])
     stands = [

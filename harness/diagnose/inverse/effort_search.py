@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.claims.rivals import APART
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.heldout_gain import heldout_gain
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
 from harness.diagnose.selection.study import log_choose
 
@@ -171,15 +171,15 @@ class EffortStudy:
     def rivals(self, best: EffortFit, k: int) -> list[tuple[Candidate, EffortFit]]:
         """Candidates that could stand in the place of member ``k``, likeliest first, with their fits."""
         without = self.reduce(best, k)
-        limit = self.weight(best) + APART
+        limit = self.weight(best) + UNPARTED_EVIDENCE
         # What a few steps bring not half as near as the member came will not come near it.
         brought = self.criterion(without) - self.criterion(best)
-        hopeless = max(10.0 * APART, 0.5 * brought)
+        hopeless = max(10.0 * UNPARTED_EVIDENCE, 0.5 * brought)
         out = []
         for gain, candidate, start in self.ranked(without)[: 2 * TRIED]:
             # A trace that explains a share g of S takes N log(1 − g/S) off; where that is far off, so is the candidate.
             told = -self.data.samples * float(np.log1p(-min(gain / self.data.samples, 1.0 - 1e-9)))
-            if candidate.key in best.hypothesis.keys or FAR * told + 10.0 * APART < brought:
+            if candidate.key in best.hypothesis.keys or FAR * told + 10.0 * UNPARTED_EVIDENCE < brought:
                 continue
             hypothesis = without.hypothesis.with_(candidate)
             if hypothesis.identity not in self.fits:
@@ -188,7 +188,7 @@ class EffortStudy:
                     continue
                 start = glance.x[self.nominal + without.hypothesis.size :]
             found = self.extend(without, candidate, start)
-            if self.criterion(found) < self.criterion(best) + APART and self.weight(found) < limit:
+            if self.criterion(found) < self.criterion(best) + UNPARTED_EVIDENCE and self.weight(found) < limit:
                 out.append((candidate, found))
         return sorted(out, key=lambda pair: self.weight(pair[1]))
 
@@ -269,7 +269,7 @@ def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
         judged = []
         for k in range(len(fitted.hypothesis.members)):
             smaller = study.reduce(fitted, k)
-            pays = study.criterion(smaller) - study.criterion(fitted) - APART
+            pays = study.criterion(smaller) - study.criterion(fitted) - UNPARTED_EVIDENCE
             carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
             clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING)
             judged.append((min(pays, carries, clear), k, smaller))
