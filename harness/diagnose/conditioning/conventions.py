@@ -16,7 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
-from harness.diagnose.conditioning.free_motion import SAMPLES_A_SWING, SMOOTHING, motion
+from harness.diagnose.conditioning.constants import (
+    ALIKE_ACCELERATIONS,
+    DEGREE,
+    DOUBTED_COSINE,
+    FEWEST_SWINGS,
+    FOLLOWED_COSINE,
+    MOST_TURNED_JOINTS,
+    QUARTER_TURN,
+    SAMPLES_A_SWING,
+    SMOOTHING_SAMPLES,
+)
+from harness.diagnose.conditioning.free_motion import motion
 from harness.effects.scale import swings
 from harness.errors import InputError
 from harness.recording.columns import unit_stated
@@ -25,13 +36,7 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-DOUBTED = 0.5  # cosine between accelerations and the model's, up to which the convention is doubted
-FOLLOWS = 0.95  # the same, from which another convention is taken for the right one
-ALIKE = (0.4, 2.5)  # how many times the model's accelerations may be those of the recording
-SHORTEST = 1.5  # swings of the model that a recording has to have
-MOST_JOINTS = 3  # that turn, whose zeros are tried together
 TIMES = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-DEGREE, QUARTER = np.pi / 180.0, 0.5 * np.pi
 QUARTERS = {1.0: "a quarter turn", 2.0: "half a turn", -1.0: "a quarter turn back"}
 
 
@@ -60,13 +65,13 @@ def conventional(system: System, recordings: Sequence[Recording]) -> list[Record
         or system.loops
         or system.gimbals
         or not any(turning)
-        or follows(rigid, recordings, stated) > DOUBTED
+        or follows(rigid, recordings, stated) > DOUBTED_COSINE
     ):
         return list(recordings)
     others = list(_others(turning))
     scores = [follows(rigid, recordings, other) for other in others]
     found = others[int(np.argmax(scores))]
-    if max(scores) < FOLLOWS:
+    if max(scores) < FOLLOWED_COSINE:
         return list(recordings)
     _refuse_units(recordings[0], joints[turning.index(True)], found)
     return [_counted(recording, dict(zip(joints, found.zeros, strict=True))) for recording in recordings]
@@ -85,7 +90,7 @@ def follows(system: System, recordings: Sequence[Recording], convention: Convent
     for recording in recordings:
         timed = replace(recording, time=recording.time * convention.time)
         step = max(period / SAMPLES_A_SWING, timed.interval)
-        if timed.duration < SHORTEST * period or period / step < SMOOTHING:
+        if timed.duration < FEWEST_SWINGS * period or period / step < SMOOTHING_SAMPLES:
             continue
         grid = np.arange(0.0, timed.duration, step)
         channels = (_position(timed, name) for name in system.joint_names)
@@ -106,7 +111,7 @@ def follows(system: System, recordings: Sequence[Recording], convention: Convent
     a, m = a / size, m / size
     ratio = float(np.linalg.norm(m) / np.linalg.norm(a))
     cosine = float(np.sum(a * m)) / float(np.linalg.norm(a) * np.linalg.norm(m))
-    return cosine if ALIKE[0] < ratio < ALIKE[1] else 0.0
+    return cosine if ALIKE_ACCELERATIONS[0] < ratio < ALIKE_ACCELERATIONS[1] else 0.0
 
 
 def _others(turning: Sequence[bool]) -> Iterator[Convention]:
@@ -116,8 +121,8 @@ def _others(turning: Sequence[bool]) -> Iterator[Convention]:
     for factor in TIMES.values():
         yield Convention(1.0, factor, none)
         yield Convention(DEGREE, factor, none)
-    if sum(turning) <= MOST_JOINTS:
-        choices = [(0.0, *(k * QUARTER for k in QUARTERS)) if turns else (0.0,) for turns in turning]
+    if sum(turning) <= MOST_TURNED_JOINTS:
+        choices = [(0.0, *(k * QUARTER_TURN for k in QUARTERS)) if turns else (0.0,) for turns in turning]
         for zeros in product(*choices):
             if any(zeros):
                 yield Convention(1.0, 1.0, zeros)
@@ -163,8 +168,8 @@ def _counted(recording: Recording, zeros: Mapping[str, float]) -> Recording:
                 QualityNote(
                     "other_zero",
                     channel.name,
-                    f"accelerations follow the model only with {QUARTERS[zero / QUARTER]} taken off the angle: it is counted from "
-                    "elsewhere, or the base is mounted so",
+                    f"accelerations follow the model only with {QUARTERS[zero / QUARTER_TURN]} taken off the angle: it is "
+                    "counted from elsewhere, or the base is mounted so",
                     f"{zero:.4g} rad taken off",
                     len(channel.values),
                     size=zero,

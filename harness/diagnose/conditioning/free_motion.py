@@ -16,26 +16,26 @@ from scipy.optimize import least_squares
 from scipy.signal import savgol_filter
 
 from harness.denoc.model import Denoc
+from harness.diagnose.conditioning.constants import (
+    BEYOND_STOP_EXTENT,
+    BLOW_SHARE,
+    CARRIED_ON_SIGMAS,
+    CARRIED_SHARE,
+    CARRIED_SIGMAS,
+    FEWEST_CARRIED_WINDOWS,
+    FORCE_WINDOW_SAMPLES,
+    KNOCK_SWINGS,
+    MOST_LEFT_OUT_SHARE,
+    MOVING_SHARE,
+    SAMPLES_A_SWING,
+    SMOOTHING_SAMPLES,
+    STATIC_FRICTION_RATIO,
+)
 from harness.effects.scale import swings
 from harness.recording.recording import Channel, QualityNote, Recording
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-SAMPLES_A_SWING = 96  # of the slowest swing, at which accelerations are read off
-SMOOTHING = 9  # such samples in the local cubic, about a tenth of a swing
-WINDOW = 5  # such samples in a window whose mean force is judged
-SHORTEST = 2  # such windows; a single one may be an outlier
-SIGMAS = 5.0  # of the first windows' mean force beyond what the rest of the recording shows
-GOES_ON = 2.5  # of a later window's
-NEAR = 1.5  # swings after a carried stretch in which a knock still counts as part of it
-SHARE = 0.12  # of the accelerations that gravity makes, below which a carrying hand is not claimed
-BEYOND = 0.05  # of the extent of all recordings, that a joint must have gone beyond a place for no stop to be there
-STATIC = 2.0  # times its friction in motion that a joint may be held by
-BLOW = 0.06  # the same for a blow that ends the motion
-MOST = 0.4  # of a recording that may be left out; beyond, it is the model that is wrong
-# Of the greatest speed, and of the swing's extent; what stands still is held, and has an effect of its own (late release).
-MOVING = 0.03
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def carried_end(system: System, recording: Recording, others: Sequence[Recording
     held = float(np.nanmedian(channel.values[recording.time > found.time]))
     every = [c.values for r in (recording, *others) for c in r.channels if c.name == channel.name]
     low, high = min(map(np.nanmin, every)), max(map(np.nanmax, every))
-    margin = BEYOND * (high - low)
+    margin = BEYOND_STOP_EXTENT * (high - low)
     return found if low + margin < held < high - margin else None
 
 
@@ -91,7 +91,7 @@ def _carried(system: System, recording: Recording, *, backwards: bool) -> Carrie
         return None
     period = 2.0 * np.pi / min(swings(system, recording))
     step = max(period / SAMPLES_A_SWING, recording.interval)
-    if recording.duration < 3.0 * period or period / step < 4 * SMOOTHING:
+    if recording.duration < 3.0 * period or period / step < 4 * SMOOTHING_SAMPLES:
         return None
     grid = np.arange(0.0, recording.duration, step)
     q, qd, qdd = (np.stack(part, axis=1) for part in zip(*(motion(recording, c, grid) for c in channels), strict=True))
@@ -102,7 +102,7 @@ def _carried(system: System, recording: Recording, *, backwards: bool) -> Carrie
         # A film run backwards obeys the same laws but for friction and drag, whose size and sense are open here anyhow.
         course = (q[::-1, j], -qd[::-1, j], qdd[::-1, j], expected[::-1, j]) if backwards else course
         count, share = _strange_beginning(*course, stopped=backwards)
-        if 0 < count <= MOST * len(grid):
+        if 0 < count <= MOST_LEFT_OUT_SHARE * len(grid):
             time = float(grid[len(grid) - 1 - count] if backwards else grid[count])
             if found is None or (time < found.time) == backwards:
                 found = Carried(time, name, share)
@@ -157,7 +157,7 @@ def motion(recording: Recording, channel: Channel, grid: Array) -> tuple[Array, 
     interval = recording.interval
     even = np.arange(0.0, recording.duration, interval)
     values = np.interp(even, recording.time[good], channel.values[good])
-    length = max(SMOOTHING, round(SMOOTHING * float(grid[1] - grid[0]) / interval)) | 1
+    length = max(SMOOTHING_SAMPLES, round(SMOOTHING_SAMPLES * float(grid[1] - grid[0]) / interval)) | 1
     parts = [savgol_filter(values, length, 3, deriv=order, delta=interval) for order in range(3)]
     return np.interp(grid, even, parts[0]), np.interp(grid, even, parts[1]), np.interp(grid, even, parts[2])
 
@@ -178,53 +178,62 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array, *, stop
     )  # fmt: skip
     # Few terms, none of them of position alone: a carried stretch often lies where the free motion never comes again.
     # The robust loss lets it pull no more than its number of samples; what is held for long would still pull too much.
-    told = slice(round(MOST * len(left)) if stopped else 0, None)
+    told = slice(round(MOST_LEFT_OUT_SHARE * len(left)) if stopped else 0, None)
     design, target = basis[told], left[told]
     spread = float(1.4826 * np.median(np.abs(target - np.median(target)))) or 1e-12
     start = np.zeros(basis.shape[1])
     fitted = least_squares(lambda x: design @ x - target, start, jac=lambda x: design, loss="soft_l1", f_scale=spread)
     rest = left - basis @ fitted.x
-    rest = rest[SMOOTHING // 2 :]  # the local cubics at the very edge are noisier than elsewhere
-    windows = len(rest) // WINDOW
-    means = rest[: windows * WINDOW].reshape(windows, WINDOW).mean(axis=1)
+    rest = rest[SMOOTHING_SAMPLES // 2 :]  # the local cubics at the very edge are noisier than elsewhere
+    windows = len(rest) // FORCE_WINDOW_SAMPLES
+    means = rest[: windows * FORCE_WINDOW_SAMPLES].reshape(windows, FORCE_WINDOW_SAMPLES).mean(axis=1)
     # What has come to rest shows no force at all and says nothing of how well forces can be read off.
-    fast = np.abs(qd[SMOOTHING // 2 :][: windows * WINDOW]).reshape(windows, WINDOW).max(axis=1) > 0.1 * speed
+    fast = (
+        np.abs(qd[SMOOTHING_SAMPLES // 2 :][: windows * FORCE_WINDOW_SAMPLES])
+        .reshape(windows, FORCE_WINDOW_SAMPLES)
+        .max(axis=1)
+        > 0.1 * speed
+    )
     sigma = float(1.4826 * np.median(np.abs(means[fast])))
-    first = float(np.mean(means[:SHORTEST]))
-    friction = STATIC * abs(float(fitted.x[-1]))
-    if abs(first) < max(SIGMAS * sigma / np.sqrt(SHORTEST), SHARE):
+    first = float(np.mean(means[:FEWEST_CARRIED_WINDOWS]))
+    friction = STATIC_FRICTION_RATIO * abs(float(fitted.x[-1]))
+    if abs(first) < max(CARRIED_SIGMAS * sigma / np.sqrt(FEWEST_CARRIED_WINDOWS), CARRIED_SHARE):
         # It may have been stopped where nothing pulls it away.
-        caught = _caught(means, fast, max(SIGMAS * sigma, BLOW) + friction) if stopped else 0
-        return (SMOOTHING // 2 + (caught + 1) * WINDOW, float(np.abs(means[:caught]).max())) if caught else (0, 0.0)
+        caught = _caught(means, fast, max(CARRIED_SIGMAS * sigma, BLOW_SHARE) + friction) if stopped else 0
+        return (
+            (SMOOTHING_SAMPLES // 2 + (caught + 1) * FORCE_WINDOW_SAMPLES, float(np.abs(means[:caught]).max()))
+            if caught
+            else (0, 0.0)
+        )
     # It goes on until two windows in a row are ordinary; a force that turns round is no longer the same carrying.
-    off = np.sign(first) * means > GOES_ON * sigma
+    off = np.sign(first) * means > CARRIED_ON_SIGMAS * sigma
     count = 0
     while count < windows and (off[count] or (0 < count < windows - 1 and off[count + 1])):
         count += 1
-    if count < SHORTEST:
+    if count < FEWEST_CARRIED_WINDOWS:
         return 0, 0.0
-    moves = np.mean(np.abs(qd[: count * WINDOW]) > MOVING * speed) >= 0.5 and not _held(q, count)
-    holds = stopped and abs(first) > SHARE + friction
+    moves = np.mean(np.abs(qd[: count * FORCE_WINDOW_SAMPLES]) > MOVING_SHARE * speed) >= 0.5 and not _held(q, count)
+    holds = stopped and abs(first) > CARRIED_SHARE + friction
     if not (moves or holds):
         return 0, 0.0
     # A hand just taken away is still near, and a knock in the first swings belongs to the letting go.
-    near = count + round(NEAR * SAMPLES_A_SWING / WINDOW)
-    knocks = np.flatnonzero(np.abs(means[:near]) > max(SIGMAS * sigma, SHARE))
+    near = count + round(KNOCK_SWINGS * SAMPLES_A_SWING / FORCE_WINDOW_SAMPLES)
+    knocks = np.flatnonzero(np.abs(means[:near]) > max(CARRIED_SIGMAS * sigma, CARRIED_SHARE))
     share = float(np.mean(np.abs(means[: max(count, 1)])))
     count = max(count, int(knocks[-1]) + 1) if len(knocks) else count
-    return SMOOTHING // 2 + (count + 1) * WINDOW, share
+    return SMOOTHING_SAMPLES // 2 + (count + 1) * FORCE_WINDOW_SAMPLES, share
 
 
 def _caught(means: Array, fast: NDArray[np.bool_], least: float) -> int:
     """Number of windows, seen from the end, up to a blow of at least ``least`` that ended fast motion for good; 0 if none did."""
     moving = np.flatnonzero(fast)
-    if not len(moving) or moving[0] < SHORTEST:
+    if not len(moving) or moving[0] < FEWEST_CARRIED_WINDOWS:
         return 0
-    blow = np.flatnonzero(np.abs(means[moving[0] - 1 : moving[0] + SHORTEST]) > least)
+    blow = np.flatnonzero(np.abs(means[moving[0] - 1 : moving[0] + FEWEST_CARRIED_WINDOWS]) > least)
     return int(moving[0] + blow[-1]) if len(blow) else 0
 
 
 def _held(q: Array, count: int) -> bool:
     """Whether what is carried for ``count`` windows stands still until the last of them; noise may look like speed there."""
-    means = q[: max(count - 1, 2) * WINDOW].reshape(-1, WINDOW).mean(axis=1)
-    return float(np.ptp(means)) < MOVING * 0.5 * float(np.ptp(q))
+    means = q[: max(count - 1, 2) * FORCE_WINDOW_SAMPLES].reshape(-1, FORCE_WINDOW_SAMPLES).mean(axis=1)
+    return float(np.ptp(means)) < MOVING_SHARE * 0.5 * float(np.ptp(q))

@@ -14,21 +14,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from harness.diagnose.conditioning.constants import (
+    BEGUN_EXTENT,
+    FALL_EXTENT,
+    FEWEST_HELD_SAMPLES,
+    FEWEST_REMAINING_SAMPLES,
+    HOLD_EVIDENCE,
+    MOVEMENT_SIGMAS,
+    RELEASES_APART_FALL,
+    RELEASES_APART_SIGMAS,
+    STILL_SCATTER,
+)
 from harness.recording.clean import quantisation_step
 from harness.recording.differences import white_noise
 from harness.recording.recording import Channel, QualityNote, Recording
 
 Array = NDArray[np.float64]
-
-BEGUN = 0.02  # of a channel's extent, at which it has begun to move, if that is not within its noise
-LOUD = 8.0  # deviations of the noise that make a movement
-FALLEN = 0.15  # of the extent, up to which the beginning of a fall is fitted
-FEWEST = 8  # samples of standing still, and of falling
-STILL = 1.5  # times the noise that what stands still may scatter
-EVIDENCE = 30.0  # in twice the log likelihood, for a hold against a smooth motion from the first sample on
-APART = 10.0  # standard deviations between two releases that are not one delay
-APART_FALL = 0.1  # of the time that the fall is fitted over: the same, for what the fall's shape may be wrong by
-FEWEST_LEFT = 100  # samples that have to remain
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,9 @@ def released(recordings: Sequence[Recording]) -> list[Recording]:
     )
     interval = max(recording.interval for recording in recordings)
     one_delay = max(
-        APART * float(np.hypot(earliest.std, latest.std)), APART_FALL * max(earliest.fall, latest.fall), 3.0 * interval
+        RELEASES_APART_SIGMAS * float(np.hypot(earliest.std, latest.std)),
+        RELEASES_APART_FALL * max(earliest.fall, latest.fall),
+        3.0 * interval,
     )
     if latest.time - earliest.time < one_delay:
         return list(recordings)
@@ -78,7 +81,7 @@ def released(recordings: Sequence[Recording]) -> list[Recording]:
 
 def _without(recording: Recording, held: Hold) -> Recording:
     keep = recording.time > held.time + 3.0 * held.std
-    if np.count_nonzero(keep) < FEWEST_LEFT:
+    if np.count_nonzero(keep) < FEWEST_REMAINING_SAMPLES:
         return recording
     note = QualityNote(
         "held_start",
@@ -97,8 +100,8 @@ def _begun(recording: Recording) -> float:
     for channel in recording.channels:
         good = np.isfinite(channel.values)
         values, time = channel.values[good], recording.time[good]
-        if channel.quantity == "position" and len(values) > FEWEST:
-            place = _first(np.abs(values - np.median(values[:3])) > LOUD * _noise(time, values))
+        if channel.quantity == "position" and len(values) > FEWEST_HELD_SAMPLES:
+            place = _first(np.abs(values - np.median(values[:3])) > MOVEMENT_SIGMAS * _noise(time, values))
             begun.append(float(time[place]) if place < len(time) else np.inf)
     return min(begun)
 
@@ -111,10 +114,10 @@ def _noise(time: Array, values: Array) -> float:
 def _stands_still(time: Array, channel: Channel, before: NDArray[np.bool_]) -> bool:
     good = np.isfinite(channel.values)
     values = channel.values[good & before]
-    if len(values) < FEWEST:
+    if len(values) < FEWEST_HELD_SAMPLES:
         return False
     extent = float(np.ptp(channel.values[good]))
-    return float(np.std(values)) < STILL * max(_noise(time[good], channel.values[good]), 1e-6 * extent)
+    return float(np.std(values)) < STILL_SCATTER * max(_noise(time[good], channel.values[good]), 1e-6 * extent)
 
 
 def _hold(time: Array, channel: Channel) -> Hold | None:
@@ -122,17 +125,17 @@ def _hold(time: Array, channel: Channel) -> Hold | None:
     first sample on."""
     good = np.isfinite(channel.values)
     t, y = time[good], channel.values[good]
-    if len(y) < 4 * FEWEST:
+    if len(y) < 4 * FEWEST_HELD_SAMPLES:
         return None
     extent = float(np.ptp(y))
     noise = max(_noise(t, y), 1e-6 * extent)
-    away = np.abs(y - np.median(y[:FEWEST]))
-    moved = _first(away > max(LOUD * noise, BEGUN * extent))
-    end = _first(away > max(2.0 * LOUD * noise, FALLEN * extent))
-    if moved < FEWEST or end >= len(y) or end < moved + FEWEST // 2:
+    away = np.abs(y - np.median(y[:FEWEST_HELD_SAMPLES]))
+    moved = _first(away > max(MOVEMENT_SIGMAS * noise, BEGUN_EXTENT * extent))
+    end = _first(away > max(2.0 * MOVEMENT_SIGMAS * noise, FALL_EXTENT * extent))
+    if moved < FEWEST_HELD_SAMPLES or end >= len(y) or end < moved + FEWEST_HELD_SAMPLES // 2:
         return None
     # As much of what is held as of the fall is enough, and a wandering sensor does less harm there.
-    begin = max(0, moved - 10 * (end - moved) - FEWEST)
+    begin = max(0, moved - 10 * (end - moved) - FEWEST_HELD_SAMPLES)
     t, y = t[begin:end], y[begin:end]
 
     def fall(release: float) -> Array:
@@ -148,12 +151,12 @@ def _hold(time: Array, channel: Channel) -> Hold | None:
     best = int(np.argmin([rest(release) for release in tried]))
     around = tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)]
     release = float(minimize_scalar(rest, bounds=around, method="bounded").x)
-    if np.count_nonzero(t < release) < FEWEST:
+    if np.count_nonzero(t < release) < FEWEST_HELD_SAMPLES:
         return None
     smooth = np.vander((t - t[0]) / (t[-1] - t[0]), 6)
     left = float(np.sum((y - smooth @ np.linalg.lstsq(smooth, y, rcond=None)[0]) ** 2))
     floor = noise**2 * len(t)
-    if len(t) * np.log(max(left, 1e-3 * floor) / max(rest(release), 1e-3 * floor)) < EVIDENCE:
+    if len(t) * np.log(max(left, 1e-3 * floor) / max(rest(release), 1e-3 * floor)) < HOLD_EVIDENCE:
         return None
     basis = fall(release)
     size = np.linalg.lstsq(basis, y, rcond=None)[0]

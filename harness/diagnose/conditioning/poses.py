@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.conditioning.constants import NO_QUATERNION_LENGTH, UNIT_QUATERNION_ERROR
 from harness.errors import InputError, UnsupportedError
 from harness.recording import Recording
 from harness.recording.recording import Channel, QualityNote
@@ -18,8 +19,6 @@ from harness.system.description import constant
 Array = NDArray[np.float64]
 
 QUATERNION = ("qw", "qx", "qy", "qz")
-UNIT = 0.02  # by which a quaternion's length may differ from 1 before that is told
-NO_LENGTH = 1e-6
 
 
 def in_charts(system: System, recordings: Sequence[Recording]) -> tuple[System, list[Recording]]:
@@ -86,7 +85,7 @@ def _rotations(recording: Recording, joint: Joint, system: System) -> Array:
     columns = [_channel(recording, joint, component) for component in QUATERNION]
     q = np.stack([channel.values for channel in columns], axis=1)
     length = np.linalg.norm(q, axis=1)
-    none = np.flatnonzero(length < NO_LENGTH)
+    none = np.flatnonzero(length < NO_QUATERNION_LENGTH)
     if len(none):
         raise InputError(
             f"the quaternion of joint {joint.name!r} has length zero at {recording.time[none[0]]:.6g} s",
@@ -116,7 +115,7 @@ def _with_angles(recording: Recording, joint: Joint, chart: Chart, rotations: Ar
     notes: list[QualityNote] = []
     length = np.linalg.norm([_channel(recording, joint, component).values for component in QUATERNION], axis=0)
     off = float(np.nanmax(np.abs(length - 1.0)))
-    if off > UNIT:
+    if off > UNIT_QUATERNION_ERROR:
         notes.append(
             QualityNote("pose", joint.name, f"quaternions differ from length 1 by up to {off:.2g}", "made so long")
         )
