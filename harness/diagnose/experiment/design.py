@@ -13,20 +13,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.experiment.constants import (
+    PARTED_SIGMAS,
+    PLAINLY_PARTED_SIGMAS,
+    SPEED_STEPS_A_SWING,
+    USUAL_AMPLITUDE,
+)
 from harness.diagnose.experiment.separation import separation
-from harness.diagnose.experiment.trials import MIDDLE, Trial, directly, trials
+from harness.diagnose.experiment.trials import Trial, directly, trials
 from harness.diagnose.problem.hypothesis import contains
 from harness.diagnose.selection.study import Study
 from harness.system import System
 
-PARTED = 5.0  # standard deviations of noise by which predictions must differ for an experiment to decide
-PLAINLY = 50.0  # the same for one that is good enough, so that no other one has to be found
-STEPS_A_SWING = 20  # over which a speed is read off
-
 
 @dataclass(frozen=True)
 class Proposal:
-    """An experiment in words, the effects it parts, and by how many standard deviations of noise (beyond ``PLAINLY``, at least)."""
+    """An experiment in words, the effects it parts, and by how many standard deviations of noise.
+
+    Beyond ``PLAINLY_PARTED_SIGMAS``, by at least so many.
+    """
 
     what: str
     separates: tuple[str, ...]
@@ -44,7 +49,7 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
     best: Proposal | None = None
     for first, second, names in pairs:
         at_most = _at_most(first, second)
-        if at_most < PARTED:
+        if at_most < PARTED_SIGMAS:
             if best is None or at_most > best.separation:
                 best = Proposal("", names, at_most)
             continue
@@ -53,21 +58,23 @@ def propose(study: Study, pairs: list[tuple[Fit, Fit, tuple[str, ...]]]) -> Prop
             # What is let go from farther away moves more wildly still.
             if trial.far and trial.far >= sensitive.get(trial.site, np.inf):
                 continue
-            size = separation(study, first, second, trial, 0.0 if best is None else best.separation, PLAINLY)
+            size = separation(
+                study, first, second, trial, 0.0 if best is None else best.separation, PLAINLY_PARTED_SIGMAS
+            )
             if np.isnan(size):
                 size = 0.0
                 if trial.far:
                     sensitive[trial.site] = trial.far
             if best is None or size > best.separation:
                 best = Proposal(trial.what, names, size)
-            if size > PLAINLY:
+            if size > PLAINLY_PARTED_SIGMAS:
                 break
-        if best is not None and best.separation >= PARTED:
+        if best is not None and best.separation >= PARTED_SIGMAS:
             return best
     if best is None:
         # Nothing can be let go or driven where no joint moves.
         best = Proposal("", pairs[0][2], 0.0)
-    if best.separation < PARTED:
+    if best.separation < PARTED_SIGMAS:
         families = {m.effect.name: m.effect.family for pair in pairs for f in pair[:2] for m in f.hypothesis.members}
         return Proposal(
             "none of the releases, drives and further sensors considered would part them: "
@@ -122,11 +129,11 @@ def _extents(study: Study, joint: str) -> tuple[float, float]:
     row = study.problem.position_of(joint)
     far, fast = [], []
     for run in study.problem.train if row is not None else ():
-        apart = max(1, round(study.swing / STEPS_A_SWING / run.interval))
+        apart = max(1, round(study.swing / SPEED_STEPS_A_SWING / run.interval))
         values = run.values[row]
         if len(values) <= apart:
             continue
         far.append(np.nanmax(np.abs(values), initial=0.0))
         fast.append(np.nanmax(np.abs(values[apart:] - values[:-apart]), initial=0.0) / (apart * run.interval))
-    extent = float(max(far, default=0.0)) or MIDDLE
+    extent = float(max(far, default=0.0)) or USUAL_AMPLITUDE
     return extent, float(max(fast, default=0.0)) or 2.0 * np.pi * extent / study.swing

@@ -16,7 +16,20 @@ from scipy.optimize import least_squares
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linearisation import telling_steps
 from harness.diagnose.estimation.noise_colour import Colour
-from harness.diagnose.experiment.trials import FINEST, Trial
+from harness.diagnose.experiment.constants import (
+    ACCELEROMETER_NOISE,
+    FIRST_SWINGS,
+    FOUND_BACK_SHARE,
+    MOVED_AWAY,
+    NEARING_GAIN,
+    NEARING_STEPS,
+    NOTHING_PARTED_SIGMAS,
+    SAMPLE_TIME,
+    SEPARATION_DIFFERENCE,
+    SHORTCUT_STEPS,
+    VIBRATING_NEARING_STEPS,
+)
+from harness.diagnose.experiment.trials import Trial
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
 from harness.diagnose.problem.windows import Window
@@ -24,17 +37,6 @@ from harness.diagnose.selection.study import Study
 from harness.errors import InputError
 
 Array = NDArray[np.float64]
-
-ACCELEROMETER = 0.05  # m/s², noise of a common micromechanical one
-STEP = 1e-5  # rad, rad/s
-FIRST = 1.5  # swings over which a rival is brought near to begin with; then twice as many, and so on
-PATIENCE = 25  # steps over each such time
-SOONER = 8  # the same where something vibrates, whose runs are dear: what slips by a cycle is not led back by more
-SHORTCUT = 3  # steps over all of it at once, which will do for what is alike and not far off
-NOTHING = 1.0  # standard deviations that part nothing
-ENOUGH = 1e-3  # of the cost, below which a step's gain is not worth the next one
-AWAY = 0.01  # rad, rad/s, at least, from which a hypothesis has to find back to itself
-BACK = 0.1  # of a separation, that a hypothesis may stay away from itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,33 +68,33 @@ def separation(study: Study, first: Fit, second: Fit, trial: Trial, least: float
         rival = _open(study, second, len(begun))
         told = imagined.curves(first, first.x[None], [_start(imagined.predictor, first, trial)], imagined.count)[0]
         lengths = _lengths(study, imagined)
-        distance, _, _ = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT)
-        if distance <= max(least, NOTHING):
+        distance, _, _ = _brought_near(imagined, rival, told, begun, lengths[-1:], SHORTCUT_STEPS)
+        if distance <= max(least, NOTHING_PARTED_SIGMAS):
             return distance
         elastic = len(begun) > 2 * len(imagined.predictor.system.joint_names)
-        patience = SOONER if elastic else PATIENCE
+        patience = VIBRATING_NEARING_STEPS if elastic else NEARING_STEPS
         distance, state, needed = _brought_near(imagined, rival, told, begun, lengths, patience, most)
-        if distance <= max(least, NOTHING):
+        if distance <= max(least, NOTHING_PARTED_SIGMAS):
             return distance
         own = imagined.curves(second, second.x[None], [begun], imagined.count)[0]
-        moved = begun + np.where(np.abs(state - begun) > AWAY, state - begun, AWAY)
+        moved = begun + np.where(np.abs(state - begun) > MOVED_AWAY, state - begun, MOVED_AWAY)
         back, _, _ = _brought_near(imagined, rival, own, moved, lengths[:needed], patience)
-        return distance if back < BACK * distance < np.inf else np.nan
+        return distance if back < FOUND_BACK_SHARE * distance < np.inf else np.nan
     except InputError:
         return np.nan
 
 
 def _imagined(study: Study, trial: Trial) -> _Imagined:
-    interval = max(FINEST, study.problem.train[0].interval)
+    interval = max(SAMPLE_TIME, study.problem.train[0].interval)
     time = np.arange(0.0, trial.duration, interval)
     channels = study.problem.channels
     colours = list(study.likelihood.colours)
     if trial.link:
         channels = (*channels, ChannelInfo(f"{trial.link}.tip_acceleration", trial.link, "tip_acceleration", "m/s**2"))
-        colours.append(Colour(ACCELEROMETER, interval=interval))
+        colours.append(Colour(ACCELEROMETER_NOISE, interval=interval))
     effort = None
     if trial.effort is not None:
-        old = FINEST * np.arange(len(trial.effort))
+        old = SAMPLE_TIME * np.arange(len(trial.effort))
         effort = np.column_stack([np.interp(time, old, column) for column in trial.effort.T])
     run = Run("proposed", time, np.full((len(channels), len(time)), np.nan), effort, interval)
     noise = np.array([c.std / np.sqrt(c.effective_fraction) for c in colours])[:, None]
@@ -104,7 +106,7 @@ def _imagined(study: Study, trial: Trial) -> _Imagined:
 
 def _lengths(study: Study, imagined: _Imagined) -> list[int]:
     """Numbers of samples over which a rival is brought near, one time after another; the last one is all of them."""
-    lengths = [max(2, round(FIRST * study.swing / imagined.predictor.runs[0].interval))]
+    lengths = [max(2, round(FIRST_SWINGS * study.swing / imagined.predictor.runs[0].interval))]
     while lengths[-1] < imagined.count:
         lengths.append(2 * lengths[-1])
     return [*lengths[:-1], imagined.count]
@@ -151,7 +153,12 @@ def _open(study: Study, fitted: Fit, states: int) -> _Open:
     steps = np.where(fitted.x[free] + steps > upper, -steps, steps)
     wide = np.full(states, np.inf)
     return _Open(
-        fitted, free, known, np.append(-wide, lower), np.append(wide, upper), np.append(np.full(states, STEP), steps)
+        fitted,
+        free,
+        known,
+        np.append(-wide, lower),
+        np.append(wide, upper),
+        np.append(np.full(states, SEPARATION_DIFFERENCE), steps),
     )
 
 
@@ -188,7 +195,7 @@ def _brought_near(
             return np.inf, begun, taken
         found = least_squares(
             lambda here, view=view: view(here)[0], at, jac=lambda here, view=view: view(here)[1],
-            bounds=(rival.lower, rival.upper), x_scale="jac", ftol=ENOUGH, max_nfev=patience,
+            bounds=(rival.lower, rival.upper), x_scale="jac", ftol=NEARING_GAIN, max_nfev=patience,
         )  # fmt: skip
         at, distance = found.x, float(np.sqrt(2.0 * found.cost))
         if distance > most:

@@ -9,20 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
+from harness.diagnose.experiment.constants import (
+    DRIVE_FREQUENCIES,
+    DRIVE_SHARE,
+    LONGER_RATIO,
+    RELEASE_ANGLES,
+    RELEASE_SHARES,
+    SAMPLE_TIME,
+    STAYING_ACCELERATION,
+    USUAL_AMPLITUDE,
+)
 from harness.effects.effect import Family
 from harness.effects.scale import references
 from harness.system import Joint, System
 
 Array = NDArray[np.float64]
 
-FINEST = 1 / 250.0  # s between the samples of a proposed recording
-ANGLES = (0.15, 0.3, 0.8, 1.5, 2.6)  # rad
-MIDDLE = 0.8  # rad, or m where nothing is known of a slide
-SHARES = (0.25, 0.5, 1.0, 2.0)  # of the extent of a slide, or the speed of a joint, in the recordings at hand
-LONGER = 3.0  # times as long as the recordings at hand
-FREQUENCIES = (0.4, 0.8, 1.6)  # of the slowest swing's
-DRIVE = 0.15  # of the torque that gravity makes at most
-STILL = 1e-6  # of that torque over the inertia, below which a joint that is let go stays where it is
 
 # What to measure without the mechanism moving freely, where no recording of it parts rivals.
 DIRECTLY = {
@@ -38,7 +40,7 @@ DIRECTLY = {
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """An experiment in words, and as the joints' initial positions and velocities (2n,), known forces (T, n) every ``FINEST``
+    """An experiment in words, and as the joints' initial positions and velocities (2n,), known forces (T, n) every ``SAMPLE_TIME``
     seconds or none, duration [s], and the link whose tip gets an accelerometer, if any.
 
     site: the joint that is moved. far: from where it is let go [rad or m], or how fast it is pushed [rad/s or m/s]; 0 if driven.
@@ -75,12 +77,12 @@ def directly(families: Iterable[Family]) -> str:
 
 def _let_go(system: System, joint: Joint, duration: float, extent: float, speed: float) -> list[Trial]:
     model, found = Denoc(system), []
-    for position in _within(joint, [s * extent for s in SHARES] if joint.prismatic else ANGLES):
+    for position in _within(joint, [s * extent for s in RELEASE_SHARES] if joint.prismatic else RELEASE_ANGLES):
         if _falls(model, joint, position):
             what = f"release{_of(system, joint)} from {position:.2g} {joint.position_unit}"
             found.append((what, position, _state(system, joint, position, 0.0)))
     if not found:
-        for velocity in np.multiply(SHARES, speed):
+        for velocity in np.multiply(RELEASE_SHARES, speed):
             what = f"push{_of(system, joint)} by hand to about {velocity:.2g} {joint.position_unit}/s, let go"
             found.append((what, velocity, _state(system, joint, 0.0, velocity)))
     return _recorded(found, joint.name, duration)
@@ -94,12 +96,12 @@ def _falls(model: Denoc, joint: Joint, position: float) -> bool:
     at, q = names.index(joint.name), np.zeros(len(names))
     q[at] = position
     acceleration = model.forward_dynamics(q, np.zeros(len(q)))[at]
-    return bool(abs(acceleration) > STILL * sizes.torque / sizes.inertia)
+    return bool(abs(acceleration) > STAYING_ACCELERATION * sizes.torque / sizes.inertia)
 
 
 def _recorded(begun: Sequence[tuple[str, float, Array]], site: str, duration: float) -> list[Trial]:
     """Each for as long as the recordings at hand, and every other one for longer."""
-    longer = LONGER * duration
+    longer = LONGER_RATIO * duration
     found = [
         Trial(f"{what} and record for {duration:.0f} s", state, None, duration, site=site, far=far)
         for what, far, state in begun
@@ -112,11 +114,11 @@ def _recorded(begun: Sequence[tuple[str, float, Array]], site: str, duration: fl
 
 
 def _driven(system: System, joint: Joint, duration: float, period: float) -> list[Trial]:
-    time = np.arange(0.0, duration + FINEST, FINEST)
-    force = min(DRIVE * references(system, joint.name).torque, joint.effort)
+    time = np.arange(0.0, duration + SAMPLE_TIME, SAMPLE_TIME)
+    force = min(DRIVE_SHARE * references(system, joint.name).torque, joint.effort)
     kind, unit = ("force", "N") if joint.prismatic else ("torque", "N·m")
     found = []
-    for frequency in np.divide(FREQUENCIES, period):
+    for frequency in np.divide(DRIVE_FREQUENCIES, period):
         effort = np.zeros((len(time), len(system.joint_names)))
         effort[:, system.joint_names.index(joint.name)] = force * np.sin(2.0 * np.pi * frequency * time)
         what = f"drive {joint.name} with a known {kind} of {force:.2g} {unit} at {frequency:.2g} Hz"
@@ -125,7 +127,7 @@ def _driven(system: System, joint: Joint, duration: float, period: float) -> lis
 
 
 def _with_accelerometer(system: System, joint: Joint, duration: float, extent: float) -> Trial:
-    position = float(np.clip(extent if joint.prismatic else MIDDLE, joint.lower, joint.upper))
+    position = float(np.clip(extent if joint.prismatic else USUAL_AMPLITUDE, joint.lower, joint.upper))
     last = system.links[-1].name
     what = (
         f"mount an accelerometer at the tip of {last}, release{_of(system, joint)} from {position:.2g} {joint.position_unit}, "
