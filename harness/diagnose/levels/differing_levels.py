@@ -18,6 +18,7 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.rivals import ranking
 from harness.diagnose.criticism.constants import TEST_CHANCE
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.levels.constants import LEAST_DIFFERENCE, RANKED_HYPOTHESES, TIED_SPREAD
 from harness.diagnose.levels.levels import LevelFit, fit_levels, free_run_error, labels
 from harness.diagnose.levels.unequal_friction import Unequal, rubbing, unequal_friction
 from harness.diagnose.problem.problem import Problem
@@ -26,10 +27,7 @@ from harness.effects.room import STATED
 from harness.recording.recording import Recording
 from harness.system import Attachment, System
 
-LEAST = 0.03  # by which levels must differ to be worth telling
-TIED = 1e-6  # spread of levels that are all but one
 DRY = ("coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction")
-RANKED = 4  # likeliest hypotheses in which dry friction is looked for where none is claimed
 HOW = (
     "Laws and levels are fitted to the training recordings alone, with one level for all (shared) or one each (levelled). What is "
     "held out is predicted with the last training recording's level, its initial state fitted. That levels differ was judged on "
@@ -60,11 +58,11 @@ def differing_levels(
     if fitted is None or not _can_be_levelled(fitted):
         return None
     asked = unequal_friction(outcome.study, fitted)
-    if asked is None or asked.chance > TEST_CHANCE or float(np.ptp(asked.levels)) < LEAST:
+    if asked is None or asked.chance > TEST_CHANCE or float(np.ptp(asked.levels)) < LEAST_DIFFERENCE:
         return None
     start = _start(outcome, fitted)
     anew = [_anew(outcome, fitted, k) for k in range(len(problem.runs))]
-    shared = fit_levels(start, train, spread=TIED, anew=anew[: len(train)], deadline=deadline)
+    shared = fit_levels(start, train, spread=TIED_SPREAD, anew=anew[: len(train)], deadline=deadline)
     levelled = fit_levels(shared.system, train, anew=anew[: len(train)], deadline=deadline)
     if _equal(levelled):
         return None
@@ -109,7 +107,7 @@ def _shortlist(outcome: Outcome, conclusion: Conclusion) -> list[Fit]:
     if any(key.partition("@")[0] in DRY for key in conclusion.doubted):
         # Friction that differs leaves a remainder, and the remainder is why friction is doubted.
         first.reverse()
-    return [*first, *ranking(outcome, conclusion.best, RANKED)]
+    return [*first, *ranking(outcome, conclusion.best, RANKED_HYPOTHESES)]
 
 
 def _can_be_levelled(fitted: Fit) -> bool:
@@ -155,7 +153,7 @@ def _equal(found: LevelFit) -> bool:
     if not np.all(std > 0.0):
         return True
     square = float(np.sum(((factors - 1.0) / std) ** 2))
-    return float(chi2.sf(square, len(factors))) > TEST_CHANCE or float(np.ptp([*factors, 1.0])) < LEAST
+    return float(chi2.sf(square, len(factors))) > TEST_CHANCE or float(np.ptp([*factors, 1.0])) < LEAST_DIFFERENCE
 
 
 def _law(attachment: Attachment) -> dict[str, Any]:

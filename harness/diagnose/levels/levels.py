@@ -17,6 +17,19 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from harness.denoc.lanes.model import LaneModel
+from harness.diagnose.levels.constants import (
+    ENOUGH_REFIT_GAIN,
+    FEWEST_FREE_SAMPLES,
+    FIRST_RESIDUAL,
+    FIRST_STATE_TIME,
+    GRADIENT_BLOCKS,
+    LEVEL_FIT_DIFFERENCE,
+    LEVEL_SPREAD,
+    MOST_REFITS,
+    SHORTEST_DAHL_WAY,
+    START_ERROR,
+    THINNED_RATE,
+)
 from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.hypothesis import Candidate, bent_by, nominal_quantities, scaled
 from harness.effects.attach import apply, sensor_chain
@@ -37,18 +50,7 @@ SLOTS = (
     "dahl_torque",
     "dahl_stiffness",
 )  # dry friction of a lane's row
-RATE = 250.0  # Hz to which recordings are thinned
-SPREAD = 0.15  # of the logarithm of a level: what bearings are known to do
-STEP = 1e-6  # of a parameter's scale, between lanes
-BLOCKS = 12  # of a recording, between which the gradient's scatter is taken
-FIRST_SIGMA = 3e-4  # of the largest position: the residual that is aimed at, before it is known
-AGAIN = 4  # fits that begin where the best one ended
-ENOUGH = 2.0  # in cost, below which a further fit is not worth it
-START = 0.1  # of a starting value, by which it is expected to be wrong
-SHORTEST_WAY = 1e-3  # rad or m in which Dahl's friction may build up; shorter ones are Coulomb's friction
 WHOLE = ("periods",)  # parameters that are whole numbers, and stay
-FIRST = 0.06  # s from which a first state is read off
-FEWEST = 20  # samples of a stretch that is still a free run
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +73,7 @@ def fit_levels(
     starts: System | Sequence[System],
     recordings: Sequence[Recording],
     *,
-    spread: float = SPREAD,
+    spread: float = LEVEL_SPREAD,
     anew: Sequence[Sequence[float]] = (),
     deadline: Deadline | None = None,
 ) -> LevelFit:
@@ -92,11 +94,11 @@ def fit_levels(
         (_Levels(system, recordings, spread, anew, deadline).fit() for system in systems), key=lambda found: found.cost
     )
     # Valleys of friction laws are long and flat: from where the best one ended, with steps measured there, until it stands still.
-    for _ in range(AGAIN):
+    for _ in range(MOST_REFITS):
         further = _Levels(best.system, recordings, spread, anew, deadline).fit()
         gained = best.cost - further.cost
         best = further if gained > 0.0 else best
-        if gained < ENOUGH:
+        if gained < ENOUGH_REFIT_GAIN:
             break
     return best
 
@@ -107,7 +109,7 @@ def free_run_error(system: System, recording: Recording, *, anew: Sequence[float
     anew: as in ``fit_levels``.
     Raises InputError for a recording that is driven or lacks a position.
     """
-    return _Levels(system, [recording], SPREAD, [anew]).error()
+    return _Levels(system, [recording], LEVEL_SPREAD, [anew]).error()
 
 
 def labels(recordings: Sequence[Recording]) -> list[str]:
@@ -162,7 +164,7 @@ class _Levels:
         self.low, self.high = np.array(low), np.array(high)
         # Steps are measured by where the search starts, if it starts anywhere.
         start = self._inner(values)
-        self.scale = np.where(start != 0.0, START * np.abs(start), START * self._inner(np.array(scales)))
+        self.scale = np.where(start != 0.0, START_ERROR * np.abs(start), START_ERROR * self._inner(np.array(scales)))
         self.scale = np.maximum(np.abs(self.scale), 1e-12)
         self.start = start
         self.model: LaneModel = lane_model(self._shaped(np.zeros(len(self.nominal)), values))
@@ -181,13 +183,13 @@ class _Levels:
             columns.append(np.interp(recording.time, recording.time[good], channel.values[good]))
         position, time = np.stack(columns, axis=1), recording.time - recording.time[0]
         edges = np.searchsorted(time, [-np.inf, *anew, np.inf])
-        pieces = [slice(int(a), int(b)) for a, b in pairwise(edges) if b - a >= FEWEST]
+        pieces = [slice(int(a), int(b)) for a, b in pairwise(edges) if b - a >= FEWEST_FREE_SAMPLES]
         return [self._run(of, recording, time[piece], position[piece]) for piece in pieces]
 
     def _run(self, of: int, recording: Recording, time: Array, position: Array) -> _Run:
         time = time - time[0]
-        every = max(1, int(1.0 / (RATE * recording.interval) + 1e-9))
-        count = max(10, int(np.searchsorted(time, FIRST)))
+        every = max(1, int(1.0 / (THINNED_RATE * recording.interval) + 1e-9))
+        count = max(10, int(np.searchsorted(time, FIRST_STATE_TIME)))
         fits = [np.polynomial.polynomial.polyfit(time[:count], p[:count], 4) for p in position.T]
         state = np.array([f[0] for f in fits] + [f[1] for f in fits])
         return _Run(of, recording.name, time[::every], position[::every], state)
@@ -227,7 +229,7 @@ class _Levels:
         """The inverse of ``_inner``, inside the bounds (differences may step a hair over one)."""
         out = inner.copy()
         for at in self._places("dahl_friction"):
-            out[at + 1] = max(inner[at], 0.0) / max(inner[at + 1], SHORTEST_WAY)
+            out[at + 1] = max(inner[at], 0.0) / max(inner[at + 1], SHORTEST_DAHL_WAY)
         for at in self._places("encoder_interpolation"):
             out[at], out[at + 1] = np.hypot(inner[at], inner[at + 1]), np.arctan2(inner[at + 1], inner[at])
         return np.asarray(np.clip(out, self.low, self.high))
@@ -310,7 +312,7 @@ class _Levels:
         unit = np.ones(total)
         unit[b:c] = 0.1
         unit[c:] = np.tile(np.concatenate([np.full(n, 1e-3), np.full(n, 1e-2)]), len(self.runs))
-        sigma = FIRST_SIGMA * max(float(np.abs(run.position).max()) for run in self.runs)
+        sigma = FIRST_RESIDUAL * max(float(np.abs(run.position).max()) for run in self.runs)
         pairs: dict[bytes, tuple[Array, Array]] = {}
 
         def both(x: Array) -> tuple[Array, Array]:
@@ -360,13 +362,13 @@ class _Levels:
         return self._residuals(np.hstack([np.tile(fixed, (len(states), 1)), every.reshape(len(states), -1)]), k)
 
     def _slope(self, state: Array, k: int) -> Array:
-        both = self._from(np.vstack([state, state + STEP * np.eye(len(state))]), k)
-        return (both[1:] - both[0]).T / STEP
+        both = self._from(np.vstack([state, state + LEVEL_FIT_DIFFERENCE * np.eye(len(state))]), k)
+        return (both[1:] - both[0]).T / LEVEL_FIT_DIFFERENCE
 
     def _bounds(self) -> tuple[Array, Array]:
         low, high = self.low / self.scale, self.high / self.scale
         for at in self._places("dahl_friction"):
-            low[at + 1], high[at + 1] = SHORTEST_WAY / self.scale[at + 1], np.inf
+            low[at + 1], high[at + 1] = SHORTEST_DAHL_WAY / self.scale[at + 1], np.inf
         for at in self._places("encoder_interpolation"):
             low[at : at + 2], high[at : at + 2] = -np.inf, np.inf
         return low, high
@@ -380,7 +382,7 @@ class _Levels:
             shared = [*range(b), *([b + of] if of < self.count - 1 else []), *range(c + n * k, c + n * (k + 1))]
             lanes = np.tile(x, (1 + len(shared), 1))
             for row, p in enumerate(shared):
-                lanes[1 + row, p] += STEP * unit[p] * (100.0 if a <= p < b else 1.0)
+                lanes[1 + row, p] += LEVEL_FIT_DIFFERENCE * unit[p] * (100.0 if a <= p < b else 1.0)
             r = self._residuals(lanes, k) / sigma
             matrix = np.zeros((r.shape[1], len(x)))
             for row, p in enumerate(shared):
@@ -401,7 +403,9 @@ class _Levels:
         free, matrix, size = free[size > 0.0], matrix[:, size > 0.0], size[size > 0.0]
         inverse = np.linalg.pinv((matrix / size).T @ (matrix / size), rcond=1e-12) / np.outer(size, size)
         rows = sum(r.position.size for r in self.runs)
-        gradients = np.array([matrix[i].T @ rest[i] for i in np.array_split(np.arange(rows), BLOCKS * self.count)])
+        gradients = np.array(
+            [matrix[i].T @ rest[i] for i in np.array_split(np.arange(rows), GRADIENT_BLOCKS * self.count)]
+        )
         robust = inverse @ (gradients.T @ gradients) @ inverse
         out = np.full(jacobian.shape[1], np.nan)
         out[free] = np.sqrt(np.maximum(np.diag(robust), np.diag(inverse)))

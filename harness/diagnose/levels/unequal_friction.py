@@ -21,6 +21,17 @@ from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linear_response import Response, to_channels
 from harness.diagnose.estimation.linearisation import linearise
+from harness.diagnose.levels.constants import (
+    FURTHEST_LEVEL,
+    LEVEL_DIFFERENCE,
+    LEVEL_STRETCHES,
+    RESOLVED_DIRECTION,
+    SHARED_PLACES,
+    SHARED_SPEEDS,
+    TURNING_SPEED_SHARE,
+    UNTOLD_LEVEL,
+    YIELDING_WAYS,
+)
 from harness.diagnose.levels.levels import SLOTS
 from harness.diagnose.problem.windows import Window, cut
 from harness.diagnose.selection.first_look import SWINGS
@@ -28,16 +39,6 @@ from harness.diagnose.selection.study import Study
 from harness.effects.scale import references
 
 Array = NDArray[np.float64]
-
-PIECES = 10  # stretches of a recording, if it swings so often
-STEP = 1e-4  # of the level, between lanes
-SPEEDS = (0.0, 0.03, 0.1, 0.25, 0.5, 1.0)  # of the greatest speed, between which friction that all share is linear
-PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # the same over the distance from the middle of the motion
-WAYS = (0.01, 0.03, 0.1)  # of the reach of the motion, over which friction that yields builds up
-TURN = 0.02  # of the greatest speed, over which dry friction turns
-FURTHEST = 3.0  # of a level's logarithm; beyond, a linear estimate says nothing
-UNTOLD = 1e3  # of a level's logarithm, from which on no reading bears on it
-RESOLVED = 1e-9  # of the largest, below which a direction of the normal equations is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ def unequal_friction(study: Study, fitted: Fit) -> Unequal | None:
     )
     # Without one stretch after the other: what stretches of one recording disagree about is the scatter that counts.
     left_out = np.array([_solved(whole - g, right - r)[last] for g, r in zip(grams, rights, strict=True)])
-    if not np.abs(left_out).max() < UNTOLD:
+    if not np.abs(left_out).max() < UNTOLD_LEVEL:
         return None  # one of the stretches alone tells a level: whether others would say the same is not known
     away = left_out - left_out.mean(axis=0)
     covariance = (len(grams) - 1.0) / len(grams) * away.T @ away
@@ -105,7 +106,7 @@ def unequal_friction(study: Study, fitted: Fit) -> Unequal | None:
     rest = freedom - (count - 1) + 1
     chance = float(f_distribution.sf(square * rest / (freedom * (count - 1)), count - 1, rest)) if rest > 0 else 1.0
     base = len(problem.train) - 1
-    levels = np.insert(np.exp(np.clip(found, -FURTHEST, FURTHEST)), base, 1.0)
+    levels = np.insert(np.exp(np.clip(found, -FURTHEST_LEVEL, FURTHEST_LEVEL)), base, 1.0)
     return Unequal(
         levels, np.insert(np.sqrt(np.diag(covariance)), base, 0.0), chance, min(max(gain, 0.0) / excess, 1.0)
     )
@@ -118,7 +119,11 @@ def _stretched(study: Study, fitted: Fit) -> Fit:
     for k, run in enumerate(problem.runs):
         own = [w for w in fitted.windows if w.run == k]
         shortest = SWINGS * study.swing
-        windows += own if len(own) >= PIECES else cut(problem.runs, [k], max(shortest, run.duration / PIECES))
+        windows += (
+            own
+            if len(own) >= LEVEL_STRETCHES
+            else cut(problem.runs, [k], max(shortest, run.duration / LEVEL_STRETCHES))
+        )
     states = {w: study.read_off(fitted.hypothesis, w) for w in windows}
     held = np.ones(len(fitted.x), dtype=bool)
     objective = study.objective(fitted.hypothesis).on(windows)
@@ -169,9 +174,9 @@ def _shared_shapes(own: Probe, joint: str) -> list[Array]:
 
 def _forces(q: Array, qd: Array, middle: float, reach: float, fast: float) -> Array:
     speed, place = np.abs(qd) / fast, (q - middle) / reach
-    sense = np.tanh(qd / (TURN * fast))
-    friction = [*_hats(speed, SPEEDS), *_hats(np.abs(place), PLACES)[1:]]
-    yielding = [_yielding(q, qd, way * reach) for way in WAYS]
+    sense = np.tanh(qd / (TURNING_SPEED_SHARE * fast))
+    friction = [*_hats(speed, SHARED_SPEEDS), *_hats(np.abs(place), SHARED_PLACES)[1:]]
+    yielding = [_yielding(q, qd, way * reach) for way in YIELDING_WAYS]
     return np.array([*(h * sense for h in friction), place * sense, *yielding, *(place**a for a in range(4)), speed**2])
 
 
@@ -199,12 +204,12 @@ def _level_change(study: Study, fitted: Fit, motion: Response, joints: tuple[str
     rows = np.tile(predictor.row_in(fitted.hypothesis, fitted.x, motion.window.run), (2, 1))
     for joint in joints:
         for slot in SLOTS:
-            rows[1, model.slot(joint, slot)] *= 1.0 + STEP
+            rows[1, model.slot(joint, slot)] *= 1.0 + LEVEL_DIFFERENCE
     state = np.tile(fitted.states[motion.window], (2, 1))
     q, qd, _ = model.simulate(
         rows, state[:, :n].copy(), state[:, n:].copy(), motion.time, tolerance=predictor.tolerance
     )
-    change = np.concatenate([q[1] - q[0], qd[1] - qd[0]], axis=1)[:, :, None] / STEP
+    change = np.concatenate([q[1] - q[0], qd[1] - qd[0]], axis=1)[:, :, None] / LEVEL_DIFFERENCE
     return to_channels(predictor, study.likelihood, fitted, motion, change)[0]
 
 
@@ -212,6 +217,6 @@ def _solved(matrix: Array, right: Array) -> Array:
     """The step that normal equations ask for, directions that nothing is known of left alone."""
     size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     values, vectors = np.linalg.eigh(matrix / np.outer(size, size))
-    strong = values > RESOLVED * values[-1]
+    strong = values > RESOLVED_DIRECTION * values[-1]
     along = vectors[:, strong].T @ (right / size)
     return np.asarray(-(vectors[:, strong] @ (along / values[strong])) / size)
