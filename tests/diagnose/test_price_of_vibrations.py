@@ -15,7 +15,8 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis, dear
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.study import BEGUN, Study
+from harness.diagnose.selection.constants.search import VIBRATION_PRICE
+from harness.diagnose.selection.study import Study
 
 
 def bench(viscous: float, only: list[str]) -> Study:
@@ -47,7 +48,7 @@ def test_a_link_that_bends_pays_for_how_it_began() -> None:
     start = np.concatenate([nothing, to_internal(link, np.array([9.0, 0.01]))])
     bent = study.fit(Hypothesis((link,)), [start], None, most_steps=1)
     assert 2.0 < bent.vibrating <= 8.0
-    price = study.price(link) + BEGUN * bent.vibrating
+    price = study.price(link) + VIBRATION_PRICE * bent.vibrating
     assert study.criterion(bent) == pytest.approx(bent.score + price, abs=1e-6)
     start = np.concatenate([nothing, to_internal(damping, np.array([1e-5]))])
     assert study.fit(Hypothesis((damping,)), [start], None, most_steps=1).vibrating == 0.0

@@ -20,7 +20,8 @@ from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import whole
-from harness.diagnose.selection.search_bounds import FURTHER, beyond_the_ends
+from harness.diagnose.selection.constants.starts import FURTHER_REACH
+from harness.diagnose.selection.search_bounds import beyond_the_ends
 
 RECORDINGS = releases(Rig(), (0.6, -0.4), 1e-3, seed=2, duration=2.0, rate=50.0)
 
@@ -50,7 +51,7 @@ def test_only_what_gives_or_has_play_is_continued(name: str, index: int, sense: 
     better = replace(fitted, prior=-1.0)
     study = SimpleNamespace(predictor=predictor, fit=lambda *_, **__: better)
     assert beyond_the_ends(study, fitted) is (better if continued else fitted)
-    assert predictor.reach == ({member.key: FURTHER} if continued else {})
+    assert predictor.reach == ({member.key: FURTHER_REACH} if continued else {})
     # Once is enough.
     assert beyond_the_ends(study, fitted) is fitted
 
@@ -63,7 +64,7 @@ def test_a_fit_may_then_go_there() -> None:
     objective = Objective(predictor, likelihood, Hypothesis((member,)), whole(posed.runs, range(2)))
     count = len(predictor.nominal)
     usual = [from_internal(member, end[count:]) for end in objective.bounds()]
-    predictor.reach[member.key] = FURTHER
+    predictor.reach[member.key] = FURTHER_REACH
     further = [from_internal(member, end[count:]) for end in objective.bounds()]
     assert further[0] == pytest.approx(usual[0] / 5.0)
     assert further[1] == pytest.approx(usual[1] * 5.0)

@@ -41,11 +41,12 @@ from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.deadline import Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.constants.search import STRETCHED_CHANCE, VIBRATION_PRICE
+from harness.diagnose.selection.constants.starts import FOLLOWED_FREQUENCY_RATIO
 from harness.diagnose.selection.outcome import Outcome, heldout_z, judge, judged, trained, training_gain
 from harness.diagnose.selection.rewrites.special_case import specialized
-from harness.diagnose.selection.starts import FOLLOWS
 from harness.diagnose.selection.state_evidence import Evidence
-from harness.diagnose.selection.study import BEGUN, STRETCHED, Study
+from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
 
@@ -137,7 +138,7 @@ def _passes(outcome: Outcome, fitted: Fit) -> tuple[bool, int]:
 def _price(study: Study, smaller: Fit, fitted: Fit, k: int) -> float:
     """What member ``k`` has to gain: its numbers, the vibrations it begins, and more where many are told together."""
     begun = max(fitted.vibrating - smaller.vibrating, 0.0)
-    price = study.price(fitted.hypothesis.members[k], len(fitted.hypothesis.members) - 1) + BEGUN * begun
+    price = study.price(fitted.hypothesis.members[k], len(fitted.hypothesis.members) - 1) + VIBRATION_PRICE * begun
     return price * CROWDED_PRICE_RATIO if fitted.hypothesis.things >= CROWDED_SET else price
 
 
@@ -173,7 +174,7 @@ def _straightens(outcome: Outcome, smaller: Fit, larger: Fit, member: Candidate)
     """Whether the nominal model would have to leave its tolerance to do without a member, beside what is left unexplained."""
     study = outcome.study
     chance = float(chi2.sf(max(smaller.prior - larger.prior, 0.0) / study.loudness(larger), member.size))
-    return chance * len(study.candidates) < STRETCHED
+    return chance * len(study.candidates) < STRETCHED_CHANCE
 
 
 def settle(outcome: Outcome, best: Fit) -> Fit:
@@ -440,7 +441,7 @@ def _out_of_step(study: Study, best: Fit, k: int) -> list[Candidate]:
         return []
     values = member.effect.named(study.predictor.effect_values(best.hypothesis, k, best.x))
     swing = member.references.frequency / (2.0 * np.pi)
-    followed = values["frequency"] <= FOLLOWS * swing
+    followed = values["frequency"] <= FOLLOWED_FREQUENCY_RATIO * swing
     without = study.below(best, k).score
 
     def alike(other: Candidate) -> bool:

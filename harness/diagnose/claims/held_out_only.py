@@ -13,8 +13,8 @@ import numpy as np
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linear_response import begun, motions
 from harness.diagnose.estimation.objective import States
+from harness.diagnose.problem.constants import SHORT_WINDOW_SWINGS
 from harness.diagnose.problem.windows import Window, equal_parts
-from harness.diagnose.selection.first_look import SWINGS
 from harness.diagnose.selection.outcome import Outcome
 
 
@@ -42,7 +42,7 @@ def held_out_repeats(outcome: Outcome, smaller: Fit, larger: Fit, price: float) 
 def _pieces(outcome: Outcome, window: Window) -> tuple[Window, ...]:
     """A window cut into stretches of a swing and a half, or as it is if it is no longer than that."""
     duration = window.size * outcome.problem.runs[window.run].interval
-    return equal_parts(window, max(1, round(duration / (SWINGS * outcome.period))))
+    return equal_parts(window, max(1, round(duration / (SHORT_WINDOW_SWINGS * outcome.period))))
 
 
 def _gains(outcome: Outcome, smaller: Fit, larger: Fit, fitted: Sequence[Window], predicted: Sequence[Window]) -> float:

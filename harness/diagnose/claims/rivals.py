@@ -33,18 +33,19 @@ from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.constants import STRONG_EVIDENCE, UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, compatible, contains, dear
-from harness.diagnose.selection.beam_search import NEAR, exhausted, finished
+from harness.diagnose.selection.beam_search import exhausted, finished
 from harness.diagnose.selection.cogging_periods import replaced
+from harness.diagnose.selection.constants.search import FAR_COST_RATIO, NEAR_EVIDENCE
+from harness.diagnose.selection.constants.weighing import VALLEYS_EVIDENCE
 from harness.diagnose.selection.exchange import Swap, exchanged, known_in_place_of, related, swaps
 from harness.diagnose.selection.outcome import Outcome
-from harness.diagnose.selection.profile_likelihood import VALLEYS
 from harness.diagnose.selection.pruning import pruned
 from harness.diagnose.selection.rewrite import Room, Turn
 from harness.diagnose.selection.rewrites.catalogue import rewritten
 from harness.diagnose.selection.rewrites.general_law import generalized
 from harness.diagnose.selection.search_bounds import beyond_the_ends
 from harness.diagnose.selection.starts import like
-from harness.diagnose.selection.study import FAR, Study
+from harness.diagnose.selection.study import Study
 
 
 def in_place_of(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
@@ -71,7 +72,7 @@ def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
         if scored.candidate.key != member.key and not related(member, scored.candidate):
             found.append(study.extend(without, scored))
     # A general law in the place of another member helps only what comes near already.
-    limit = min(best.score + HOPEFUL_LACK * max(own, 0.0), FAR * best.score)
+    limit = min(best.score + HOPEFUL_LACK * max(own, 0.0), FAR_COST_RATIO * best.score)
     hopeful = sorted((f for f in found if f.score < limit and f is not best), key=lambda f: f.score)
     for base in (best, *hopeful[:MOST_WIDENED_RIVALS]):
         generalized(study, base)
@@ -87,7 +88,7 @@ def with_the_same(outcome: Outcome, best: Fit, key: str) -> list[Fit]:
 def _limit(outcome: Outcome, best: Fit, apart: float) -> float:
     """The evidence of sets that are ``apart`` from the best one."""
     vibrates = any(m.effect.adds_coordinates for m in best.hypothesis.members)
-    return outcome.study.evidence(best) + apart + (VALLEYS if vibrates else 0.0)
+    return outcome.study.evidence(best) + apart + (VALLEYS_EVIDENCE if vibrates else 0.0)
 
 
 def near(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
@@ -238,7 +239,7 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
         best = beyond_the_ends(study, replaced(study, best))
         others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
         # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.
-        close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR]
+        close = [f for f in others if study.criterion(f) < study.criterion(best) + NEAR_EVIDENCE]
         others += [replaced(study, f) for f in sorted(close, key=study.criterion)[:MOST_PLACED_RIVALS]]
         others += [beyond_the_ends(study, f) for f in close]
         others += _crossed(outcome, best)
@@ -276,5 +277,5 @@ def ranking(outcome: Outcome, best: Fit, count: int) -> list[Fit]:
         f for f in outcome.study.fits.values() if f.cost < LOST and f.hypothesis.identity != best.hypothesis.identity
     ]
     shortlist = sorted(computed, key=outcome.study.criterion)
-    near = [f for k, f in enumerate(shortlist) if k < FEWEST_RIVALS_TOLD or f.score < FAR * best.score]
+    near = [f for k, f in enumerate(shortlist) if k < FEWEST_RIVALS_TOLD or f.score < FAR_COST_RATIO * best.score]
     return [best, *near][:count]

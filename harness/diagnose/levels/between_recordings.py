@@ -15,8 +15,8 @@ import numpy as np
 
 from harness.diagnose.estimation.beside_state_force import looked_at
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.selection.outcome import Outcome
-from harness.diagnose.selection.state_evidence import UNPARTED
 
 
 def between_recordings(outcome: Outcome, fitted: Fit) -> Mapping[str, float]:
@@ -42,7 +42,7 @@ def between_recordings(outcome: Outcome, fitted: Fit) -> Mapping[str, float]:
     sums = replace(point, nodes=nodes).sums(force)
     shape = replace(found.shape, sizes=np.concatenate([found.shape.sizes, force.usual[force.joints :]]))
     with_own, without = (force.likeliest(sums, shape, levels=levels) for levels in (True, False))
-    if without.value - with_own.value < UNPARTED:
+    if without.value - with_own.value < UNPARTED_EVIDENCE:
         return {}
     sizes = with_own.force.sizes[force.joints :] * force.torque
     return {name: float(size) for name, size in zip(force.names, sizes, strict=True)}

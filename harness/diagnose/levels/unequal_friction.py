@@ -33,8 +33,8 @@ from harness.diagnose.levels.constants import (
     YIELDING_WAYS,
 )
 from harness.diagnose.levels.levels import SLOTS
+from harness.diagnose.problem.constants import SHORT_WINDOW_SWINGS
 from harness.diagnose.problem.windows import Window, cut
-from harness.diagnose.selection.first_look import SWINGS
 from harness.diagnose.selection.study import Study
 from harness.effects.scale import references
 
@@ -118,7 +118,7 @@ def _stretched(study: Study, fitted: Fit) -> Fit:
     windows: list[Window] = []
     for k, run in enumerate(problem.runs):
         own = [w for w in fitted.windows if w.run == k]
-        shortest = SWINGS * study.swing
+        shortest = SHORT_WINDOW_SWINGS * study.swing
         windows += (
             own
             if len(own) >= LEVEL_STRETCHES

@@ -16,26 +16,33 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Hypothesis, compatible, dear
-from harness.diagnose.selection.exchange import FLOOR
+from harness.diagnose.selection.constants.search import (
+    ALIKE_PREDICTIONS,
+    CARRIED_STEPS,
+    COMPLETE_COST_RATIO,
+    DEAR_EFFECT_SHARE,
+    DEAR_PROMISE,
+    FAR_COST_RATIO,
+    GENEROUS_PROMISE,
+    HOPELESS_COST_RATIO,
+    MOST_CARRIED_SETS,
+    NEAR_EVIDENCE,
+    OFFERED_PAIRS,
+    PLAINLY_MORE_THAN_NOISE,
+    PROSPECTS,
+    STALLED_SHARE,
+    STRAIGHTENING_EFFECTS,
+    UNDER_WAY_GAIN,
+)
 from harness.diagnose.selection.pruning import pruned
 from harness.diagnose.selection.rewrite import Room, Turn
 from harness.diagnose.selection.rewrites.catalogue import rewritten
 from harness.diagnose.selection.score_tests import Score
-from harness.diagnose.selection.study import FAR, HOPELESS, PLAINLY, UNDER_WAY, Study
+from harness.diagnose.selection.study import Study
 
 Progress = Callable[[str], None]
-NEAR = 60.0  # in the criterion
-AS_WELL = 10.0  # in the criterion
-MOST_CARRIED = 4
-CARRIED_STEPS = 40
-ALIKE = 0.01  # of the noise's variance
-STALLED = 0.02  # of what is left above the noise, that one more effect takes away at least
-WORTHY = 0.05  # the same that an effect which is dear to fit must promise
-GENEROUS = 2.0  # times what the linear view promises
-STRAIGHTENERS = 3  # effects fitted for how one set is bent
-PROSPECTS, OFFERS = 4, 4  # single effects looked beside for another one, and sets of two tried of these
-TRUSTED = 1.5  # times what it promises of effects that are dear to fit, whose tests are made at their likely sizes
 
 
 @dataclass(frozen=True)
@@ -91,7 +98,7 @@ def grow(
         if (
             len(ordered[0].hypothesis.members) > 1
             and not study.only_noise(ordered[0])
-            and excess > (1.0 - STALLED) * last
+            and excess > (1.0 - STALLED_SHARE) * last
         ):
             # At this pace no set of few effects gets there; what is still found only soaks up what something else makes.
             study.spent = True
@@ -139,7 +146,7 @@ class Growth:
     def _plainest(self) -> Fit:
         """The best set, or a smaller one that leaves nothing but noise and is nearly as good."""
         best = self.ordered()[0]
-        limit = self.study.criterion(best) + AS_WELL
+        limit = self.study.criterion(best) + UNPARTED_EVIDENCE
         alike = [f for f in self.ordered() if self.study.only_noise(f) and self.study.criterion(f) < limit]
         return min([best, *alike], key=lambda f: len(f.hypothesis.members))
 
@@ -167,10 +174,10 @@ class Growth:
         slow = any(dear(member) for member in base.hypothesis.members)
         for found in _diverse(promising, self.effort.tries // 2 if slow else self.effort.tries):
             # Beside a set near the noise, what promises to leave far more is left to the search for its alternatives.
-            near = self.lowest < HOPELESS * study.samples
-            if near and base.score - found.gain > FAR * self.lowest:
+            near = self.lowest < HOPELESS_COST_RATIO * study.samples
+            if near and base.score - found.gain > FAR_COST_RATIO * self.lowest:
                 continue
-            if near and dear(found.candidate) and base.score - TRUSTED * found.gain > self.lowest:
+            if near and dear(found.candidate) and base.score - DEAR_PROMISE * found.gain > self.lowest:
                 continue
             grown = study.extend(base, found)
             self.note(grown, aloud=True)
@@ -181,14 +188,14 @@ class Growth:
         """Whether there is no use in adding to a set."""
         study = self.study
         # Beside a set at the noise floor, only one that is nearly as good can still become better.
-        if self.lowest < FLOOR * study.samples and study.criterion(base) > best + NEAR:
+        if self.lowest < COMPLETE_COST_RATIO * study.samples and study.criterion(base) > best + NEAR_EVIDENCE:
             return True
         # What leaves far more than a set near the noise does would need an effect that the other has no use for.
-        if self.lowest < HOPELESS * study.samples and base.score > FAR * self.lowest:
+        if self.lowest < HOPELESS_COST_RATIO * study.samples and base.score > FAR_COST_RATIO * self.lowest:
             return True
         # What a smaller set explains as well, needs no further effect beside the larger one.
         smaller = (f for key, f in self.known.items() if key < base.hypothesis.identity and study.only_noise(f))
-        if any(study.criterion(f) < study.criterion(base) + AS_WELL for f in smaller):
+        if any(study.criterion(f) < study.criterion(base) + UNPARTED_EVIDENCE for f in smaller):
             return True
         full = base.hypothesis.things >= self.effort.largest and not self._modifiable(base)
         return full or _needless(study, base) or any(_alike(base, other) for other in self.complete)
@@ -201,18 +208,18 @@ class Growth:
         """Further effects whose score test promises more than their price."""
         study, members = self.study, len(base.hypothesis.members)
         # Beside little more than noise, what is dear to run can wait for the study that this one begins.
-        waits = self.to_begin_with and base.score < PLAINLY * study.samples
+        waits = self.to_begin_with and base.score < PLAINLY_MORE_THAN_NOISE * study.samples
         tests = study.among(base, study.cheap) if waits else study.likely(base)
         found = [s for s in tests if s.gain > study.price(s.candidate, members)]
         if base.hypothesis.things >= self.effort.largest:
             found = [s for s in found if s.candidate.effect.modifies]
         # What is dear to fit waits until what explains most is there, and its own share of the rest is worth it.
-        worth = WORTHY * (base.score - study.samples)
+        worth = DEAR_EFFECT_SHARE * (base.score - study.samples)
         found = [s for s in found if s.gain > worth or not dear(s.candidate)]
         if study.only_noise(base):
             # Little is left there, so that the linear view can be trusted: what it has no hope of is not fitted.
             own = study.criterion(base)
-            found = [s for s in found if own + study.price(s.candidate, members) - GENEROUS * s.gain < best]
+            found = [s for s in found if own + study.price(s.candidate, members) - GENEROUS_PROMISE * s.gain < best]
         return found
 
     def shrink(self, fresh: Sequence[Fit], best: float) -> None:
@@ -265,13 +272,13 @@ class Growth:
             return
         singles = [f for f in self.ordered() if len(f.hypothesis.members) == 1 and not dear(f.hypothesis.members[0])]
         if study.only_noise(plainest):
-            singles = [f for f in singles if f.score < FAR * self.lowest]
+            singles = [f for f in singles if f.score < FAR_COST_RATIO * self.lowest]
         offers = [
             (study.criterion(base) - found.gain + study.price(found.candidate, 1), base, found)
             for base in singles[:PROSPECTS]
             for found in study.likely(base)
         ]
-        for promised, base, found in sorted(offers, key=lambda offer: offer[0])[:OFFERS]:
+        for promised, base, found in sorted(offers, key=lambda offer: offer[0])[:OFFERED_PAIRS]:
             if promised < best and not dear(found.candidate) and len(study.fits) < self.effort.most_fits:
                 self.note(study.extend(base, found), aloud=True)
 
@@ -289,7 +296,7 @@ class Growth:
             if identity in self.straightened or full or not self.study.stretched(base):
                 continue
             self.straightened.add(identity)
-            for _, found in rewritten(self.study, base, Turn.STRAIGHTER, Room(count=STRAIGHTENERS)):
+            for _, found in rewritten(self.study, base, Turn.STRAIGHTER, Room(count=STRAIGHTENING_EFFECTS)):
                 for straight in found:
                     self.note(straight, aloud=True)
 
@@ -304,7 +311,7 @@ def tell(study: Study, what: str, progress: Progress) -> None:
 def exhausted(study: Study, fitted: Fit) -> bool:
     """Whether a set leaves more than noise and growing does not make it leave less: then the catalogue has no explanation in few
     effects, and what else could stand in a member's place is idle to ask."""
-    return study.spent and fitted.score > FLOOR * study.samples
+    return study.spent and fitted.score > COMPLETE_COST_RATIO * study.samples
 
 
 def _alike(one: Fit, other: Fit) -> bool:
@@ -312,7 +319,9 @@ def _alike(one: Fit, other: Fit) -> bool:
     if one.windows != other.windows:
         return False
     pairs = zip(one.linear.residuals, other.linear.residuals, strict=True)
-    return sum(float(np.sum((a - b) ** 2)) for a, b in pairs) < ALIKE * sum(len(r) for r in one.linear.residuals)
+    return sum(float(np.sum((a - b) ** 2)) for a, b in pairs) < ALIKE_PREDICTIONS * sum(
+        len(r) for r in one.linear.residuals
+    )
 
 
 def _needless(study: Study, fitted: Fit) -> bool:
@@ -348,10 +357,10 @@ def finished(study: Study, ordered: Sequence[Fit]) -> list[Fit]:
     A contender that walks along a narrow valley would else lose to one that had a shorter way.
     """
     best = study.criterion(ordered[0])
-    if ordered[0].score > HOPELESS * study.samples:
+    if ordered[0].score > HOPELESS_COST_RATIO * study.samples:
         return list(ordered)
-    open_ones = [f for f in ordered if not f.converged and study.criterion(f) < best + UNDER_WAY]
-    for fitted in open_ones[:MOST_CARRIED]:
+    open_ones = [f for f in ordered if not f.converged and study.criterion(f) < best + UNDER_WAY_GAIN]
+    for fitted in open_ones[:MOST_CARRIED_SETS]:
         if fitted.hypothesis.identity not in study.carried:
             study.carried.add(fitted.hypothesis.identity)
             study.fit(fitted.hypothesis, [fitted.x], fitted, most_steps=CARRIED_STEPS)
@@ -362,7 +371,7 @@ def finished(study: Study, ordered: Sequence[Fit]) -> list[Fit]:
 def polish(study: Study, ordered: list[Fit], effort: Effort, progress: Progress) -> list[Fit]:
     """Rewrite the best set in every way until nothing improves; all fits known then, best first."""
     # Above the noise something outside the catalogue is at work, and one round of swaps is enough to know its rivals.
-    complete = ordered[0].score < HOPELESS * study.samples and not study.left_out
+    complete = ordered[0].score < HOPELESS_COST_RATIO * study.samples and not study.left_out
     for _ in range(3 if complete else 1):
         ordered = finished(study, ordered)
         if exhausted(study, ordered[0]):
@@ -387,7 +396,7 @@ def transfer(study: Study, fits: Sequence[Fit], count: int, progress: Progress) 
         hypothesis: Hypothesis = old.hypothesis
         near = old.beginning(study.windows)
         # What was near the best under one estimate of the noise or on other windows need not be under this one.
-        within = min((f.score for f in out), default=-np.inf) + NEAR
+        within = min((f.score for f in out), default=-np.inf) + NEAR_EVIDENCE
         out.append(study.fit(hypothesis, [old.x], near, target=within))
         tell(study, "free runs of " + (" + ".join(hypothesis.keys) or "the nominal model"), progress)
     return out

@@ -6,11 +6,9 @@ import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import whole_numbers
+from harness.diagnose.selection.constants.search import COGGING_PLACE_PROMISE, MOST_COGGING_PLACES, NOTICEABLE_GAIN
 from harness.diagnose.selection.score_tests import by_place
-from harness.diagnose.selection.study import NOTICEABLE, Study
-
-MOST = 4  # other places fitted
-AS_GOOD = 0.7  # of what the best place promises
+from harness.diagnose.selection.study import Study
 
 
 def replaced(study: Study, best: Fit) -> Fit:
@@ -27,14 +25,14 @@ def replaced(study: Study, best: Fit) -> Fit:
         seen = {round(float(study.predictor.effect_values(base, k, best.x)[place]))}
         without = study.reduce(best, k)
         scores = by_place(without, study.predictor, study.likelihood, member, study.problem)
-        enough = max((s.gain for s in scores), default=0.0) * AS_GOOD
+        enough = max((s.gain for s in scores), default=0.0) * COGGING_PLACE_PROMISE
         for scored in scores:
             count = round(float(scored.start[place]))
-            if scored.gain < enough or len(seen) > MOST:
+            if scored.gain < enough or len(seen) > MOST_COGGING_PLACES:
                 break
             if any(abs(count - other) <= 1 for other in seen):
                 continue
             seen.add(count)
             start = study.predictor.with_values(base, k, best.x, scored.start)
-            best = study.fit(base, [start], best, target=best.score + NOTICEABLE)
+            best = study.fit(base, [start], best, target=best.score + NOTICEABLE_GAIN)
     return best

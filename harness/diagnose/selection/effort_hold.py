@@ -17,8 +17,9 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.held_efforts import held_notes, late
 from harness.diagnose.problem.problem import Problem
+from harness.diagnose.selection.constants.search import FAR_COST_RATIO, HOPELESS_COST_RATIO
 from harness.diagnose.selection.pruning import pruned
-from harness.diagnose.selection.study import FAR, HOPELESS, Study
+from harness.diagnose.selection.study import Study
 from harness.recording.recording import Recording
 
 
@@ -29,7 +30,9 @@ def either_way(study: Study, fitted: Fit) -> tuple[Study, Fit]:
         return study, fitted
     other = _turned(study)
     found = other.fit(fitted.hypothesis, [fitted.x], fitted)
-    plainly = found.score < min(fitted.score - UNPARTED_EVIDENCE * other.loudness(found), HOPELESS * other.samples)
+    plainly = found.score < min(
+        fitted.score - UNPARTED_EVIDENCE * other.loudness(found), HOPELESS_COST_RATIO * other.samples
+    )
     return (other, found) if plainly else (study, fitted)
 
 
@@ -43,7 +46,7 @@ def better_the_other_way(study: Study, ordered: Sequence[Fit], count: int) -> tu
     if not study.problem.driven or not (study.problem.held or late(best.hypothesis) or not study.only_noise(best)):
         return None
     other = _turned(study)
-    near = [f for f in ordered[:count] if f.score < FAR * best.score]
+    near = [f for f in ordered[:count] if f.score < FAR_COST_RATIO * best.score]
     for fitted in near:
         other.fit(fitted.hypothesis, [fitted.x], fitted, target=best.score + UNPARTED_EVIDENCE * study.loudness(best))
     found = min(other.fits.values(), key=other.criterion)

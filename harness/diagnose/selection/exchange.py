@@ -13,10 +13,6 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Candidate, compatible
 from harness.diagnose.selection.study import Study
 
-FLOOR = 1.15  # times the cost of noise alone, below which a set counts as complete
-NEAR = 60.0  # in the score
-MOST_SLOW = 1  # exchanges for what is dear to fit, in a set that is not
-
 
 def related(member: Candidate, other: Candidate) -> bool:
     """Whether two candidates are forms of one thing, or known for being taken for one another."""

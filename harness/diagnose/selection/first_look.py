@@ -13,14 +13,14 @@ from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.estimation.vibration_windows import stages
 from harness.diagnose.prediction.predictor import Predictor
+from harness.diagnose.problem.constants import SHORT_WINDOW_SWINGS
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window, cut
+from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
 from harness.diagnose.selection.effort_hold import either_way
-from harness.diagnose.selection.noise_behind import MOTION_HARMONICS, colours_from
+from harness.diagnose.selection.noise_behind import colours_from
 from harness.diagnose.selection.study import Study
-
-SWINGS = 1.5  # periods of the slowest swing in a short window
 
 
 def first_look(
@@ -33,7 +33,7 @@ def first_look(
     problem, deadline = predictor.problem, predictor.deadline
     likelihood = Likelihood(problem, crude_colours(problem), lead=0.0)
     with deadline.spared():
-        short = horizon.calm(cut(problem.runs, range(len(problem.runs)), SWINGS * period))
+        short = horizon.calm(cut(problem.runs, range(len(problem.runs)), SHORT_WINDOW_SWINGS * period))
         first = _led_in(problem, predictor, likelihood, short, period)
         for _ in range(2):
             colours = colours_from(problem, likelihood, first, predictor, MOTION_HARMONICS / period)

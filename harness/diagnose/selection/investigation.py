@@ -14,11 +14,13 @@ from harness.diagnose.problem.deadline import Deadline, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.selection.beam_search import Effort, grow, polish
+from harness.diagnose.selection.constants.search import PROMISED_EFFECTS
+from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
 from harness.diagnose.selection.first_look import first_look
 from harness.diagnose.selection.fitted_again import fitted_again
 from harness.diagnose.selection.model_error import Structure, under_model_error
-from harness.diagnose.selection.noise_behind import MOTION_HARMONICS, under_its_own_noise
+from harness.diagnose.selection.noise_behind import under_its_own_noise
 from harness.diagnose.selection.opening import Opened
 from harness.diagnose.selection.openings.catalogue import openings
 from harness.diagnose.selection.outcome import Outcome
@@ -125,9 +127,6 @@ def _search(
     return final, ordered
 
 
-PROMISED = 3  # effects named that were to be fitted next
-
-
 def _left_by_the_search(study: Study) -> tuple[str, str]:
     """What a search that was left in the middle has not tried, and what that may change."""
     best = min(study.fits.values(), key=study.criterion)
@@ -137,7 +136,7 @@ def _left_by_the_search(study: Study) -> tuple[str, str]:
         t.candidate.key
         for t in sorted(tests, key=lambda t: -t.gain)
         if t.gain > study.price(t.candidate, members) and best.hypothesis.with_(t.candidate).identity not in study.fits
-    ][:PROMISED]
+    ][:PROMISED_EFFECTS]
     what = f"sets of effects beyond the {len(study.fits)} that were fitted, of {len(study.candidates)} effects at their sites"
     if following:
         what += f"; next would have come {', '.join(following)}"

@@ -27,25 +27,25 @@ from harness.diagnose.estimation.misfit import Misfit, misfit, squares
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
+from harness.diagnose.selection.constants.search import HOPELESS_COST_RATIO, RETAINED_SETS
+from harness.diagnose.selection.constants.weighing import (
+    COMPARED_SETS,
+    LINEAR_VIEW_ERROR,
+    LOUD_RATIO,
+    PLAINLY_MORE_LEFT,
+    SETS_ABREAST,
+    SETTLED_CHANGE,
+    SHRUNK_FORCE_SHARE,
+    SOUGHT_FORCE_SHARE,
+    WEIGHING_ROUNDS,
+)
 from harness.diagnose.selection.dissipation_starts import everywhere, with_one_change
 from harness.diagnose.selection.rewrites.special_case import specialized
-from harness.diagnose.selection.search_beside_force import ABREAST, likeliest_beside, plain_instead
+from harness.diagnose.selection.search_beside_force import likeliest_beside, plain_instead
 from harness.diagnose.selection.state_evidence import Evidence, evidence_over_the_state
-from harness.diagnose.selection.study import HOPELESS, Study
+from harness.diagnose.selection.study import Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
-
-RETAINED = 24  # sets that are fitted anew under what the best one leaves
-COMPARED = 12  # sets whose own force is estimated, to choose the one that the first likelihood is made from
-SETTLED = 0.2  # relative change of a variance, or of samples that count as one, that changes no weighing
-ROUNDS = 5  # of estimating the force and weighing again
-SOUGHT = 0.3  # of the size of the force: laws are looked for that would leave so much of it
-SHRUNK = 0.6  # of a force's size that is left, below which further laws may show beside it
-LINEAR = 0.2  # of what laws leave (RMS), by which a linear view of an error that would explain it may be wrong
-PLAINLY = (
-    8.0  # of what a set leaves (squares): three times the error is more than a law costs, whatever else is fitted anew
-)
-LOUD = 3.0  # times the noise (RMS): nearer to it, noise is the measure
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +121,7 @@ def begun_ordinary(
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = _as_scattered(study)
     after = study.objective_under(rough, usual).residuals([(usual.x, usual.states)])[0][0]
-    if after < LOUD**2 * rough.samples(study.windows) or few_suffice():
+    if after < LOUD_RATIO**2 * rough.samples(study.windows) or few_suffice():
         return None
     return under_model_error(study, [usual, study.empty()], period, effort, progress, structure, reached, early=True)
 
@@ -150,7 +150,7 @@ def under_model_error(
     ways = answers(study, ordered[0], period)
     if not ways:
         return None
-    near = [instead] if instead is not None else sorted(study.fits.values(), key=study.criterion)[:COMPARED]
+    near = [instead] if instead is not None else sorted(study.fits.values(), key=study.criterion)[:COMPARED_SETS]
     rows = sorted((weighed(study, ways, fitted) for fitted in near), key=lambda row: row.value)
     asked = not early and instead is None
     if rows[0].force is None or (asked and not _shapeless(study, rows[0].value, structure, False)):
@@ -159,8 +159,8 @@ def under_model_error(
     rough = _as_scattered(study)
     taken, ranked = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows]
     search = True
-    for _ in range(ROUNDS):
-        wider = study.unfitted((taken.fainter(SOUGHT) if early and search else taken).likelihood)
+    for _ in range(WEIGHING_ROUNDS):
+        wider = study.unfitted((taken.fainter(SOUGHT_FORCE_SHARE) if early and search else taken).likelihood)
         fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
         drawn: list[Fit] = []
         if search:
@@ -182,7 +182,7 @@ def under_model_error(
                     )
             fits = grow(wider, every, effort, progress)
             fits = fits if early else polish(wider, fits, effort, progress)
-        members = [*sorted(fits, key=wider.criterion)[:COMPARED], *drawn]
+        members = [*sorted(fits, key=wider.criterion)[:COMPARED_SETS], *drawn]
         best = least(wider, rough, taken.together, members, progress)
         ranked = [best, *(f for f in fits if f is not best)]
         found = weighed(wider, ways, best)
@@ -222,7 +222,7 @@ def _beside_the_state(
     """
     found = weighed(wider, ways, best)
     others = sorted((f for f in wider.fits.values() if f is not best), key=lambda f: evidence.criterion(wider, f))
-    ranked = [best, *others[:RETAINED]]
+    ranked = [best, *others[:RETAINED_SETS]]
     if found.force is None:
         return _noise_after_all(study, found, ranked)
     if early and not _of_no_known_shape(study.unfitted(evidence.rough), best, period, structure, False):
@@ -294,9 +294,9 @@ def _shapeless(study: Study, value: float, structure: Structure, of_state: bool)
         if fitted.score >= LOST:
             continue
         worth = structure(study, fitted, of_state)
-        if fitted.score - worth < LINEAR**2 * lowest:
+        if fitted.score - worth < LINEAR_VIEW_ERROR**2 * lowest:
             return False
-        explained = fitted.score - worth < HOPELESS * study.samples
+        explained = fitted.score - worth < HOPELESS_COST_RATIO * study.samples
         if explained and study.criterion(fitted) - worth + study.likelihood.spread(study.windows) < value:
             return False
     return True
@@ -304,7 +304,7 @@ def _shapeless(study: Study, value: float, structure: Structure, of_state: bool)
 
 def _shrunk(before: Misfit, after: Misfit) -> bool:
     """Whether what is left has become so much smaller that further laws may show beside it."""
-    return any(b < SHRUNK**2 * a for a, b in zip(before.louder, after.louder, strict=True))
+    return any(b < SHRUNK_FORCE_SHARE**2 * a for a, b in zip(before.louder, after.louder, strict=True))
 
 
 def _best_of_each_size(study: Study) -> list[Fit]:
@@ -320,13 +320,13 @@ def _best_of_each_size(study: Study) -> list[Fit]:
 def _alike(one: Misfit, other: Misfit) -> bool:
     """Whether two likelihoods weigh alike."""
     pairs = [*zip(one.louder, other.louder, strict=True), *zip(one.together, other.together, strict=True)]
-    return all(abs(a - b) <= SETTLED * max(a, b) for a, b in pairs)
+    return all(abs(a - b) <= SETTLED_CHANGE * max(a, b) for a, b in pairs)
 
 
 def _needed(study: Study, fitted: Fit, k: int) -> bool:
     """Whether a set plainly leaves far more without member ``k``: the linear view tells, and nothing has to be fitted."""
     rise = rise_without(fitted, len(study.predictor.nominal), k)
-    return bool(np.isfinite(rise)) and rise > PLAINLY * fitted.score
+    return bool(np.isfinite(rise)) and rise > PLAINLY_MORE_LEFT * fitted.score
 
 
 def least(
@@ -349,7 +349,7 @@ def least(
         own = np.sum(sizes / np.array(together) * (np.log(variance) + left / sizes / variance))
         return float(own) + study.criterion(fitted) - fitted.cost
 
-    front = sorted(((value(fitted), fitted) for fitted in ordered), key=lambda pair: pair[0])[:ABREAST]
+    front = sorted(((value(fitted), fitted) for fitted in ordered), key=lambda pair: pair[0])[:SETS_ABREAST]
     lowest, best = front[0]
     while front:
         # Without a law that is too general nothing may be likelier, and yet something with a special case of it.
@@ -360,7 +360,7 @@ def least(
             for plainer in smaller + specialized(study, fitted):
                 if (own := value(plainer)) < above:
                     shorter[plainer.hypothesis.identity] = own, plainer
-        front = sorted(shorter.values(), key=lambda pair: pair[0])[:ABREAST]
+        front = sorted(shorter.values(), key=lambda pair: pair[0])[:SETS_ABREAST]
         if front and front[0][0] < lowest:
             lowest, best = front[0]
             progress(" + ".join(best.hypothesis.keys) or "nothing")

@@ -10,18 +10,21 @@ from harness.diagnose.prediction.coordinates import is_logarithmic, to_internal
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis, tolerances
 from harness.diagnose.selection.bench import Bench
+from harness.diagnose.selection.constants.starts import (
+    AS_GOOD_COST_RATIO,
+    BENT_BACK_STEP,
+    BENT_STAGE_STEPS,
+    DEAD_DAMPING_RATIO,
+    FAR_WORSE_RATIO,
+    FEWEST_BENT_STAGES,
+    FOLLOWING_STEPS,
+    MOST_BENT_STAGES,
+    OFF_THE_WAY_RATIO,
+    PROMISED_SHARES,
+)
 from harness.diagnose.selection.starts import like, shapeless
 
 Array = NDArray[np.float64]
-
-AS_GOOD = 1.2  # times the cost of noise alone, below which a special case is as good as the general law
-DEAD = 0.5  # ratio of damping from which on nothing rings
-FAR_WORSE = 2.0  # times the cost of the fit that a start extends
-OFF_THE_WAY = 1.3  # the same, where a valley is to be followed
-LED = 0.01  # share of a nominal quantity by which it is bent back at a time
-FEWEST_LED, MOST_LED, LED_STEPS = 4, 16, 8
-FOLLOWING = 5  # steps in which everything else follows a new effect
-SHARES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # of the promised size
 
 
 def in_shape(study: Bench, fitted: Fit, target: float) -> Fit:
@@ -32,7 +35,7 @@ def in_shape(study: Bench, fitted: Fit, target: float) -> Fit:
     hypothesis = fitted.hypothesis
     for k, member in enumerate(hypothesis.members):
         values = study.predictor.effect_values(hypothesis, k, fitted.x)
-        if fitted.score < AS_GOOD * study.samples or not shapeless(member, values):
+        if fitted.score < AS_GOOD_COST_RATIO * study.samples or not shapeless(member, values):
             continue
         points = like(member, float(values[0]))
         starts = [study.predictor.with_values(hypothesis, k, fitted.x, point) for point in points]
@@ -66,7 +69,7 @@ def ringing(predictor: Predictor, fitted: Fit) -> Array | None:
         if "damping_ratio" not in names or not member.effect.adds_coordinates:
             continue
         place = names.index("damping_ratio")
-        if values[place] < DEAD:
+        if values[place] < DEAD_DAMPING_RATIO:
             continue
         values[place] = member.effect.parameters[place].scale(member.references)
         x = predictor.with_values(hypothesis, k, x, values)
@@ -94,17 +97,17 @@ def brought_back(study: Bench, base: Fit, hypothesis: Hypothesis, start: Array) 
     neutral = absent(study.predictor, hypothesis, len(hypothesis.members) - 1, start)
     if np.array_equal(neutral, start):
         return None
-    points = [neutral + share * (start - neutral) for share in SHARES]
+    points = [neutral + share * (start - neutral) for share in PROMISED_SHARES]
     states = study.states_for(hypothesis, base)
     objective = study.objective(hypothesis)
     costs = [cost for cost, _ in objective.residuals([(x, states) for x in points])]
-    if costs[0] < FAR_WORSE * base.linear.cost:
+    if costs[0] < FAR_WORSE_RATIO * base.linear.cost:
         return None
     held = study.whole(hypothesis)
     held[len(start) - hypothesis.members[-1].size :] = True
     found = []
     for x in (points[0], points[int(np.argmin(costs))]):
-        found.append(fit(objective, x, states, most_steps=FOLLOWING, enough=0.2, fixed=held))
+        found.append(fit(objective, x, states, most_steps=FOLLOWING_STEPS, enough=0.2, fixed=held))
         if found[-1].score < base.score:
             break
     return min(found, key=lambda f: f.score)
@@ -124,9 +127,9 @@ def bent_back(
     held[:k] = True
     straight = fit(
         study.objective(hypothesis), start, study.states_for(hypothesis, near),
-        most_steps=most_steps, enough=0.2, fixed=held, target=FAR_WORSE * near.cost, others=study.others(hypothesis),
+        most_steps=most_steps, enough=0.2, fixed=held, target=FAR_WORSE_RATIO * near.cost, others=study.others(hypothesis),
     )  # fmt: skip
-    if straight.cost > FAR_WORSE * near.cost:
+    if straight.cost > FAR_WORSE_RATIO * near.cost:
         straight = _led_back(study, near, hypothesis, held) or straight
     return study.fit(hypothesis, [straight.x], straight, most_steps=most_steps, target=target)
 
@@ -148,15 +151,21 @@ def _led_back(study: Bench, near: Fit, hypothesis: Hypothesis, held: NDArray[np.
         np.concatenate([near.x, np.ones(len(held) - len(near.x))]),
     )
     last, states, found = x, study.states_for(hypothesis, near), None
-    stages = int(np.clip(np.ceil(np.abs(bent * tolerances(study.predictor.nominal)).max() / LED), FEWEST_LED, MOST_LED))
+    stages = int(
+        np.clip(
+            np.ceil(np.abs(bent * tolerances(study.predictor.nominal)).max() / BENT_BACK_STEP),
+            FEWEST_BENT_STAGES,
+            MOST_BENT_STAGES,
+        )
+    )
     for stage in range(stages):
         # As much further as the last step went.
         ahead = np.concatenate([bent * (1.0 - (stage + 1) / stages), 2.0 * x[k:] - last[k:]])
         found = fit(
             study.objective(hypothesis), ahead, states,
-            most_steps=LED_STEPS, enough=0.2, fixed=held,
+            most_steps=BENT_STAGE_STEPS, enough=0.2, fixed=held,
         )  # fmt: skip
-        if found.cost > OFF_THE_WAY * near.cost:
+        if found.cost > OFF_THE_WAY_RATIO * near.cost:
             return None
         last, x, states = x, found.x, dict(found.states)
     return found

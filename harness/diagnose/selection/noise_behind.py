@@ -17,13 +17,12 @@ from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.selection.beam_search import Effort, grow
+from harness.diagnose.selection.constants.search import HOPELESS_COST_RATIO
+from harness.diagnose.selection.constants.starts import MOTION_HARMONICS, SAME_NOISE_DIFFERENCE
 from harness.diagnose.selection.fitted_again import fitted_again
-from harness.diagnose.selection.study import HOPELESS, Study
+from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
-
-MOTION_HARMONICS = 8.0  # of the slowest swing, below which a misfit is expected to have its power
-SAME_NOISE = 0.03  # relative difference of noise estimates that changes nothing
 
 
 def colours_from(
@@ -70,7 +69,7 @@ def under_its_own_noise(
     noise, in which an effect that is weaker by far than the strongest one does not show.
     """
     before, best = study.likelihood.colours, ordered[0]
-    if best.score >= HOPELESS * study.samples:
+    if best.score >= HOPELESS_COST_RATIO * study.samples:
         return None
     after = colours_from(study.problem, study.likelihood, best, study.predictor, motion_hz)
     if not (_quieter(before, after) if quieter else _differ(before, after)):
@@ -87,12 +86,15 @@ def under_its_own_noise(
 
 def _quieter(before: Sequence[Colour], after: Sequence[Colour]) -> bool:
     """Whether any channel's noise has turned out to be quieter than was thought, from one sample to the next."""
-    return any(np.log(a.innovation[1] / b.innovation[1]) > SAME_NOISE for a, b in zip(before, after, strict=True))
+    return any(
+        np.log(a.innovation[1] / b.innovation[1]) > SAME_NOISE_DIFFERENCE for a, b in zip(before, after, strict=True)
+    )
 
 
 def _differ(before: Sequence[Colour], after: Sequence[Colour]) -> bool:
     """Whether noise estimates differ by more than tests at the usual sizes of recordings would notice."""
     return any(
-        abs(np.log(a.std / b.std)) > SAME_NOISE or abs(np.log(a.innovation[1] / b.innovation[1])) > SAME_NOISE
+        abs(np.log(a.std / b.std)) > SAME_NOISE_DIFFERENCE
+        or abs(np.log(a.innovation[1] / b.innovation[1])) > SAME_NOISE_DIFFERENCE
         for a, b in zip(before, after, strict=True)
     )

@@ -12,11 +12,10 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
 from harness.diagnose.selection.beam_search import Effort
+from harness.diagnose.selection.constants.starts import NONLINEAR_COST_RATIO
 from harness.diagnose.selection.model_error import Structure
 from harness.diagnose.selection.short_window_starts import very_short
 from harness.diagnose.selection.study import Study
-
-NONLINEAR = 3.0  # times the noise's cost, beyond which free runs of the nominal model say little about what is missing
 
 
 @dataclass(eq=False)
@@ -61,7 +60,7 @@ class Opened:
     @property
     def lost(self) -> bool:
         """Whether free runs of the nominal model say little about what is missing."""
-        return self.empty.score > NONLINEAR * self.long.samples
+        return self.empty.score > NONLINEAR_COST_RATIO * self.long.samples
 
     @property
     def fine(self) -> Study:

@@ -14,11 +14,10 @@ from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.constants.search import RETAINED_SETS
 from harness.diagnose.selection.model_error import reweighed
 from harness.diagnose.selection.state_evidence import Evidence
 from harness.diagnose.selection.study import Study
-
-RETAINED = 24  # sets that are kept when all are weighed anew
 
 
 @dataclass(eq=False)
@@ -80,7 +79,7 @@ class Outcome:
             found.clear()
         self.study = after
         self.training = after.unfitted(after.likelihood, training.windows, training)
-        kept = sorted(before.fits.values(), key=before.criterion)[:RETAINED]
+        kept = sorted(before.fits.values(), key=before.criterion)[:RETAINED_SETS]
         self.ordered = sorted((after.fit(f.hypothesis, [f.x], f) for f in kept), key=after.criterion)
         self.empty = after.known(Hypothesis()) or after.empty()
         self.best = after.fit(best.hypothesis, [best.x], best)

@@ -20,17 +20,19 @@ from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.objective import States
 from harness.diagnose.prediction.coordinates import is_logarithmic
 from harness.diagnose.problem.hypothesis import Candidate, whole_numbers
+from harness.diagnose.selection.constants.weighing import (
+    END_REFINEMENTS,
+    FARTHEST_LOGARITHM,
+    MOST_DOUBLINGS,
+    MOST_HALVINGS,
+    MOST_NEIGHBOURS,
+    OUTWARD_STEPS,
+    UNKNOWN_LOGARITHM,
+    VALLEYS_EVIDENCE,
+)
 from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
-
-MOST_NEIGHBOURS = 5
-MOST_DOUBLED, OUTWARD_STEPS = 5, 10  # times that an interval is doubled outward; steps of a fit there
-MOST_HALVED, REFINED = 12, 3  # times that it is halved inward; and then the step to where it ends
-FARTHEST = 4.0  # of a logarithm, that it may reach
-UNKNOWN = 1.0  # of a logarithm: what is as uncertain as that is wide enough
-# What vibrates fits the noise a little at every frequency, in valleys a hundredth wide: twice the logarithm of how many there are.
-VALLEYS = 8.0
 
 
 def whole_interval(study: Study, fitted: Fit, index: int, lower: float, upper: float) -> tuple[float, float]:
@@ -55,7 +57,7 @@ def as_likely(study: Study, best: Fit, k: int) -> list[Array]:
     return [study.predictor.effect_values(best.hypothesis, k, x) for score, x in ends if score < limit]
 
 
-def reached(study: Study, fitted: Fit, index: int, width: float, valleys: float = VALLEYS) -> float:
+def reached(study: Study, fitted: Fit, index: int, width: float, valleys: float = VALLEYS_EVIDENCE) -> float:
     """How far from where it stands a parameter may lie, everything else fitted again; ``width`` at least, in the fit's coordinates.
 
     Of what vibrates a fit knows one of many narrow valleys, and its curvature says nothing of the next. A place counts if a fit
@@ -74,10 +76,12 @@ def reached(study: Study, fitted: Fit, index: int, width: float, valleys: float 
         return found if found.score < limit else None
 
     good, last = width, fitted
-    for power in range(1, MOST_DOUBLED + 1):
+    for power in range(1, MOST_DOUBLINGS + 1):
         # Beyond a ridge there may be as good a valley.
         away = 2.0**power * width
-        further = likely(_moved(last, index, fitted.x[index] + away), last.states) if abs(away) < FARTHEST else None
+        further = (
+            likely(_moved(last, index, fitted.x[index] + away), last.states) if abs(away) < FARTHEST_LOGARITHM else None
+        )
         if further is not None:
             good, last = away, further
     for factor in (2.0**0.5, 2.0**0.25) if last is not fitted else ():
@@ -105,11 +109,11 @@ def kept_within(study: Study, fitted: Fit, index: int, width: float) -> float:
         )
 
     good, bad = width, 0.0
-    for _ in range(MOST_HALVED):
+    for _ in range(MOST_HALVINGS):
         if likely(good):
             break
         good, bad = 0.5 * good, good
-    for _ in range(REFINED if bad else 0):
+    for _ in range(END_REFINEMENTS if bad else 0):
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if likely(middle) else (good, middle)
     return bad or good
@@ -136,7 +140,12 @@ def profiled(study: Study, fitted: Fit, k: int, read: Mapping[str, Estimate]) ->
         if whole[j]:
             low, high = whole_interval(study, fitted, first + j, parameter.lower, parameter.upper)
             out[parameter.name] = _whole(own, low, high)
-        elif log[j] and member.effect.adds_coordinates and own.std is not None and own.std < UNKNOWN * own.value:
+        elif (
+            log[j]
+            and member.effect.adds_coordinates
+            and own.std is not None
+            and own.std < UNKNOWN_LOGARITHM * own.value
+        ):
             narrow = NORMAL_95 * min(own.std / own.value, WIDEST_INTERVAL)
             down, up = (reached(study, fitted, first + j, sense * narrow) for sense in (-1.0, 1.0))
             low = max(own.value * float(np.exp(down)), parameter.lower)

@@ -12,15 +12,16 @@ from harness.denoc.model import Denoc
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
+from harness.diagnose.selection.constants.starts import (
+    EIGENVALUE_ROUNDING,
+    LEAST_DAMPING_RATIO,
+    OWN_MODE_SHARE,
+    SAME_START_RATIO,
+)
 from harness.effects.directions import sideways
 from harness.system.description import constant
 
 Array = NDArray[np.float64]
-
-OWN = 0.5  # share of a mode's elastic energy in what was added, from which on the mode is that of what was added
-LEAST = 1e-3  # damping ratio; less shows in no recording
-ROUNDING = 1e-10  # of the largest eigenvalue
-SAME = 1.05  # ratio of stiffness below which two starts are one
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def in_tune(
         return []
     stiffer = [(aim.frequency / own.frequency) ** 2]
     by_give = own.compliance / aim.compliance
-    if max(by_give / stiffer[0], stiffer[0] / by_give) > SAME:
+    if max(by_give / stiffer[0], stiffer[0] / by_give) > SAME_START_RATIO:
         stiffer.append(by_give)
     found = []
     for times in stiffer:
@@ -83,10 +84,10 @@ def _give(predictor: Predictor, hypothesis: Hypothesis, x: Array, rest: Hypothes
         return None
     values, modes = scipy.linalg.eigh(stiffness, mass)
     elastic = np.einsum("ak,ab,bk->k", modes[added], stiffness[own], modes[added])
-    ringing = np.flatnonzero((values > ROUNDING * values[-1]) & (elastic > OWN * values))
+    ringing = np.flatnonzero((values > EIGENVALUE_ROUNDING * values[-1]) & (elastic > OWN_MODE_SHARE * values))
     compliance = float(load[added] @ np.linalg.solve(stiffness[own], load[added]))
     if not len(ringing) or not compliance > 0.0:
         return None
     mode = modes[added, ringing[0]]
     frequency = float(np.sqrt(values[ringing[0]]))
-    return Give(frequency, max(float(mode @ damping[own] @ mode) / (2.0 * frequency), LEAST), compliance)
+    return Give(frequency, max(float(mode @ damping[own] @ mode) / (2.0 * frequency), LEAST_DAMPING_RATIO), compliance)

@@ -30,22 +30,30 @@ from harness.diagnose.prediction.predictor import Predictor, Request
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.constants.starts import (
+    COARSEST_TOLERANCE,
+    FIRST_NEARER,
+    GREATEST_START_RATIO,
+    LINEAR_EXTENT,
+    LINEAR_MOTION_EXTENT,
+    MOST_COGGING_PERIODS,
+    NEAREST_TO_ABSENCE,
+    RESIZED_RATIO,
+    RESOLVED_NOISE,
+    SOFTEST_SPRING_RATIO,
+    TRUSTED_SIGMAS,
+    UNRESOLVED_SHARE,
+    WEAK_DIRECTION,
+)
 from harness.diagnose.selection.scan import Course, Scan
 from harness.diagnose.selection.scans.catalogue import scanned, scans
-from harness.diagnose.selection.starts import MOST_PERIODS, Ray, of_a_contact, rays
+from harness.diagnose.selection.starts import Ray, of_a_contact, rays
 from harness.parallel import meanwhile
 
 Array = NDArray[np.float64]
 
 MOST_SAMPLES = 1_500_000  # of all lanes run at once and of changes kept at once, to bound memory
 MOST_TOGETHER = 256  # columns whose inner products are all kept
-UNRESOLVED = 1e-13  # share of a column's square below which what is left of it is rounding
-COARSEST = 1e-8  # error of one step [rad, rad/s] at most
-RESOLVED = 1e-5  # the same in standard deviations of noise
-TRUSTED = (
-    100.0  # standard deviations by which data may move and the linear view still be good to a few hundredths of one
-)
-WEAK = 1e-4  # norm of a projected direction [noise standard deviations] below which nothing can be seen of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,15 +133,15 @@ class Nuisance:
             squares = raw - np.einsum("ij,ij->i", adjustable, adjustable)
             beside = neighbours - np.einsum("ij,ij->i", adjustable[:-1], adjustable[1:])
         raw = squares + np.einsum("ij,ij->i", adjustable, adjustable)
-        return Projected(along, np.where(squares > UNRESOLVED * raw, squares, 0.0), beside, gram)
+        return Projected(along, np.where(squares > UNRESOLVED_SHARE * raw, squares, 0.0), beside, gram)
 
 
 def nuisance(fitted: Fit, predictor: Predictor, *, softened: bool = False) -> Nuisance:
     """Bases of what a fit may adjust, at the fit.
 
-    softened: whether the data's noise is taken so large that no parameter moves them by more than ``TRUSTED`` of its deviations.
-    What gives the same motion as a nominal quantity bent out of its tolerance can only be seen so: of two directions that differ
-    by less than the linear view is good to, neither could otherwise take the other's place.
+    softened: whether the data's noise is taken so large that no parameter moves them by more than ``TRUSTED_SIGMAS`` of its
+    deviations. What gives the same motion as a nominal quantity bent out of its tolerance can only be seen so: of two directions
+    that differ by less than the linear view is good to, neither could otherwise take the other's place.
     """
     states = []
     for basis in fitted.linear.bases:
@@ -147,7 +155,7 @@ def nuisance(fitted: Fit, predictor: Predictor, *, softened: bool = False) -> Nu
     softness = 1.0
     if softened and parts:
         largest = float(np.sqrt(max(sum(float(np.sum(part[:, :k] ** 2)) for part in parts), 0.0)))
-        softness = max(1.0, largest / TRUSTED)
+        softness = max(1.0, largest / TRUSTED_SIGMAS)
         parts = [part / softness for part in parts]
         residuals = [r / softness for r in residuals]
     prior_rows = np.eye(size)[:k] if k else np.zeros((0, size))
@@ -215,7 +223,7 @@ def _beyond_the_scan(fitted: Fit, predictor: Predictor, candidate: Candidate, pr
     return [
         (np.array([size, round(line), 0.0]), np.array([size, round(line), 0.5 * np.pi]))
         for line in lines
-        if line > MOST_PERIODS
+        if line > MOST_COGGING_PERIODS
     ]
 
 
@@ -316,7 +324,7 @@ def _tolerance(likelihood: Likelihood, candidate: Candidate) -> float:
     """Error of one step where a change is looked at as a whole, not divided by a small step: far below the noise."""
     if not candidate.effect.adds_coordinates:
         return 0.0
-    return min(COARSEST, RESOLVED * min(colour.std for colour in likelihood.colours))
+    return min(COARSEST_TOLERANCE, RESOLVED_NOISE * min(colour.std for colour in likelihood.colours))
 
 
 def _stretches(requests: Sequence[Request]) -> Iterator[tuple[int, int]]:
@@ -377,17 +385,6 @@ def carry_state(predictor: Predictor, before: Hypothesis, after: Hypothesis, sta
     return out
 
 
-SMALL = 0.02  # of a channel's extent: deviations of its reading up to here count as linear
-# The same of motion, which gets out of step. A spring and a heavier link do so alike, and what parts them is a ten thousandth of
-# that; by deviations twenty times as large nothing was left of it. Much smaller ones drown in the unevenness of runs with friction.
-FINE = 1e-3
-LEAST = 1e-6  # by which a starting point is brought nearer to absence at most
-FIRST_TRY = 0.1
-SOFTEST = 0.3  # times the spring that a torque at rest asks for with its rest at a typical angle
-RESIZED = 10.0  # times, either way, by which a start with coordinates of its own is moved
-GREATEST = 30.0  # times the starting point, beyond which the linear view cannot vouch for a start
-
-
 def brought_near(candidate: Candidate, point: Array, factor: float) -> Array:
     """A starting point with its effect made smaller by ``factor``, so that it acts linearly."""
     parameters = candidate.effect.parameters
@@ -446,12 +443,12 @@ def near_changes(
     near: dict[int, list[Array]] = {}
     for k, (candidate, own) in enumerate(zip(candidates, points, strict=True)):
         if scanned(candidate) and responsive(predictor):
-            factor = 1.0 if scans()[candidate.effect.name].linear else LEAST
+            factor = 1.0 if scans()[candidate.effect.name].linear else NEAREST_TO_ABSENCE
             places = [brought_near(candidate, p, factor) for p in own]
             changes = scan(fitted, predictor, likelihood, candidate, places, motions)
             found[k] = places, changes, [factor] * len(own)
             continue
-        near[k] = [brought_near(candidate, p, FIRST_TRY) for p in own]
+        near[k] = [brought_near(candidate, p, FIRST_NEARER) for p in own]
     moved = {k for k, own in near.items() if not all(map(np.array_equal, own, points[k]))}
     running = list(near)
     for k, own_changes in zip(
@@ -459,7 +456,7 @@ def near_changes(
         change(fitted, predictor, likelihood, [candidates[k] for k in running], [near[k] for k in running]),
         strict=True,
     ):
-        found[k] = near[k], own_changes, [FIRST_TRY if k in moved else 1.0] * len(near[k])
+        found[k] = near[k], own_changes, [FIRST_NEARER if k in moved else 1.0] * len(near[k])
     extent = _extents(predictor, likelihood, fitted)
     for _ in range(2):
         wide: dict[int, list[int]] = {}
@@ -468,10 +465,10 @@ def near_changes(
             squares = sum(_by_channel(np.nan_to_num(c, nan=1e6), len(extent)) for c in changes)
             sizes = np.max(np.sqrt(squares) / extent, axis=1)
             sensor = candidates[k].effect.sensor
-            small = FINE if sensor is None or sensor.clock else SMALL
-            own_wide = [i for i in range(len(starts)) if sizes[i] > small and factors[i] > LEAST]
+            small = LINEAR_MOTION_EXTENT if sensor is None or sensor.clock else LINEAR_EXTENT
+            own_wide = [i for i in range(len(starts)) if sizes[i] > small and factors[i] > NEAREST_TO_ABSENCE]
             for i in own_wide:
-                factors[i] = max(LEAST, factors[i] * 0.5 * small / float(sizes[i]))
+                factors[i] = max(NEAREST_TO_ABSENCE, factors[i] * 0.5 * small / float(sizes[i]))
                 starts[i] = brought_near(candidates[k], points[k][i], factors[i])
             if own_wide:
                 wide[k] = own_wide
@@ -525,7 +522,7 @@ def _along_rays(
         index = slice(place, place + len(line))
         place += len(line)
         visible = float(np.sqrt(squares[index].max()))
-        if not bool(np.all(finite[index])) or visible < WEAK * min(factors[index]):
+        if not bool(np.all(finite[index])) or visible < WEAK_DIRECTION * min(factors[index]):
             continue
         if len(line) == 2:
             s0, s1, c = float(squares[first]), float(squares[first + 1]), float(neighbours[first])
@@ -545,10 +542,10 @@ def _along_rays(
             if a0 <= 0.0 and not may_reverse(candidate):
                 continue
             gain = a0 * a0 * size
-            reach = GREATEST / factors[first]
+            reach = GREATEST_START_RATIO / factors[first]
             start = near[first]
             if candidate.effect.adds_coordinates:
-                start = _resized(candidate, near[first], float(np.clip(a0, 1.0 / RESIZED, RESIZED)))
+                start = _resized(candidate, near[first], float(np.clip(a0, 1.0 / RESIZED_RATIO, RESIZED_RATIO)))
             elif candidate.effect.parameters and np.isfinite(candidate.effect.parameters[0].neutral):
                 # Not beyond what the linear view can vouch for.
                 start = brought_near(candidate, near[first], float(np.clip(a0, -reach, reach)))
@@ -571,7 +568,7 @@ def combined(candidate: Candidate, first: Array, second: Array, a: float, b: flo
         # A spring that would have to push stands for a torque: a soft one with its rest far away.
         stiffness = (a + b) * first[0]
         if stiffness <= candidate.effect.lower[0]:
-            stiffness = SOFTEST * abs(b) * second[0]
+            stiffness = SOFTEST_SPRING_RATIO * abs(b) * second[0]
         if stiffness <= candidate.effect.lower[0]:
             return None
         start = np.array([stiffness, b * second[0] * second[1] / stiffness])

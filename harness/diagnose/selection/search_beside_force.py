@@ -9,12 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, dear
+from harness.diagnose.selection.constants.search import GENEROUS_PROMISE
+from harness.diagnose.selection.constants.weighing import (
+    BEHIND_EVIDENCE,
+    HOPED_EVIDENCE,
+    MEMBERS_TRIED_BESIDE,
+    MOST_ROUNDS_BESIDE,
+    OUT_OF_REACH_EVIDENCE,
+    SETS_ABREAST,
+)
 from harness.diagnose.selection.rewrites.special_case import specialized
 from harness.diagnose.selection.score_beside_force import promised, ranked_beside
 from harness.diagnose.selection.score_tests import Score
 from harness.diagnose.selection.state_evidence import (
-    UNPARTED,
     Evidence,
     curious,
     evidence_over_the_state,
@@ -24,15 +33,6 @@ from harness.diagnose.selection.state_evidence import (
 )
 from harness.diagnose.selection.study import Study
 
-ABREAST = 2  # sets that are grown and shrunk side by side: of two that are as good, one may have the wrong law
-TRIES = 3  # further members that are fitted beside a set, of those that promise most
-GENEROUS = 2.0  # times what the linear view promises
-HOPE = (
-    0.5 * UNPARTED
-)  # by which a set may turn out likelier than a linear view promises: the force beside it moves otherwise
-BEHIND = 2.0 * UNPARTED  # the best set, from which on nothing is tried beside a set
-OUT_OF_REACH = 10.0 * UNPARTED  # of a set, from which on further plain laws are not asked about
-MOST_ROUNDS = 12
 LEFT = "further sets of effects beside the force that is left out", "another set may be likelier, or as likely"
 
 
@@ -50,7 +50,7 @@ def plain_instead(study: Study, found: Fit, progress: Callable[[str], None]) -> 
     """
     if not curious(found):
         return None
-    plain = sorted((f for f in study.fits.values() if not curious(f)), key=study.criterion)[:ABREAST]
+    plain = sorted((f for f in study.fits.values() if not curious(f)), key=study.criterion)[:SETS_ABREAST]
     if not plain:
         return None
     evidence = evidence_over_the_state(study, study.likelihood.of_sensors, found, plain[0])
@@ -58,11 +58,11 @@ def plain_instead(study: Study, found: Fit, progress: Callable[[str], None]) -> 
         return None
     progress("plain laws and a force that is left out")
     own = evidence.criterion(study, found)
-    if min(evidence.criterion(study, f) for f in plain) > own + OUT_OF_REACH:
+    if min(evidence.criterion(study, f) for f in plain) > own + OUT_OF_REACH_EVIDENCE:
         return None
     rows = _reached(study, evidence, plain, progress, [c for c in study.candidates if c.effect.plain])
     likeliest = min(rows, key=lambda row: row[0])[1]
-    spare = UNPARTED if any(map(placed, found.hypothesis.members)) else 0.0
+    spare = UNPARTED_EVIDENCE if any(map(placed, found.hypothesis.members)) else 0.0
     stands = evidence.by_own_remainder(study, likeliest) < evidence.by_own_remainder(study, found) + spare
     return likeliest if stands else None
 
@@ -84,9 +84,9 @@ def _reached(
 
     def front() -> list[Fit]:
         rows = sorted(known.values(), key=lambda row: row[0])
-        rows = [row for row in rows if row[0] < rows[0][0] + BEHIND]
+        rows = [row for row in rows if row[0] < rows[0][0] + BEHIND_EVIDENCE]
         # The plainest of what is not parted will be taken: that is looked for as well.
-        chosen = rows[:ABREAST] + [row for row in rows[ABREAST:] if not curious(row[1])][:1]
+        chosen = rows[:SETS_ABREAST] + [row for row in rows[SETS_ABREAST:] if not curious(row[1])][:1]
         return [fitted for _, fitted in chosen if fitted.hypothesis.identity not in expanded]
 
     begun = [without_placed(study, fitted) for fitted in seeds]
@@ -97,7 +97,7 @@ def _reached(
         weigh(fitted)
 
     def grown() -> None:
-        for _ in range(MOST_ROUNDS):
+        for _ in range(MOST_ROUNDS_BESIDE):
             asked = front()
             if not asked:
                 return
@@ -124,6 +124,9 @@ def _promising(study: Study, evidence: Evidence, fitted: Fit, candidates: Sequen
     ranked = ranked_beside(evidence, study, fitted, [c for c in candidates if not dear(c)])
     usual = [s for s in ranked if s.candidate.effect.plain]
     others = [s for s in ranked if not s.candidate.effect.plain]
-    asked = usual + [s for s in others if GENEROUS * s.gain > evidence.price(study, s.candidate)][:TRIES]
+    asked = (
+        usual
+        + [s for s in others if GENEROUS_PROMISE * s.gain > evidence.price(study, s.candidate)][:MEMBERS_TRIED_BESIDE]
+    )
     rows = [(promised(evidence, study, fitted, s), s) for s in asked]
-    return [s for gain, s in sorted(rows, key=lambda row: -row[0]) if gain > -HOPE][:TRIES]
+    return [s for gain, s in sorted(rows, key=lambda row: -row[0]) if gain > -HOPED_EVIDENCE][:MEMBERS_TRIED_BESIDE]

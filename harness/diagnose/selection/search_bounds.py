@@ -8,12 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.prediction.constants import REACH
 from harness.diagnose.prediction.coordinates import internal_bounds
 from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.constants.starts import FURTHER_REACH
 from harness.diagnose.selection.study import Study
-
-FURTHER = REACH**2  # times starting values: a stiffness is the square of a frequency
 
 
 def beyond_the_ends(study: Study, fitted: Fit) -> Fit:
@@ -24,7 +22,7 @@ def beyond_the_ends(study: Study, fitted: Fit) -> Fit:
     ]
     if not at_end:
         return fitted
-    reach.update(dict.fromkeys(at_end, FURTHER))
+    reach.update(dict.fromkeys(at_end, FURTHER_REACH))
     return study.fit(fitted.hypothesis, [fitted.x], fitted, most_steps=40)
 
 
@@ -34,5 +32,5 @@ def _at_end(study: Study, fitted: Fit, k: int, member: Candidate) -> bool:
         return False
     first = len(study.predictor.nominal) + fitted.hypothesis.span(k).start
     own = fitted.x[first : first + member.size]
-    (low, high), (lower, upper) = internal_bounds(member), internal_bounds(member, FURTHER)
+    (low, high), (lower, upper) = internal_bounds(member), internal_bounds(member, FURTHER_REACH)
     return bool(np.any(((own <= low) & (lower < low)) | ((own >= high) & (upper > high))))

@@ -16,15 +16,10 @@ from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.windows import equal_parts
 from harness.diagnose.selection.beam_search import Effort, grow, transfer
+from harness.diagnose.selection.constants.starts import EXPLAINS_NOTHING_SHARE, ON_COURSE_SHARE, SHORT_WINDOW_PARTS
 from harness.diagnose.selection.dissipation_starts import everywhere
 from harness.diagnose.selection.score_tests import Score
 from harness.diagnose.selection.study import Study
-
-EXPLAINS_NOTHING = 0.5  # share of how much a window's readings vary, that the nominal model leaves on average
-PARTS = 16  # of a short window, as far as samples allow
-ON_COURSE = (
-    0.5  # of what is left above the noise, that a round takes away at least where few effects will take all of it
-)
 
 
 def far_off(study: Study, fitted: Fit) -> bool:
@@ -48,7 +43,7 @@ def far_off(study: Study, fitted: Fit) -> bool:
             if varies > 4.0 * noise:
                 miss = float(np.mean(np.clip(predicted[c, good] - read[c, good], -1e9, 1e9) ** 2))
                 left.setdefault((window.run, c), []).append(miss / varies)
-    return any(float(np.median(shares)) > EXPLAINS_NOTHING for shares in left.values())
+    return any(float(np.median(shares)) > EXPLAINS_NOTHING_SHARE for shares in left.values())
 
 
 def very_short(study: Study) -> Study:
@@ -56,7 +51,7 @@ def very_short(study: Study) -> Study:
     cuts = tuple(
         piece
         for window in study.windows
-        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_WINDOW_SAMPLES, 1, PARTS)))
+        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_WINDOW_SAMPLES, 1, SHORT_WINDOW_PARTS)))
     )
     fine = Study(study.problem, study.predictor, study.likelihood, study.candidates, cuts, swing=study.swing)
     fine.empty()
@@ -110,4 +105,4 @@ class _OffCourse:
 
     def __call__(self, best: Fit) -> bool:
         before, self.above = self.above, min(f.score for f in self.study.fits.values()) - self.study.samples
-        return self.above > ON_COURSE * before
+        return self.above > ON_COURSE_SHARE * before

@@ -11,6 +11,15 @@ from numpy.typing import NDArray
 
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.problem.problem import Problem
+from harness.diagnose.selection.constants.starts import (
+    FOLLOWED_FREQUENCY_RATIO,
+    GONE_SIZE,
+    LARGER_AMPLITUDE,
+    MOST_COGGING_PERIODS,
+    SATURATION_PLACES,
+    STOP_PLACES,
+    UNSEEN_EXTENT,
+)
 from harness.effects.effect import Parameter
 from harness.effects.scale import swings
 
@@ -18,28 +27,6 @@ Array = NDArray[np.float64]
 
 Ray = tuple[Array, ...]
 """Starting values (SI) whose effects on the prediction are combined linearly: one vector, or two a quarter wave apart."""
-
-FOLLOWS = 12.0  # times a joint's own frequency; beyond, a shaken base moves it by less than a hundredth as much
-UNSEEN = 1e-3  # of a motion's extent
-MOST_PERIODS = 60  # of a cogging torque in one turn
-REACH = (
-    0.15,
-    0.25,
-    0.35,
-    0.45,
-    0.55,
-    0.65,
-    0.72,
-    0.79,
-    0.85,
-    0.9,
-    0.94,
-    0.97,
-    0.99,
-)  # shares of the motion's extent at which a stop may stand
-LARGER = 1.5  # times the special case's amplitude: a start for amplitudes that it does not have
-GONE = 1e-3  # of the first size of a law
-CUT = (0.8, 0.95, 0.999)  # shares of a channel's extent at which it may saturate
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +60,7 @@ VALUES: tuple[tuple[Callable[[Number], bool], Callable[[Number], tuple[float, ..
     (lambda n: n.parameter.name == "phase", lambda n: (0.0,)),
     (
         lambda n: n.parameter.name == "periods",
-        lambda n: tuple(np.arange(max(n.parameter.lower, 1.0), MOST_PERIODS + 1.0)),
+        lambda n: tuple(np.arange(max(n.parameter.lower, 1.0), MOST_COGGING_PERIODS + 1.0)),
     ),
     (lambda n: n.parameter.name == "frequency" and n.of_a_wave, lambda n: tuple(_frequencies(n.problem))),
     (lambda n: n.scanned("angle"), lambda n: _stops(n.candidate, n.problem)),
@@ -120,7 +107,7 @@ def _that_give(candidate: Candidate, problem: Problem, points: list[Array]) -> l
         return points
     torque, stiffness = names.index("torque"), names.index("stiffness")
     extent = _extent(candidate, problem, "position") or (-1.0, 1.0)
-    least = UNSEEN * (extent[1] - extent[0])
+    least = UNSEEN_EXTENT * (extent[1] - extent[0])
     return [p for p in points if p[torque] >= least * p[stiffness]] or points[:1]
 
 
@@ -128,7 +115,7 @@ def _frequencies(problem: Problem) -> Array:
     """Frequencies [Hz] about half the resolution of the longest recording apart, up to where a joint no longer follows."""
     longest = max(run.duration for run in problem.train)
     swing = max(swings(problem.system)) / (2.0 * np.pi)
-    top = max(min(0.25 / max(run.interval for run in problem.train), FOLLOWS * swing), 4.0)
+    top = max(min(0.25 / max(run.interval for run in problem.train), FOLLOWED_FREQUENCY_RATIO * swing), 4.0)
     spacing = max(0.5 / longest, 0.04)
     low = np.arange(spacing, 4.0, spacing)
     return np.concatenate([low, np.arange(4.0, top, 2.0 * spacing)])
@@ -147,14 +134,16 @@ def _stops(candidate: Candidate, problem: Problem) -> tuple[float, ...]:
     if extent is None:
         return candidate.effect.parameters[0].start_values(candidate.references)
     low, high = extent
-    return tuple([share * high for share in REACH if high > 0.0] + [share * low for share in REACH if low < 0.0])
+    return tuple(
+        [share * high for share in STOP_PLACES if high > 0.0] + [share * low for share in STOP_PLACES if low < 0.0]
+    )
 
 
 def _limits(candidate: Candidate, problem: Problem) -> tuple[float, ...]:
     extent = _extent(candidate, problem, "position")
     if extent is None:
         return candidate.effect.parameters[0].start_values(candidate.references)
-    return tuple(share * max(abs(extent[0]), abs(extent[1])) for share in CUT)
+    return tuple(share * max(abs(extent[0]), abs(extent[1])) for share in SATURATION_PLACES)
 
 
 def of_a_contact(first: Parameter, parameter: Parameter) -> bool:
@@ -174,7 +163,7 @@ def like(wider: Candidate, amplitude: float, *, by_way: bool = False) -> list[Ar
     for parameter in others:
         usual = parameter.start_values(wider.references)
         if parameter.unit == first.unit:
-            usual = (LARGER * amplitude,)
+            usual = (LARGER_AMPLITUDE * amplitude,)
         elif of_a_contact(first, parameter):
             usual = tuple(share * value for value in usual)
         choices.append(usual)
@@ -188,4 +177,4 @@ def shapeless(candidate: Candidate, values: Array) -> bool:
         return False
     first, *others = candidate.effect.parameters
     sizes = [value for p, value in zip(others, values[1:], strict=True) if p.unit == first.unit]
-    return any(abs(size) < GONE * abs(values[0]) for size in sizes)
+    return any(abs(size) < GONE_SIZE * abs(values[0]) for size in sizes)

@@ -19,6 +19,7 @@ from harness.diagnose.estimation.effective_samples import hanging_together
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.state_force import StateForce
+from harness.diagnose.problem.constants import STRONG_EVIDENCE, UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate, Hypothesis
 from harness.diagnose.selection.scans.catalogue import scanned
 from harness.diagnose.selection.score_tests import carry_state
@@ -27,9 +28,6 @@ from harness.diagnose.selection.wald_test import carried
 from harness.effects.scale import pull
 
 Array = NDArray[np.float64]
-
-UNPARTED = 10.0  # twice the logarithm of the odds, below which sets cannot be told apart (Kass and Raftery, JASA 90 (1995) 773)
-STRONGLY = 6.0  # the same, from which on evidence is called strong
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +68,9 @@ class Evidence:
         # set of one more may have ended where a joint sticks in the wrong place.
         if behind(part, ENOUGH_SURPRISE):
             found = begun(part)
-        if behind(whole, 2.0 * UNPARTED):
+        if behind(whole, 2.0 * UNPARTED_EVIDENCE):
             found = begun(whole)
-        if by_itself or found is None or (part is None and behind(whole, 2.0 * UNPARTED)):
+        if by_itself or found is None or (part is None and behind(whole, 2.0 * UNPARTED_EVIDENCE)):
             found = begun(None)
         assert found is not None  # begun by itself at the latest
         self.force.known[key] = found
@@ -191,9 +189,9 @@ def plainest(weighed: Iterable[tuple[float, Fit]]) -> Fit:
     laws say more: those that make free runs better (Akaike's criterion) stand.
     """
     rows = list(weighed)
-    alike = _within(rows, UNPARTED)
+    alike = _within(rows, UNPARTED_EVIDENCE)
     fewest = min(curious(fitted) for _, fitted in alike)
-    plain = _within([row for row in alike if curious(row[1]) == fewest], STRONGLY)
+    plain = _within([row for row in alike if curious(row[1]) == fewest], STRONG_EVIDENCE)
     return min((fitted for _, fitted in plain), key=lambda fitted: fitted.score + 2.0 * fitted.hypothesis.size)
 
 

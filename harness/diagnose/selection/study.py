@@ -31,26 +31,27 @@ from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
 from harness.diagnose.selection.beginning import Addition
 from harness.diagnose.selection.beginnings.catalogue import beginnings
+from harness.diagnose.selection.constants.search import (
+    ALIKE_SCORES,
+    CLEARLY_NOISE_SIGMAS,
+    FAR_COST_RATIO,
+    HOPELESS_COST_RATIO,
+    NOTICEABLE_GAIN,
+    PATIENT_STEPS,
+    PLAINLY_MORE_THAN_NOISE,
+    PRIOR_WIDTH,
+    STATE_READING_PARTS,
+    STRETCHED_CHANCE,
+    SUFFICIENT_SHARE,
+    UNDER_WAY_GAIN,
+    VIBRATION_PRICE,
+    WORTH_COUNTING_RATIO,
+)
 from harness.diagnose.selection.multi_start import bent_back, brought_back, in_shape, made_to_ring
 from harness.diagnose.selection.score_tests import Score, carry_state, nuisance, score
 from harness.diagnose.selection.wald_test import rise_without
 
 Array = NDArray[np.float64]
-
-HOPELESS = 2.0  # times the cost of noise alone
-FAR = 3.0  # times what the best set leaves
-WORTH_COUNTING = 3.0  # times the cost of noise alone; farther away, whole numbers that are off by one do not matter
-STRETCHED = 1e-5  # chance of the nominal quantities' deviations, below which a fit is also begun without them
-BEGUN = 2.0  # in the criterion, for how a vibration began (Akaike): it shows in few samples of its own window
-SUFFICIENT = 0.8  # of what is left above the noise
-ALIKE = 0.1  # relative difference of scores under two estimates of the noise, up to which score tests serve for both
-CLEARLY = 3.0  # standard deviations of the cost of noise alone
-PLAINLY = 1.2  # times the cost of noise alone, beyond which how loud the noise is matters little
-NOTICEABLE = 6.0  # in the score
-UNDER_WAY = 200.0  # in the score
-PATIENT = 100  # steps along a valley that others were given up in
-SMOOTHLY = 8.0  # of a swing: a cubic follows it, and noise matters little
-WIDTH = 3.0  # typical sizes, or powers of e, over which a parameter may lie before anything is recorded
 
 
 @dataclass(eq=False)
@@ -131,7 +132,7 @@ class Study:
     def paid(self, fitted: Fit) -> float:
         """What the Bayesian criterion asks for a fit's numbers, those that are every window's own among them."""
         own = fitted.hypothesis.own_numbers(fitted.windows, self.predictor.runs)
-        return (fitted.hypothesis.size + own) * float(np.log(self.samples)) + BEGUN * fitted.vibrating
+        return (fitted.hypothesis.size + own) * float(np.log(self.samples)) + VIBRATION_PRICE * fitted.vibrating
 
     def surprise(self, fitted: Fit) -> float:
         """−2 log of how plausible the sizes of a fit's effects are: of what recordings cannot part, the usual comes first.
@@ -152,7 +153,7 @@ class Study:
         """−2 log of the evidence (Laplace's method) up to a constant, to weigh rivals with equally many members.
 
         Smaller is better. What the recordings cannot pin costs nothing, so a law with more parameters is not ruled out for
-        having them. Parameters count as spread over ``WIDTH`` of the fit's own coordinates; the price never exceeds that of
+        having them. Parameters count as spread over ``PRIOR_WIDTH`` of the fit's own coordinates; the price never exceeds that of
         the criterion.
         """
         k = len(self.predictor.nominal)
@@ -164,11 +165,13 @@ class Study:
         if nominal.any() and own.any():
             across = information[np.ix_(nominal, own)]
             inner = inner - across.T @ np.linalg.solve(information[np.ix_(nominal, nominal)], across)
-        volume = float(np.sum(np.log1p(np.maximum(np.linalg.eigvalsh(inner), 0.0) * WIDTH**2))) if own.any() else 0.0
+        volume = (
+            float(np.sum(np.log1p(np.maximum(np.linalg.eigvalsh(inner), 0.0) * PRIOR_WIDTH**2))) if own.any() else 0.0
+        )
         rare = sum(member.effect.rarity for member in fitted.hypothesis.members)
         volume = min(volume, fitted.hypothesis.size * float(np.log(self.samples)))
         every = fitted.hypothesis.own_numbers(fitted.windows, self.predictor.runs) * float(np.log(self.samples))
-        return fitted.score + volume + every + BEGUN * fitted.vibrating + 2.0 * rare
+        return fitted.score + volume + every + VIBRATION_PRICE * fitted.vibrating + 2.0 * rare
 
     def price(self, candidate: Candidate, members: int = 0) -> float:
         """What the criterion asks for one more effect beside ``members``."""
@@ -200,7 +203,7 @@ class Study:
 
     def others(self, hypothesis: Hypothesis) -> list[dict[Window, Array]]:
         """Initial states as they are read off the recording, sharply and smoothly, for windows whose own have gone astray."""
-        spans = sorted({STATE_READING_TIME, max(STATE_READING_TIME, self.swing / SMOOTHLY)})
+        spans = sorted({STATE_READING_TIME, max(STATE_READING_TIME, self.swing / STATE_READING_PARTS)})
         return [{window: self.read_off(hypothesis, window, span) for window in self.windows} for span in spans]
 
     def _measured(self, window: Window, span: float) -> Array:
@@ -239,12 +242,12 @@ class Study:
         assert best is not None
         # Where a degree of freedom is added, every step is dear; whole numbers are then left as the scan found them.
         stiff = any(m.effect.adds_coordinates for m in hypothesis.members)
-        if whole.any() and not stiff and best.score < WORTH_COUNTING * self.samples:
+        if whole.any() and not stiff and best.score < WORTH_COUNTING_RATIO * self.samples:
             best = self._counted(best, whole, most_steps)
         # What leaves far more than the best set does is out of the question, bent or not.
         lowest = min((f.score for f in self.fits.values()), default=np.inf)
-        near_enough = best.score < FAR * lowest or not hypothesis.members
-        if best.linear.cost > HOPELESS * self.samples and near_enough and self.stretched(best):
+        near_enough = best.score < FAR_COST_RATIO * lowest or not hypothesis.members
+        if best.linear.cost > HOPELESS_COST_RATIO * self.samples and near_enough and self.stretched(best):
             best = self._unbent(best, whole, most_steps)
         if near_enough:
             best = made_to_ring(self, best, most_steps)
@@ -312,7 +315,7 @@ class Study:
 
     def stretched(self, fitted: Fit, louder: float = 1.0) -> bool:
         """Whether the nominal quantities had to leave their stated tolerance to fit, beside residuals of variance ``louder``."""
-        return bool(chi2.sf(fitted.prior / louder, max(len(self.predictor.nominal), 1)) < STRETCHED)
+        return bool(chi2.sf(fitted.prior / louder, max(len(self.predictor.nominal), 1)) < STRETCHED_CHANCE)
 
     def loudness(self, fitted: Fit) -> float:
         """Variance of what a fit leaves, in units of the noise's; one at least."""
@@ -325,7 +328,7 @@ class Study:
 
     def only_noise(self, fitted: Fit) -> bool:
         """Whether a fit leaves no more than noise alone would at times."""
-        return fitted.score <= self.samples + CLEARLY * float(np.sqrt(2.0 * self.samples))
+        return fitted.score <= self.samples + CLEARLY_NOISE_SIGMAS * float(np.sqrt(2.0 * self.samples))
 
     def known(self, hypothesis: Hypothesis) -> Fit | None:
         """The fit of a hypothesis if there is one; one under an earlier estimate of the noise is fitted again from its end."""
@@ -340,7 +343,7 @@ class Study:
         """Whether a member of a set was exchanged for a candidate, from where the set stands or under an earlier estimate of the
         noise; it counts as exchanged from now on. way: of beginning it, if there is more than one."""
         key = (base.hypothesis.identity, candidate.key + way)
-        tried = base.score > self.exchanged.get(key, np.inf) - NOTICEABLE
+        tried = base.score > self.exchanged.get(key, np.inf) - NOTICEABLE_GAIN
         if key not in self.exchanged and self.before is not None:
             tried = key in self.before.exchanged
         self.exchanged[key] = base.score
@@ -362,9 +365,9 @@ class Study:
         """Score tests of some candidates against a fit, best first."""
         key = base.hypothesis.identity
         known = self.tests.setdefault(key, {})
-        if self.before is not None and key in self.before.tests and base.score > PLAINLY * self.samples:
+        if self.before is not None and key in self.before.tests and base.score > PLAINLY_MORE_THAN_NOISE * self.samples:
             earlier = self.before.fits[key].score
-            if abs(earlier - base.score) < ALIKE * base.score:
+            if abs(earlier - base.score) < ALIKE_SCORES * base.score:
                 # Beside what is left there, this other estimate of the noise changes little.
                 known.update({k: s for k, s in self.before.tests[key].items() if k not in known})
         missing = [c for c in candidates if c.key not in known]
@@ -382,11 +385,11 @@ class Study:
     def likely(self, base: Fit) -> list[Score]:
         """The same without what is dear to fit where something else promises to explain nearly all that is left."""
         excess = base.score - self.samples
-        if base.score < PLAINLY * self.samples:
+        if base.score < PLAINLY_MORE_THAN_NOISE * self.samples:
             return self.ranked(base)
         cheap = self.among(base, self.cheap)
         best = max((s.gain for s in cheap), default=0.0)
-        return cheap if best > SUFFICIENT * excess else self.ranked(base)
+        return cheap if best > SUFFICIENT_SHARE * excess else self.ranked(base)
 
     def _tested(self, base: Fit, candidates: Sequence[Candidate]) -> list[Score]:
         open_ones = [c for c in candidates if compatible(base.hypothesis, c)]
@@ -427,7 +430,7 @@ class Study:
         if known is not None:
             # What fits worse than a special case of itself, or than a linear view promises, was begun in a wrong valley or was
             # given up on the way.
-            near = known.score < HOPELESS * self.samples and promised < known.score - NOTICEABLE
+            near = known.score < HOPELESS_COST_RATIO * self.samples and promised < known.score - NOTICEABLE_GAIN
             astray = near or (known.score > base.score and promised <= target)
             if pair in self.extended or (self.before is not None and pair in self.before.extended) or not astray:
                 return known
@@ -438,10 +441,10 @@ class Study:
         nearer = brought_back(self, base, hypothesis, starts[0])
         if nearer is not None:
             reached = self.fit(hypothesis, [nearer.x], nearer, most_steps=most_steps, target=target)
-            if reached.score < promised + NOTICEABLE:
+            if reached.score < promised + NOTICEABLE_GAIN:
                 del starts[0]
         fitted = in_shape(self, self.fit(hypothesis, starts, base, most_steps=most_steps, target=target), target)
-        settled = fitted.score < HOPELESS * self.samples and not self.stretched(fitted)
+        settled = fitted.score < HOPELESS_COST_RATIO * self.samples and not self.stretched(fitted)
         if settled or not self.stretched(base):
             return fitted
         likeliest = [start for way, start in begun if way.likeliest][-1]
@@ -455,14 +458,14 @@ class Study:
         self.reduce(base, k)
         allowed = base.hypothesis.without(k).identity
         found = min((f for key, f in self.fits.items() if key <= allowed), key=lambda f: f.score)
-        near = found.score < base.score + UNDER_WAY
+        near = found.score < base.score + UNDER_WAY_GAIN
         if found.converged or not near or found.hypothesis.identity in self.anew:
             return found
         # What crawls along a valley may be bent to a wrong one, and an effect be called for to lead out of it.
         self.anew.add(found.hypothesis.identity)
         unbent = found.x.copy()
         unbent[: len(self.predictor.nominal)] = 0.0
-        return min(found, self.fit(found.hypothesis, [unbent], found, most_steps=PATIENT), key=lambda f: f.score)
+        return min(found, self.fit(found.hypothesis, [unbent], found, most_steps=PATIENT_STEPS), key=lambda f: f.score)
 
     def alone(self, base: Fit, k: int) -> Fit:
         """The fit of member ``k`` by itself, from where it stands in ``base``."""
@@ -496,7 +499,7 @@ class Study:
             found = self.fit(hypothesis, [start], near)
             if nested is None or found.score <= nested.score:
                 break
-        if hypothesis.members and self.stretched(found) and found.cost < HOPELESS * self.samples:
+        if hypothesis.members and self.stretched(found) and found.cost < HOPELESS_COST_RATIO * self.samples:
             found = bent_back(self, base, found.x, hypothesis, most_steps=25)
         return found
 
@@ -505,7 +508,7 @@ class Study:
         member = base.hypothesis.members[k]
         pair = (base.hypothesis.identity, member.key)
         price = self.price(member)
-        if pair in self.reduced or known.score < base.score + price + NOTICEABLE:
+        if pair in self.reduced or known.score < base.score + price + NOTICEABLE_GAIN:
             return False
         self.reduced.add(pair)
         return rise_without(base, len(self.predictor.nominal), k) < price

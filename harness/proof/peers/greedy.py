@@ -22,7 +22,8 @@ def greedy_claims(folder: Path) -> dict[str, Any]:
     from harness.diagnose.problem.candidates import candidates
     from harness.diagnose.problem.problem import pose
     from harness.diagnose.problem.windows import whole
-    from harness.diagnose.selection.noise_behind import MOTION_HARMONICS, colours_from
+    from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
+    from harness.diagnose.selection.noise_behind import colours_from
     from harness.diagnose.selection.study import Study
     from harness.effects.scale import references
     from harness.recording import read_recordings

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import dear
-from harness.diagnose.selection.exchange import FLOOR, MOST_SLOW
+from harness.diagnose.selection.constants.search import (
+    ALTERNATIVE_PROMISE,
+    COMPLETE_COST_RATIO,
+    DEAR_ALTERNATIVE_PROMISE,
+    MOST_DEAR_EXCHANGES,
+)
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.study import Study
-
-HALFWAY = 0.3  # of what a member brings that another candidate's score test must promise
-NEARLY = 0.6  # the same for candidates that are dear to fit
 
 
 def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) -> list[Fit]:
@@ -23,16 +25,18 @@ def alternatives(study: Study, best: Fit, k: int, count: int, most_fits: int) ->
     found = []
     tried = slow = 0
     # Where the set leaves more than noise, of what is dear to fit only the likeliest is worth it.
-    most_slow = count if best.score < FLOOR * study.samples and not study.left_out else MOST_SLOW
+    most_slow = (
+        count if best.score < COMPLETE_COST_RATIO * study.samples and not study.left_out else MOST_DEAR_EXCHANGES
+    )
     for scored in study.ranked(without):
         if scored.candidate.key == member.key or tried >= count:
             continue
         if len(study.fits) >= most_fits:
             break
         share = scored.gain / max(min(needed, without.score - best.score), 1e-300)
-        if share < HALFWAY:
+        if share < ALTERNATIVE_PROMISE:
             break
-        if dear(scored.candidate) and (share < NEARLY or slow >= most_slow):
+        if dear(scored.candidate) and (share < DEAR_ALTERNATIVE_PROMISE or slow >= most_slow):
             continue
         slow += dear(scored.candidate)
         tried += 1

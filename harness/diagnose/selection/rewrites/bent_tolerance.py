@@ -15,16 +15,15 @@ from numpy.typing import NDArray
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, compatible, dear
+from harness.diagnose.selection.constants.search import BENT_ALIKE_SHARE, BENT_BACK_STEPS
+from harness.diagnose.selection.constants.starts import GREATEST_START_RATIO
 from harness.diagnose.selection.multi_start import bent_back
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
-from harness.diagnose.selection.score_tests import GREATEST, brought_near, may_reverse, near_changes, nuisance
+from harness.diagnose.selection.score_tests import brought_near, may_reverse, near_changes, nuisance
 from harness.diagnose.selection.starts import rays
 from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
-
-ALIKE = 0.15  # share of what a candidate does (squared) that bending does not do as well, at most
-STEPS = 25
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +40,7 @@ def _fits(study: Study, fitted: Fit, room: Room) -> list[Fit]:
     found = []
     for straight in bending(study, fitted)[: room.count]:
         hypothesis = fitted.hypothesis.with_(straight.candidate)
-        found.append(bent_back(study, fitted, straight.start, hypothesis, most_steps=STEPS))
+        found.append(bent_back(study, fitted, straight.start, hypothesis, most_steps=BENT_BACK_STEPS))
     return found
 
 
@@ -74,12 +73,12 @@ def _stands_for(
     left = change - adjustable @ parts
     bends, bent = parts[:k], fitted.x[:k]
     weight = float(bends @ bends)
-    if not (float(left @ left) < ALIKE * float(change @ change) and weight > 0.0):
+    if not (float(left @ left) < BENT_ALIKE_SHARE * float(change @ change) and weight > 0.0):
         return []
     amount = float(bent @ bends) / weight
     if amount <= 0.0 and not may_reverse(candidate):
         return []
-    amount = float(np.clip(amount, -GREATEST / factor, GREATEST / factor))
+    amount = float(np.clip(amount, -GREATEST_START_RATIO / factor, GREATEST_START_RATIO / factor))
     own = np.clip(brought_near(candidate, point, amount), candidate.effect.lower, candidate.effect.upper)
     # What the candidate does, all others undo.
     start = np.concatenate([fitted.x - amount * parts, to_internal(candidate, own)])

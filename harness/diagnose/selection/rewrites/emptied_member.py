@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.selection.constants.search import MOST_EMPTIED_SETS, NOTHING_SIZE
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.study import Study
-
-MOST_EMPTIED = 8  # sets tried, likeliest first
-NOTHING = 1e-3  # of an effect's typical size, below which it is absent
 
 
 def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
@@ -26,7 +24,7 @@ def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
                 promising.append((without, len(promising), fitted, k))
                 break
     # Beside a force that is left out sets are hardly worth more than one another, and most of them promise to win.
-    return [study.reduce(fitted, k) for _, _, fitted, k in sorted(promising)[:MOST_EMPTIED]]
+    return [study.reduce(fitted, k) for _, _, fitted, k in sorted(promising)[:MOST_EMPTIED_SETS]]
 
 
 def _came_to_nothing(study: Study, fitted: Fit, k: int) -> bool:
@@ -36,7 +34,7 @@ def _came_to_nothing(study: Study, fitted: Fit, k: int) -> bool:
         return False
     size = member.effect.parameters[0]
     value = study.predictor.effect_values(fitted.hypothesis, k, fitted.x)[0]
-    return bool(np.isfinite(size.neutral) and abs(value - size.neutral) < NOTHING * size.scale(member.references))
+    return bool(np.isfinite(size.neutral) and abs(value - size.neutral) < NOTHING_SIZE * size.scale(member.references))
 
 
 REWRITE = Rewrite("a set without what has come to nothing", _fits, (Turn.POLISHING, Turn.FEWER))

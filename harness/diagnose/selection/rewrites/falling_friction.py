@@ -15,15 +15,13 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.linear_response import motions
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
-from harness.diagnose.selection.exchange import NEAR
+from harness.diagnose.selection.constants.search import FALLING_FRICTION_SHAPES, NEAR_EVIDENCE, NOTICEABLE_GAIN
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
-from harness.diagnose.selection.study import NOTICEABLE, Study
+from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
 
 FRICTIONS = ("coulomb_friction", "load_dependent_friction", "dahl_friction")
-# Speeds over which the friction falls, times the fastest of the motion, and how far it falls, times what the damping says.
-SHAPES = ((0.7, 1.0), (1.4, 1.6))
 
 
 def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
@@ -32,8 +30,8 @@ def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
     for base, hypothesis, starts in _ways(study, best):
         known = study.known(hypothesis)
         # One that was begun from friction alone may have ended in a wrong valley.
-        if known is None or known.score > best.score + NOTICEABLE:
-            found.append(study.fit(hypothesis, starts, base, target=best.score + NEAR))
+        if known is None or known.score > best.score + NOTICEABLE_GAIN:
+            found.append(study.fit(hypothesis, starts, base, target=best.score + NEAR_EVIDENCE))
     return found
 
 
@@ -62,7 +60,10 @@ def _ways(study: Study, best: Fit) -> Iterator[tuple[Fit, Hypothesis, list[Array
             joint = study.predictor.mechanism(base.hypothesis).names.index(site)
             fastest = max(float(np.abs(m.qd[:, joint]).max()) for m in motions(study.predictor, base, base.windows))
             level, fall = values[dry.key], -values[member.key] * fastest
-            points = [np.array([max(level - deep * fall, 0.0), level, wide * fastest]) for wide, deep in SHAPES]
+            points = [
+                np.array([max(level - deep * fall, 0.0), level, wide * fastest])
+                for wide, deep in FALLING_FRICTION_SHAPES
+            ]
             yield base, rest.with_(law), [np.concatenate([others, to_internal(law, point)]) for point in points]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import compatible, contains
-from harness.diagnose.selection.exchange import NEAR
+from harness.diagnose.selection.constants.search import NEAR_EVIDENCE
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.starts import like
 from harness.diagnose.selection.study import Study
@@ -35,7 +35,7 @@ def generalized(study: Study, base: Fit) -> list[Fit]:
                     np.concatenate([others, to_internal(wider, p)]) for p in like(wider, float(values[0]), by_way=True)
                 ]
                 # Neither better than the special case nor near the best set, it would be of no use.
-                within = min(base.score, min(f.score for f in study.fits.values()) + NEAR)
+                within = min(base.score, min(f.score for f in study.fits.values()) + NEAR_EVIDENCE)
                 known = study.fit(hypothesis, starts, base, target=within)
             found.append(known)
     return found

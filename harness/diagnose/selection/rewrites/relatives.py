@@ -18,19 +18,24 @@ from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible, dear
 from harness.diagnose.problem.windows import Window
-from harness.diagnose.selection.exchange import NEAR, related
+from harness.diagnose.selection.constants.search import (
+    HOPELESS_COST_RATIO,
+    NEAR_EVIDENCE,
+    NOTICEABLE_GAIN,
+    RELATIVE_BEGUN_SIZES,
+    RELATIVE_PROMISE,
+    RELATIVE_SIZE_STEPS,
+    RELATIVE_SIZES,
+    SAME_WORK_RATIO,
+    SLIPPED_COST_RATIO,
+    WINDOW_BEGINNINGS,
+)
+from harness.diagnose.selection.exchange import related
 from harness.diagnose.selection.resonant_starts import in_tune
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
-from harness.diagnose.selection.study import HOPELESS, NOTICEABLE, Study
+from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
-
-LEAST_SHARE = 0.05  # of a member's gain that a relative's score test must promise
-# Sizes of a candidate looked at in a member's place, those it is begun at, and steps in which it finds its own.
-MOST_SIZES, MOST_SIZED, SIZING = 4, 2, 10
-BEGINNINGS = (0.0625, 0.25, 1.0)  # of every window
-SAME_WORK = 10.0  # times what the best set leaves on any beginnings, that a relative leaves there at most
-BEYOND = 30.0  # times the cost of noise alone; what is left there is phases that have slipped, and tests say nothing
 
 
 def _same_units(member: Candidate, other: Candidate) -> bool:
@@ -53,7 +58,7 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int, *, quick: bool = 
     kin = [c for c in study.candidates if c.key == member.key or related(member, c)]
     if quick:
         kin = [c for c in kin if not dear(c)]
-    if without.score > BEYOND * max(study.samples, best.score) and not dear(member):
+    if without.score > SLIPPED_COST_RATIO * max(study.samples, best.score) and not dear(member):
         kin = [c for c in kin if c.key == member.key or _rings(member, c)]
     for scored in study.among(without, kin):
         if scored.candidate.key == member.key:
@@ -73,12 +78,12 @@ def relatives(study: Study, best: Fit, k: int, most_fits: int, *, quick: bool = 
             found.append(known)
         elif _rings(member, scored.candidate):
             found.append(_rung(study, best, k, scored.candidate))
-        elif scored.gain > LEAST_SHARE * own:
+        elif scored.gain > RELATIVE_PROMISE * own:
             extended = study.extend(without, scored)
             found.append(
                 _tuned(study, best, k, without, extended) if _both_give(member, scored.candidate) else extended
             )
-    if study.stretched(without) or without.score > HOPELESS * study.samples:
+    if study.stretched(without) or without.score > HOPELESS_COST_RATIO * study.samples:
         # All others have gone far to do without the member, so that tests there say little, and fits from there end elsewhere.
         found += _in_its_place(study, best, k, most_fits)
     return found
@@ -129,7 +134,7 @@ def _tuned(study: Study, best: Fit, k: int, without: Fit, known: Fit) -> Fit:
     A vibration has a valley at every phase, and the best set knows the right one.
     """
     other = known.hypothesis.members[-1]
-    if known.score < best.score + NOTICEABLE or study.was_exchanged(best, other, "in tune"):
+    if known.score < best.score + NOTICEABLE_GAIN or study.was_exchanged(best, other, "in tune"):
         return known
     for start in in_tune(study.predictor, best.hypothesis, best.x, k, without.x, other):
         known = _begun_ringing(study, without, known.hypothesis, start)
@@ -152,12 +157,12 @@ def _in_its_place(study: Study, best: Fit, k: int, most_fits: int) -> list[Fit]:
             continue
         hypothesis = rest.with_(candidate)
         known = study.known(hypothesis)
-        if known is not None and known.score < best.score + NOTICEABLE:
+        if known is not None and known.score < best.score + NOTICEABLE_GAIN:
             continue
         if study.was_exchanged(best, candidate, "in its place"):
             continue
         points = product(*(p.start_values(candidate.references) for p in candidate.effect.parameters))
-        starts = [np.concatenate([others, to_internal(candidate, np.array(p))]) for p in islice(points, MOST_SIZES)]
+        starts = [np.concatenate([others, to_internal(candidate, np.array(p))]) for p in islice(points, RELATIVE_SIZES)]
         nearest = _grown(study, best, hypothesis, starts)
         if nearest is not None:
             found.append(study.fit(hypothesis, [nearest.x], nearest, target=best.score))
@@ -176,7 +181,7 @@ def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Arr
     alone = np.arange(len(starts[0])) < len(starts[0]) - size
     only_noise = study.only_noise(best)
     found: Fit | None = None
-    for share in BEGINNINGS:
+    for share in WINDOW_BEGINNINGS:
         parts = {
             w: w._replace(last=w.first + max(round(share * w.size), min(FEWEST_WINDOW_SAMPLES, w.size)))
             for w in study.windows
@@ -184,13 +189,15 @@ def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Arr
         on, begun = objective.on(list(parts.values())), {part: states[w] for w, part in parts.items()}
         if found is None:
             costs = [cost for cost, _ in on.residuals([(x, begun) for x in starts])]
-            likeliest = [starts[k] for k in np.argsort(costs)[:MOST_SIZED]]
-            sized = [fit(on, x, begun, fixed=alone, enough=0.2, most_steps=SIZING) for x in likeliest]
+            likeliest = [starts[k] for k in np.argsort(costs)[:RELATIVE_BEGUN_SIZES]]
+            sized = [fit(on, x, begun, fixed=alone, enough=0.2, most_steps=RELATIVE_SIZE_STEPS) for x in likeliest]
             found = min(sized, key=lambda f: f.score)
         else:
-            found = fit(on, found.x, begun, fixed=study.whole(hypothesis), enough=0.2, most_steps=SIZING)
+            found = fit(on, found.x, begun, fixed=study.whole(hypothesis), enough=0.2, most_steps=RELATIVE_SIZE_STEPS)
             own = _on_parts(study, best, parts)
-            if found.score > SAME_WORK * own or (only_noise and found.converged and found.score > own + NEAR):
+            if found.score > SAME_WORK_RATIO * own or (
+                only_noise and found.converged and found.score > own + NEAR_EVIDENCE
+            ):
                 return None
         states = {w: found.states[part] for w, part in parts.items()}
     assert found is not None

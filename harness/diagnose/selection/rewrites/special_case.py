@@ -10,7 +10,7 @@ import numpy as np
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import compatible, contains
-from harness.diagnose.selection.exchange import NEAR
+from harness.diagnose.selection.constants.search import NEAR_EVIDENCE
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.study import Study
 
@@ -31,7 +31,7 @@ def specialized(study: Study, base: Fit) -> list[Fit]:
             if known is None:
                 own = to_internal(simpler, values[: len(simpler.effect.parameters)])
                 # Out of reach of this, it would be of no use, however few its parameters are.
-                within = base.score + NEAR * study.loudness(base)
+                within = base.score + NEAR_EVIDENCE * study.loudness(base)
                 known = study.fit(hypothesis, [np.concatenate([study.without(base, k), own])], base, target=within)
             found.append(known)
     return found

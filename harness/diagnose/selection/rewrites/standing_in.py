@@ -7,12 +7,15 @@ import numpy as np
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import compatible, dear
+from harness.diagnose.selection.constants.search import (
+    HOPELESS_COST_RATIO,
+    MOST_STANDING_IN,
+    NOTICEABLE_GAIN,
+    STANDING_IN_SHARE,
+)
 from harness.diagnose.selection.rewrite import Rewrite, Room, Turn
 from harness.diagnose.selection.score_tests import Score, nuisance, score
-from harness.diagnose.selection.study import HOPELESS, NOTICEABLE, Study
-
-MOST = 6  # fitted in the place of one member
-DOES_ITS_WORK = 0.3  # share of what the set without the member leaves that another candidate must promise to explain
+from harness.diagnose.selection.study import Study
 
 
 def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
@@ -24,17 +27,23 @@ def _fits(study: Study, best: Fit, room: Room) -> list[Fit]:
     """
     k = room.member
     rest, without = best.hypothesis.without(k), study.reduce(best, k)
-    if (not study.stretched(without) and without.score < HOPELESS * study.samples) or any(map(dear, rest.members)):
+    if (not study.stretched(without) and without.score < HOPELESS_COST_RATIO * study.samples) or any(
+        map(dear, rest.members)
+    ):
         return []
     x = study.without(best, k)
     left, tests = _tested(study, best, k)
     found: list[Fit] = []
     for scored in tests:
-        if scored.gain < DOES_ITS_WORK * left or len(found) >= MOST or len(study.fits) >= room.most_fits:
+        if (
+            scored.gain < STANDING_IN_SHARE * left
+            or len(found) >= MOST_STANDING_IN
+            or len(study.fits) >= room.most_fits
+        ):
             break
         hypothesis = rest.with_(scored.candidate)
         known = study.known(hypothesis)
-        near = known is not None and known.score < best.score + NOTICEABLE
+        near = known is not None and known.score < best.score + NOTICEABLE_GAIN
         if near or study.was_exchanged(best, scored.candidate, " standing in"):
             continue
         start = np.concatenate([x, to_internal(scored.candidate, scored.start)])
