@@ -11,10 +11,11 @@ from simulated_recordings import recording
 
 from harness.denoc.batch.model import BatchModel
 from harness.denoc.model import Denoc
+from harness.diagnose.inverse.constants import NOISE_LAGS
 from harness.diagnose.inverse.effort_fit import EffortData
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import ZeroPhase, effort_run, low_pass
-from harness.diagnose.inverse.effort_noise import MEMORY, effort_noise, grid_of
+from harness.diagnose.inverse.effort_noise import effort_noise, grid_of
 from harness.diagnose.inverse.nominal_torque import NominalRows
 from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.hypothesis import Hypothesis, nominal_quantities, scaled
@@ -69,7 +70,7 @@ def whole(own: EffortData, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarray:
         for j, noise in enumerate(own.noises):
             values = residual[stretch, j]
             ahead = np.convolve(values, [1.0, *-noise.ahead])[: len(values)] / noise.innovation
-            ahead[:MEMORY] = values[:MEMORY] / noise.std
+            ahead[:NOISE_LAGS] = values[:NOISE_LAGS] / noise.std
             out.append(ahead)
     return np.concatenate(out)
 

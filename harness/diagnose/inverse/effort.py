@@ -17,16 +17,18 @@ from numpy.typing import NDArray
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
+from harness.diagnose.inverse.constants import FEWEST_SAMPLES, NOISE_LAGS, REVERSING_SHARE
 from harness.diagnose.inverse.effort_answer import EffortAnswer
 from harness.diagnose.inverse.effort_fit import EffortData
 from harness.diagnose.inverse.effort_hold import held_runs, search_either_way
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run, pace
-from harness.diagnose.inverse.effort_noise import MEMORY, Grid, effort_noise, grid_of
+from harness.diagnose.inverse.effort_noise import Grid, effort_noise, grid_of
 from harness.diagnose.inverse.effort_search import EffortStudy, settle
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes
 from harness.diagnose.problem.candidates import candidates
+from harness.diagnose.problem.constants import HELD_OUT_SHARE
 from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
 from harness.diagnose.problem.held_efforts import held_notes
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
@@ -37,9 +39,6 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-HELD_OUT_SHARE = 0.3  # of a single recording
-FEWEST = 40  # independent samples
-SLOW = 0.1  # of the greatest speed, below which a joint is about to reverse
 UNSEARCHED = ("all sets of effects", "another set of effects may explain the recordings better, or as well")
 UNJUDGED = (
     "the judgement on data held out, and of what else it could be",
@@ -87,7 +86,7 @@ def diagnose_effort(
     train, test = _divided(runs, held is not None)
     data, judged = _data(system, train, test, deadline)
     beside = _divided(held_runs(system, runs, every), held is not None)
-    if data.samples < FEWEST or judged.samples < FEWEST // 4:
+    if data.samples < FEWEST_SAMPLES or judged.samples < FEWEST_SAMPLES // 4:
         raise InputError(
             f"{data.samples:.0f} independent samples of effort are left to learn from and {judged.samples:.0f} to judge on",
             mend="record more motion that nothing outside disturbs",
@@ -145,7 +144,7 @@ def _resolvable(candidate: Candidate, system: System, runs: Sequence[EffortRun])
     joint = system.joint_names.index(candidate.site)
     least = 0.0
     for run in runs:
-        slow = run.usable & (np.abs(run.qd[:, joint]) < SLOW * np.abs(run.qd[:, joint]).max())
+        slow = run.usable & (np.abs(run.qd[:, joint]) < REVERSING_SHARE * np.abs(run.qd[:, joint]).max())
         if slow.any():
             least = max(least, float(np.median(np.abs(run.qdd[slow, joint]))) / (2.0 * run.bandwidth))
     parameters = tuple(
@@ -202,8 +201,8 @@ def _pieces(mine: Sequence[tuple[EffortRun, Grid, Array]], j: int, dry: float) -
             clear = dry * run.unsure[s, j] <= spread
             cuts = np.flatnonzero(np.diff(clear.astype(int))) + 1
             parts = zip(np.split(s, cuts), np.split(clear, cuts), strict=True)
-            sure += [left[part] for part, good in parts if good[0] and len(part) > MEMORY]
-    return sure if sum(map(len, sure)) >= FEWEST // 4 else every
+            sure += [left[part] for part, good in parts if good[0] and len(part) > NOISE_LAGS]
+    return sure if sum(map(len, sure)) >= FEWEST_SAMPLES // 4 else every
 
 
 def _note(system: System, run: EffortRun, push: Push) -> QualityNote:

@@ -17,8 +17,10 @@ from harness.diagnose.answer.explain import Foretold, finding_words, untold
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.answer.left_out import explained_share
 from harness.diagnose.claims.grades import POSSIBLE
+from harness.diagnose.criticism.constants import LOCATED_PIECES
 from harness.diagnose.estimation.constants import NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
+from harness.diagnose.inverse.constants import SHOWN_HYPOTHESES
 from harness.diagnose.inverse.effort_fit import EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_grades import grade, repeatability, without_each
 from harness.diagnose.inverse.effort_left import effort_left
@@ -35,8 +37,6 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-SHOWN = 8  # hypotheses in the ranking
-PIECES = 24  # of a recording, in which the nominal model is judged
 POINTS = 4000  # of a curve
 UNREPEATED = ("whether what was found repeats in every recording", "grades may be too low")
 UNRIVALLED = (
@@ -223,7 +223,7 @@ class EffortAnswer:
         study = self.study
         others = sorted((f for f in study.fits.values() if f is not self.best), key=study.weight)
         rows = []
-        for f in [self.best, *others][:SHOWN]:
+        for f in [self.best, *others][:SHOWN_HYPOTHESES]:
             errors = {self._channel(j): root_mean_square(study.held, f, j) for j in study.data.joints}
             rows.append(
                 {
@@ -244,7 +244,7 @@ class EffortAnswer:
             floor = self.study.data.noises[j].std
             times, powers, q, v = [], [], [], []
             for run, residual in zip(self.study.data.model.runs, residuals, strict=True):
-                for index in np.array_split(np.arange(len(run.time)), PIECES):
+                for index in np.array_split(np.arange(len(run.time)), LOCATED_PIECES):
                     part = index[run.usable[index]]
                     if len(part) and float(np.sqrt(np.mean(residual[part, j] ** 2))) > 2.0 * floor:
                         times.append((float(run.time[part[0]]), float(run.time[part[-1]])))

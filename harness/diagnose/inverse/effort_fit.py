@@ -15,6 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from harness.diagnose.inverse.constants import (
+    MOST_EVALUATIONS,
+    NOISE_ROUNDS,
+    NOMINAL_DIFFERENCE,
+    PARAMETER_DIFFERENCE,
+    STALE_RATIO_ON_THE_WAY,
+    STALE_SHARE,
+    STALE_SIGMAS,
+    STRETCHES_A_PARAMETER,
+)
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_noise import EffortNoise, Grid
@@ -22,17 +32,6 @@ from harness.diagnose.inverse.whitened import Whitened
 from harness.diagnose.problem.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
-
-CLUSTERS = 3  # stretches a parameter, from which on the scatter between stretches is trusted
-CALLS = 25  # evaluations of one
-ROUNDS = 3  # of noise and parameters in turn
-SIGMA = 1e-3  # of a nominal quantity's σ, by which its slope is read off
-SHARE = 1e-5  # of a parameter's typical size, the same
-# How far a fit may go before the slopes of nominal quantities are read off again: torques are linear in most of them, so that half
-# a per cent of a quantity (half a σ of one per cent) changes slopes by as much at most.
-STALE = 0.5  # σ
-ON_THE_WAY = 8.0  # times as far, before the last round
-MOVED = 0.02  # of the typical size of parameters that those slopes depend on
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,15 +77,17 @@ class EffortData:
         ]
         key = frozenset(member.key for member, _ in bent)
         order = sorted(bent, key=lambda pair: pair[0].key)
-        at = np.concatenate([x[:nominal] / STALE, *(x[span] / (MOVED * member.scales) for member, span in order)])
+        at = np.concatenate(
+            [x[:nominal] / STALE_SIGMAS, *(x[span] / (STALE_SHARE * member.scales) for member, span in order)]
+        )
         if key in self._slopes and np.all(np.abs(at - self._slopes[key][0]) <= far):
             return self._slopes[key][1]
         here = self.rows(hypothesis, x)
         slopes = np.empty((len(here), nominal))
         for k in range(nominal):
             there = x.copy()
-            there[k] += SIGMA
-            slopes[:, k] = (self.rows(hypothesis, there) - here) / SIGMA
+            there[k] += NOMINAL_DIFFERENCE
+            slopes[:, k] = (self.rows(hypothesis, there) - here) / NOMINAL_DIFFERENCE
         self._slopes[key] = at, slopes
         return slopes
 
@@ -149,7 +150,7 @@ def fit_effort(
     x = np.clip(start, lower, upper)
     size = 1.0
     # On the way to the least value slopes need not be as near as at it.
-    far = ON_THE_WAY
+    far = STALE_RATIO_ON_THE_WAY
 
     def full(part: Array) -> Array:
         whole = x.copy()
@@ -169,18 +170,27 @@ def fit_effort(
             out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole, far=far) / size
         out[len(here) :, :nominal] = np.eye(nominal)
         for k in np.flatnonzero(free[nominal:]) + nominal:
-            step = SHARE * scale[k] * (1.0 if whole[k] + SHARE * scale[k] <= upper[k] else -1.0)
+            step = (
+                PARAMETER_DIFFERENCE
+                * scale[k]
+                * (1.0 if whole[k] + PARAMETER_DIFFERENCE * scale[k] <= upper[k] else -1.0)
+            )
             there = whole.copy()
             there[k] += step
             out[: len(here), k] = (data.rows(hypothesis, there) - here) / (step * size)
         return out[:, free]
 
     jacobian = np.zeros((0, len(start)))
-    for _ in range(ROUNDS + 1):
+    for _ in range(NOISE_ROUNDS + 1):
         if free.any():
             inside = np.clip(x[free], lower[free] + 1e-9 * scale[free], upper[free] - 1e-9 * scale[free])
             found = least_squares(
-                misfit, inside, slopes, bounds=(lower[free], upper[free]), x_scale=scale[free], max_nfev=calls or CALLS
+                misfit,
+                inside,
+                slopes,
+                bounds=(lower[free], upper[free]),
+                x_scale=scale[free],
+                max_nfev=calls or MOST_EVALUATIONS,
             )
             x = full(found.x)
             jacobian = np.zeros((len(found.fun), len(start)))
@@ -209,7 +219,7 @@ def spread(fitted: EffortFit, nominal: int) -> Array:
     inverse = np.linalg.pinv(information / np.outer(size, size), rcond=1e-12) / np.outer(size, size)
     plain = np.diag(inverse)
     clusters = np.unique(fitted.clusters)
-    if len(clusters) >= CLUSTERS * max(count - nominal, 1):
+    if len(clusters) >= STRETCHES_A_PARAMETER * max(count - nominal, 1):
         gradients = np.array(
             [fitted.jacobian[fitted.clusters == k].T @ fitted.rows[fitted.clusters == k] for k in clusters]
         )

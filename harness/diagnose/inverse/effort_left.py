@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from harness.diagnose.answer.left_out import AtJoint, LeftOut
 from harness.diagnose.criticism.left_force import LeftForce, place_of
+from harness.diagnose.inverse.constants import FEWEST_MEMORY_SAMPLES, FORGOTTEN_SHARE
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit
 from harness.effects.scale import references
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-FORGOTTEN = np.exp(-1.0)  # of what is left, that is still there after its memory
-FEWEST = 8  # samples of a stretch that say how long something keeps
 
 
 def effort_left(system: System, parts: Sequence[EffortData], fitted: EffortFit) -> LeftOut | None:
@@ -48,14 +46,14 @@ def effort_left(system: System, parts: Sequence[EffortData], fitted: EffortFit) 
 
 def _memory(stretches: Sequence[Array]) -> float:
     """Samples after which what is left has been forgotten, by its autocorrelation over all stretches."""
-    longest = max((len(own) // 2 for own in stretches if len(own) >= FEWEST), default=1)
+    longest = max((len(own) // 2 for own in stretches if len(own) >= FEWEST_MEMORY_SAMPLES), default=1)
     sums = np.zeros(longest + 1)
     for own in stretches:
-        if len(own) >= FEWEST:
+        if len(own) >= FEWEST_MEMORY_SAMPLES:
             # Padded with as many zeros as there are samples, so that the ends do not meet.
             power = np.abs(np.fft.rfft(own, 2 * len(own))) ** 2
             lags = np.fft.irfft(power)[: min(len(own) // 2, longest) + 1]
             sums[: len(lags)] += lags
     if sums[0] <= 0.0:
         return 1.0
-    return float(np.argmax(sums < FORGOTTEN * sums[0]) or longest)
+    return float(np.argmax(sums < FORGOTTEN_SHARE * sums[0]) or longest)

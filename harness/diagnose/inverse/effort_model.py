@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
 from harness.diagnose.answer.augmented import attached
+from harness.diagnose.inverse.constants import INPUT_DIFFERENCE
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.nominal_torque import NominalRows
 from harness.diagnose.problem.deadline import Deadline
@@ -56,7 +57,6 @@ KNOWN = (
 )
 KEPT = 64  # mechanisms whose smoothed torque is kept: a search asks for the same ones again and again
 MOTIONS = 8  # motions behind sensors' errors that are kept
-PROBE = 0.05  # of the efforts' size, by which the slope of the input chain is read off
 
 
 class EffortModel:
@@ -268,7 +268,7 @@ def arriving(chain: Sequence[tuple[Effect, Attachment]], run: EffortRun, j: int)
             out = acting.input.apply(out.copy(), run.time, acting.values(attachment.parameters)[None])
         return np.asarray(out[0])
 
-    probe = PROBE * float(np.std(run.raw[:, j])) + 1e-12
+    probe = INPUT_DIFFERENCE * float(np.std(run.raw[:, j])) + 1e-12
     slope = float(np.mean(arrives(run.raw[:, j] + probe) - arrives(run.raw[:, j] - probe))) / (2.0 * probe)
     return arrives(run.raw[:, j]), 1e-3 if abs(slope) < 1e-3 else slope
 

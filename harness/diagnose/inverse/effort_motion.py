@@ -19,6 +19,20 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.ndimage import binary_dilation, maximum_filter1d
 from scipy.signal import butter, savgol_filter, sosfilt, sosfilt_zi, sosfiltfilt
 
+from harness.diagnose.inverse.constants import (
+    ATTENUATION,
+    EDGE_PERIODS,
+    FEWEST_HARMONICS,
+    LOWPASS_ORDER,
+    MOTION_CUTOFF_RATIO,
+    NYQUIST_SHARE,
+    OVERSAMPLING,
+    RESTING_PERIODS,
+    STILL_SHARE,
+    STILL_SIGMAS,
+    WIDEST_NYQUIST_SHARE,
+)
+from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
 from harness.effects.scale import swings
 from harness.errors import InputError
 from harness.recording.noise import estimate_noise
@@ -26,19 +40,6 @@ from harness.recording.recording import Recording
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-OVERSAMPLED = 60.0  # grid points in a period at the cutoff
-WIDER = 3.0  # times the cutoff that the motion itself is smoothed at
-ORDER = 4  # of the Butterworth low-pass, passed forwards and backwards
-ATTENUATION = 1e-3  # variance of the accelerations' noise over that of the accelerations: twice the bias of an inertia
-HARMONICS = 8.0  # of the slowest swing, beyond which motion is not looked for
-FEWEST_HARMONICS = 1.5  # below which a cutoff would cut the swing itself
-WIDEST_NYQUIST = 0.7  # of the recording's Nyquist frequency, for the motion itself
-NYQUIST = 0.35  # of the recording's Nyquist frequency
-STILL = 5.0  # standard deviations of the velocity's noise below which a joint may be at rest
-STILL_SHARE = 0.004  # of the greatest speed, at least
-EDGE = 2.0  # periods at the cutoff at either end of a recording that the low-pass has too little past or future for
-RESTING = 1.0  # periods at the cutoff that a joint must be still for its friction to be undetermined
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +71,7 @@ class EffortRun:
     @property
     def inner(self) -> NDArray[np.bool_]:
         """Samples that the low-pass knows both sides of, shape (T,)."""
-        reach = EDGE / self.bandwidth
+        reach = EDGE_PERIODS / self.bandwidth
         return np.asarray((self.time >= reach) & (self.time <= self.time[-1] - reach))
 
     @cached_property
@@ -185,7 +186,7 @@ class ZeroPhase:
 
 def low_pass(cutoff: float, step: float) -> Array:
     """Second-order sections of the low-pass at ``cutoff`` [Hz] on a grid of ``step`` seconds."""
-    return np.asarray(butter(ORDER, cutoff, fs=1.0 / step, output="sos"))
+    return np.asarray(butter(LOWPASS_ORDER, cutoff, fs=1.0 / step, output="sos"))
 
 
 def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun:
@@ -194,10 +195,10 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
     Raises InputError if a joint has no measured position, or nothing is driven.
     """
     names = system.joint_names
-    step = 1.0 / (OVERSAMPLED * cutoff)
+    step = 1.0 / (OVERSAMPLING * cutoff)
     time = np.arange(0.0, recording.duration, step)
     sections = low_pass(cutoff, step)
-    widest = min(WIDER * cutoff, max(WIDEST_NYQUIST * 0.5 / recording.interval, cutoff))
+    widest = min(MOTION_CUTOFF_RATIO * cutoff, max(WIDEST_NYQUIST_SHARE * 0.5 / recording.interval, cutoff))
     wide = low_pass(widest, step)
     columns = []
     for name in names:
@@ -225,7 +226,7 @@ def effort_run(system: System, recording: Recording, cutoff: float) -> EffortRun
         *(_short_slopes(recording, name, time, v, 1.0 / widest) for name, v in zip(names, run.qd.T, strict=True)),
         strict=True,
     )
-    edge = round(EDGE / (cutoff * step))
+    edge = round(EDGE_PERIODS / (cutoff * step))
     usable = np.ones(len(time), dtype=bool)
     usable[:edge] = usable[-edge:] = False
     for gap in recording.quality:
@@ -258,7 +259,7 @@ def _short_slopes(
     noise, fastest = _reading_noise(recording, joint), float(np.abs(smooth).max())
 
     def unsure(count: int) -> float:
-        return STILL * noise / recording.interval * float(np.sqrt(12.0 / (count * (count**2 - 1.0))))
+        return STILL_SIGMAS * noise / recording.interval * float(np.sqrt(12.0 / (count * (count**2 - 1.0))))
 
     count, most = 3, min(longest / recording.interval, len(even) - 1.0)
     while count + 2 <= most and unsure(count) > STILL_SHARE * fastest:
@@ -322,7 +323,7 @@ def cutoff_for(system: System, recording: Recording, swing: float) -> float:
 
     swing: frequency of the slowest swing [Hz].
     """
-    highest = min(HARMONICS * swing, NYQUIST * 0.5 / recording.interval)
+    highest = min(MOTION_HARMONICS * swing, NYQUIST_SHARE * 0.5 / recording.interval)
     for cutoff in np.geomspace(highest, FEWEST_HARMONICS * swing, 12):
         run = effort_run(system, recording, float(cutoff))
         inner = slice(len(run.time) // 20, -max(1, len(run.time) // 20))
@@ -338,7 +339,7 @@ def cutoff_for(system: System, recording: Recording, swing: float) -> float:
 def _resting(run: EffortRun) -> NDArray[np.bool_]:
     """Samples at which a driven joint stands still for long, so that its friction is whatever holds it."""
     step = float(run.time[1] - run.time[0])
-    reach = max(1, round(0.5 * RESTING / (run.bandwidth * step)))
+    reach = max(1, round(0.5 * RESTING_PERIODS / (run.bandwidth * step)))
     out = np.zeros(len(run.time), dtype=bool)
     for j in np.flatnonzero(run.driven):
         slow = np.abs(run.sharp[:, j]) < run.still[j]

@@ -10,6 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from harness.diagnose.inverse.constants import (
+    BEAM_WIDTH,
+    FROM_NOTHING_SIGMAS,
+    HELD_OUT_SIGMAS,
+    MOST_CANDIDATES,
+    MOST_EFFECTS,
+    MOST_STARTS,
+    RIVAL_EVALUATIONS,
+    RIVAL_TRACE_RATIO,
+    STRETCHED_CHANCE,
+    TRACE_RATIO,
+)
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.heldout_gain import heldout_gain
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
@@ -17,19 +29,6 @@ from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatibl
 from harness.diagnose.selection.study import log_choose
 
 Array = NDArray[np.float64]
-
-BEAM = 2  # sets carried on
-TRIED = 5  # candidates fitted beside each of them
-DEEPEST = 5  # effects
-MOST_STARTS = 6  # of one candidate
-SHORT = 2.0  # times what its trace explains, that a fit may bring: traces are of few starts, and of small effects
-FAR = 4.0  # times the same, that a rival may bring at most
-FEW_CALLS = 5  # evaluations that show whether a rival comes anywhere near
-STRETCHED = 1e-7  # chance of a stretch of the nominal quantities under their tolerance, below which it is evidence
-HELD_OUT = 1.0  # standard deviations by which an effect must improve data held out
-FROM_NOTHING = (
-    3.0  # standard deviations, by the scatter between stretches too, that an effect must be away from absence
-)
 
 
 @dataclass(eq=False)
@@ -147,9 +146,9 @@ class EffortStudy:
     def promising(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
         """The candidates that come first beside a fit, without those that would not pay if their trace brought twice as much."""
         out = []
-        for gain, candidate, start in self.ranked(base)[:TRIED]:
+        for gain, candidate, start in self.ranked(base)[:MOST_CANDIDATES]:
             price = self.price(base.hypothesis.with_(candidate)) - self.price(base.hypothesis)
-            if SHORT * gain >= price:
+            if TRACE_RATIO * gain >= price:
                 out.append((gain, candidate, start))
         return out
 
@@ -176,14 +175,14 @@ class EffortStudy:
         brought = self.criterion(without) - self.criterion(best)
         hopeless = max(10.0 * UNPARTED_EVIDENCE, 0.5 * brought)
         out = []
-        for gain, candidate, start in self.ranked(without)[: 2 * TRIED]:
+        for gain, candidate, start in self.ranked(without)[: 2 * MOST_CANDIDATES]:
             # A trace that explains a share g of S takes N log(1 − g/S) off; where that is far off, so is the candidate.
             told = -self.data.samples * float(np.log1p(-min(gain / self.data.samples, 1.0 - 1e-9)))
-            if candidate.key in best.hypothesis.keys or FAR * told + 10.0 * UNPARTED_EVIDENCE < brought:
+            if candidate.key in best.hypothesis.keys or RIVAL_TRACE_RATIO * told + 10.0 * UNPARTED_EVIDENCE < brought:
                 continue
             hypothesis = without.hypothesis.with_(candidate)
             if hypothesis.identity not in self.fits:
-                glance = fit_effort(self.data, hypothesis, np.concatenate([without.x, start]), calls=FEW_CALLS)
+                glance = fit_effort(self.data, hypothesis, np.concatenate([without.x, start]), calls=RIVAL_EVALUATIONS)
                 if self.criterion(glance) > self.criterion(best) + hopeless:
                     continue
                 start = glance.x[self.nominal + without.hypothesis.size :]
@@ -233,7 +232,7 @@ def search(
     """
     best = study.fit(Hypothesis(), [np.zeros(study.nominal)])
     beam = [best]
-    for depth in range(DEEPEST):
+    for depth in range(MOST_EFFECTS):
         other = turned(best)
         if other is not None:
             study = other
@@ -246,7 +245,7 @@ def search(
         progress(f"efforts, {depth + 1} effects")
         if not grown:
             break
-        beam = sorted({id(f): f for f in grown}.values(), key=study.criterion)[:BEAM]
+        beam = sorted({id(f): f for f in grown}.values(), key=study.criterion)[:BEAM_WIDTH]
         if study.criterion(beam[0]) >= study.criterion(best):
             break
         best = beam[0]
@@ -259,8 +258,8 @@ def _needed(smaller: EffortFit, larger: EffortFit) -> float:
     What the nominal model had to be stretched far beyond its tolerance to imitate cannot show there: the stretched model predicts
     them as well. The stretch is then the evidence.
     """
-    stretched = chi2.sf(max(smaller.prior - larger.prior, 0.0), larger.hypothesis.size) < STRETCHED
-    return -HELD_OUT if stretched else HELD_OUT
+    stretched = chi2.sf(max(smaller.prior - larger.prior, 0.0), larger.hypothesis.size) < STRETCHED_CHANCE
+    return -HELD_OUT_SIGMAS if stretched else HELD_OUT_SIGMAS
 
 
 def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
@@ -271,7 +270,7 @@ def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
             smaller = study.reduce(fitted, k)
             pays = study.criterion(smaller) - study.criterion(fitted) - UNPARTED_EVIDENCE
             carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
-            clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING)
+            clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING_SIGMAS)
             judged.append((min(pays, carries, clear), k, smaller))
         worst, _, smaller = min(judged, key=lambda item: item[0])
         if worst > 0.0:

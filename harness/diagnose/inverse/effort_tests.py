@@ -12,6 +12,13 @@ from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
 from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO
+from harness.diagnose.inverse.constants import (
+    HELD_OUT_RATIO,
+    SHAPE_CHANCE,
+    SHAPE_SHARE,
+    SHAPES_DEPENDENT,
+    SURELY_OFF_SIGMAS,
+)
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_search import EffortStudy
@@ -22,12 +29,6 @@ from harness.recording.units import written
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-CHANCE = 1e-4  # at which a shape left in the residual counts
-SHARE = 0.05  # of the residual's variance that it must explain besides
-WORSE = 1.3  # times the training residual that the held-out one may be
-SURELY = 5.0  # standard deviations by which it, or a nominal quantity, must be off to count
-ALIKE = 1e-8  # relative size of what shapes have in common, below which it is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,12 +90,12 @@ def _smooth_force(asked: _Asked) -> Iterator[dict[str, Any]]:
                 left.append(residual[s, j])
     design, target = np.concatenate(shapes), np.concatenate(left)
     total = float(target @ target)
-    rest = target - design @ np.linalg.lstsq(design, target, rcond=ALIKE)[0]
+    rest = target - design @ np.linalg.lstsq(design, target, rcond=SHAPES_DEPENDENT)[0]
     explained = total - float(rest @ rest)
     dof = len(target) - design.shape[1] - len(asked.best.x)
     ratio = (explained / design.shape[1]) / max(float(rest @ rest) / max(dof, 1), 1e-300)
     chance = float(fisher.sf(ratio, design.shape[1], max(dof, 1)))
-    if chance < CHANCE and explained > SHARE * total:
+    if chance < SHAPE_CHANCE and explained > SHAPE_SHARE * total:
         yield _row(f"a smooth force over the state at {asked.name}", explained / asked.noise**2, chance, asked.name)
 
 
@@ -104,7 +105,7 @@ def _held_out(asked: _Asked) -> Iterator[dict[str, Any]]:
     parts = [_plain(data, asked.best, asked.joint) for data in (study.held, study.data)]
     unsure = float(np.linalg.norm([_unsureness(part) for part in parts]))
     z = float(np.log(held / floor)) / unsure if floor > 0.0 and unsure > 0.0 else 0.0
-    if held > WORSE * floor and z > SURELY:
+    if held > HELD_OUT_RATIO * floor and z > SURELY_OFF_SIGMAS:
         count = max(study.held.samples, 2)
         yield _row(
             "a worse fit of the data held out", (held / floor) ** 2 * count - count, float(norm.sf(z)),
@@ -129,7 +130,7 @@ def _stretched(asked: _Asked) -> Iterator[dict[str, Any]]:
     if not len(nominal):
         return
     worst = int(np.argmax(np.abs(nominal)))
-    if abs(nominal[worst]) > SURELY:
+    if abs(nominal[worst]) > SURELY_OFF_SIGMAS:
         quantity = asked.study.data.model.nominal[worst]
         yield _row(
             "nominal quantities outside their tolerance", asked.best.prior, float(2.0 * norm.sf(abs(nominal[worst]))),

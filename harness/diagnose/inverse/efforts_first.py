@@ -11,14 +11,13 @@ from dataclasses import replace
 
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
+from harness.diagnose.inverse.constants import EFFORTS_FIRST_JOINTS, EFFORTS_FIRST_SHARE
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.problem.deadline import Deadline, NotTried
 from harness.errors import InputError, UnsupportedError
 from harness.recording.recording import Recording
 from harness.system import System
 
-SEVERAL = 4  # joints, from which on the motion's own search seldom ends within a minute
-SHARE = 0.5  # of the time
 UNRUN = NotTried(
     "runs of the motion itself, and with them effects that have a memory or coordinates of their own",
     "what was found in the efforts may stand in for such an effect, such as play or a joint that gives",
@@ -39,10 +38,16 @@ def efforts_first(
 ) -> Diagnosis | None:
     """What efforts tell of an arm whose every joint has its position and effort recorded, if there is a limit; None otherwise."""
     every = [*recordings, *([held] if held is not None else [])]
-    if not deadline.limited or len(system.joint_names) < SEVERAL or not all(_whole(system, one) for one in every):
+    if (
+        not deadline.limited
+        or len(system.joint_names) < EFFORTS_FIRST_JOINTS
+        or not all(_whole(system, one) for one in every)
+    ):
         return None
     try:
-        found = diagnose_effort(system, recordings, held, only=only, tell=tell, deadline=deadline.part(SHARE))
+        found = diagnose_effort(
+            system, recordings, held, only=only, tell=tell, deadline=deadline.part(EFFORTS_FIRST_SHARE)
+        )
     except (InputError, UnsupportedError):
         # It is the motion that was asked about.
         return None

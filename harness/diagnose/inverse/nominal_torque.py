@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from harness.denoc.batch.model import BatchModel
 from harness.denoc.lanes.rows import BASE_SLOTS, INERTIA_SLOTS, PLACEMENT_SLOTS
+from harness.diagnose.inverse.constants import MOST_FACTORS
 from harness.diagnose.problem.hypothesis import Nominal
 from harness.system import System
 from harness.system.inertia import inertial_numbers, point_inertia
 
 Array = NDArray[np.float64]
 
-FACTORS = 4  # of a product, at most: a mass, two lengths, an inertia
 OF_JOINTS = ("armature", "damping", "stiffness")
 
 
@@ -31,7 +31,7 @@ OF_JOINTS = ("armature", "damping", "stiffness")
 class Terms:
     """Products of factors, and what torque each is multiplied with: a sum of those of mechanisms with one link in them.
 
-    factors: which factors each product has, (m, FACTORS); one more than there are stands for 1. rows: parameter rows of those
+    factors: which factors each product has, (m, MOST_FACTORS); one more than there are stands for 1. rows: parameter rows of those
     mechanisms. weights: of their torques in each term, (m, rows).
     """
 
@@ -103,7 +103,7 @@ class NominalRows:
         weights: list[dict[int, float]] = []
 
         def add(which: tuple[int, ...], made_of: dict[int, float]) -> None:
-            factors.append((*which, *[self.count] * (FACTORS - len(which))))
+            factors.append((*which, *[self.count] * (MOST_FACTORS - len(which))))
             weights.append(made_of)
 
         for part in self._links:

@@ -15,21 +15,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
+from harness.diagnose.inverse.constants import (
+    FALLING_SPEEDS,
+    MOST_COGGING_WAVES,
+    MOST_FURTHER_TORQUES,
+    REWEIGHTING_ROUNDS,
+    SAMPLE_DENSITY,
+    SAMPLE_PERIODS,
+    SETTLED_SPREAD,
+    TUKEY_WIDTH,
+)
 from harness.diagnose.inverse.effort_motion import EffortRun
-from harness.diagnose.inverse.effort_noise import APART
 from harness.diagnose.inverse.nominal_torque import NominalRows
 from harness.diagnose.problem.hypothesis import nominal_quantities
 from harness.system import System
 
 Array = NDArray[np.float64]
 
-ROUNDS = 20  # of reweighting, at most
-SETTLED = 1e-3  # of the spread, by which a further round changes nothing
-TUKEY = 4.685  # of a robust standard deviation: 95 % efficiency under Gaussian noise (Beaton and Tukey 1974)
-MOST = 8  # further torques
-DENSER = 4  # times the independent samples that the regression sees
-WAVES = 12  # of cogging in a turn, at most
-FALLS = (2.0, 5.0, 12.0)  # times the speed at which a joint may rest, over which friction falls after it breaks loose
 ORDINARY = 7  # columns that are always there
 DRY = 4  # column of dry friction among the ordinary terms
 
@@ -61,9 +63,9 @@ def joint_terms(run: EffortRun, joint: int) -> Array:
     """Torques of laws that act at the joint alone, smoothed, (T, m): a rotor's, springs', cogging's, breaking loose."""
     q, v, a = run.q[:, joint], run.qd[:, joint], run.qdd[:, joint]
     terms = [a, q, q**3]
-    for k in range(1, WAVES + 1):
+    for k in range(1, MOST_COGGING_WAVES + 1):
         terms += [np.sin(k * q), np.cos(k * q)]
-    terms += [np.exp(-((v / (f * run.still[joint])) ** 2)) * run.direction[:, joint] for f in FALLS]
+    terms += [np.exp(-((v / (f * run.still[joint])) ** 2)) * run.direction[:, joint] for f in FALLING_SPEEDS]
     return run.smooth(np.stack(terms, axis=1))
 
 
@@ -113,8 +115,8 @@ def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links
         np.concatenate([ordinary_terms(system, run, joint), joint_terms(run, joint), own[:, :, joint]], axis=1)
         for run, own in zip(runs, links, strict=True)
     ]
-    step = max(1, round(APART / (runs[0].bandwidth * float(runs[0].time[1] - runs[0].time[0]))))
-    every = max(1, step // DENSER)
+    step = max(1, round(SAMPLE_PERIODS / (runs[0].bandwidth * float(runs[0].time[1] - runs[0].time[0]))))
+    every = max(1, step // SAMPLE_DENSITY)
     use = np.concatenate([run.usable[::every] for run in runs])
     seen = np.concatenate([w[::every] for w in whole])[use]
     target = np.concatenate([run.effort[::every, joint] for run in runs])[use]
@@ -127,14 +129,14 @@ def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links
     further = [k for k in range(ORDINARY, len(size)) if there[k]]
     certain: Array = np.ones(len(target))
     found, spread, weight = _robust(seen[:, chosen], target, certain)
-    for _ in range(MOST + 1):
+    for _ in range(MOST_FURTHER_TORQUES + 1):
         dry = abs(float(found[chosen.index(DRY)] / size[DRY])) if DRY in chosen else 0.0
         if spread <= 0.0:
             break
         certain = np.asarray(1.0 / (1.0 + (dry * unsure / spread) ** 2))
         found, spread, weight = _robust(seen[:, chosen], target, certain)
         best = _most(seen, target, weight, chosen, further, independent)
-        if best is None or spread <= 0.0 or len(chosen) >= ORDINARY + MOST:
+        if best is None or spread <= 0.0 or len(chosen) >= ORDINARY + MOST_FURTHER_TORQUES:
             break
         chosen.append(best)
         further.remove(best)
@@ -158,15 +160,15 @@ def _robust(columns: Array, target: Array, certain: Array) -> tuple[Array, float
     weight = certain
     before, spread = np.inf, 0.0
     found: Array = np.zeros(columns.shape[1])
-    for _ in range(ROUNDS):
+    for _ in range(REWEIGHTING_ROUNDS):
         root = np.sqrt(weight)
         found = np.asarray(np.linalg.lstsq(columns * root[:, None], target * root, rcond=1e-8)[0])
         left = (target - columns @ found) * np.sqrt(certain)
         spread = 1.4826 * float(np.median(np.abs(left[certain > 0.5]))) if np.any(certain > 0.5) else 0.0
-        if spread <= 0.0 or abs(spread - before) < SETTLED * spread:
+        if spread <= 0.0 or abs(spread - before) < SETTLED_SPREAD * spread:
             break
         before = spread
-        weight = certain * np.maximum(1.0 - (left / (TUKEY * spread)) ** 2, 0.0) ** 2
+        weight = certain * np.maximum(1.0 - (left / (TUKEY_WIDTH * spread)) ** 2, 0.0) ** 2
     return found, spread, weight
 
 

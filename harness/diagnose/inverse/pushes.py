@@ -13,17 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
+from harness.diagnose.conditioning.constants import MOST_LEFT_OUT_SHARE
+from harness.diagnose.inverse.constants import PUSH_END_SIGMAS, PUSH_SHARE, PUSH_SIGMAS, SHORTEST_PUSH_PERIODS
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-BEGINS = 6.0  # robust standard deviations at which a push is noticed
-ENDS = 2.5  # to which it reaches on either side
-SHARE = 0.15  # of the efforts' 95th percentile, below which a push is not claimed
-SHORTEST = 0.5  # of the shortest period that is looked at; shorter ones are outliers of the smoothing
-MOST = 0.4  # of the recordings that may be pushed; beyond, it is the model that is wrong
 
 
 @dataclass(frozen=True)
@@ -54,13 +50,13 @@ def find_pushes(system: System, runs: Sequence[EffortRun]) -> tuple[Push, ...]:
         target = np.concatenate([run.effort[:, j] for run in runs])
         left = np.concatenate(ordinary.left)
         spread = 1.4826 * float(np.median(np.abs(left[use])))
-        least = max(BEGINS * spread, SHARE * float(np.percentile(np.abs(target[use]), 95)))
+        least = max(PUSH_SIGMAS * spread, PUSH_SHARE * float(np.percentile(np.abs(target[use]), 95)))
         for k, (run, surely) in enumerate(zip(runs, ordinary.surely(runs, j), strict=True)):
             rest = np.where(run.inner, surely, 0.0)
-            for first, last in _stretches(rest, run, least, ENDS * spread):
+            for first, last in _stretches(rest, run, least, PUSH_END_SIGMAS * spread):
                 peak = float(rest[first : last + 1][np.argmax(np.abs(rest[first : last + 1]))])
                 found.append(Push(k, j, float(run.time[first]), float(run.time[last]), peak))
-    if sum(p.last - p.first for p in found) > MOST * total:
+    if sum(p.last - p.first for p in found) > MOST_LEFT_OUT_SHARE * total:
         return ()
     return tuple(found)
 
@@ -76,7 +72,7 @@ def _stretches(rest: Array, run: EffortRun, begins: float, ends: float) -> list[
         beyond, count = label(sign * rest > ends)
         for k in range(1, count + 1):
             index = np.flatnonzero(beyond == k)
-            long = (index[-1] - index[0]) * step >= SHORTEST / run.bandwidth
+            long = (index[-1] - index[0]) * step >= SHORTEST_PUSH_PERIODS / run.bandwidth
             if long and float(np.max(sign * rest[index])) > begins:
                 out.append((int(index[0]), int(index[-1])))
     joined: list[tuple[int, int]] = []

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.inverse.constants import NOISE_LAGS, SAME_TORQUE
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel, arriving, law_shape, law_shapes
 from harness.diagnose.inverse.effort_motion import EffortRun
-from harness.diagnose.inverse.effort_noise import MEMORY, EffortNoise, Grid
+from harness.diagnose.inverse.effort_noise import EffortNoise, Grid
 from harness.diagnose.problem.hypothesis import Hypothesis, bent_by
 from harness.effects.attach import input_chain
 from harness.effects.room import STATED
@@ -26,7 +27,6 @@ from harness.system import Attachment
 Array = NDArray[np.float64]
 
 COLUMNS = 4000  # that are kept
-SAME = 1e-9  # of the torque, that the sum of products may err by where it stands in for inverse dynamics
 AT_ONCE = 16  # torques smoothed together
 DENSE = 1_000_000  # numbers in a table of what every sample compared takes of the others, beyond which whole signals are smoothed
 
@@ -80,7 +80,7 @@ class Whitened:
             for stretch in grid.stretches:
                 inside = np.arange(at, at + len(stretch))
                 order.append((inside[None, :] * len(joints) + np.arange(len(joints))[:, None]).ravel())
-                begins.append(np.arange(len(stretch)) < MEMORY)
+                begins.append(np.arange(len(stretch)) < NOISE_LAGS)
                 clusters.append(np.full(len(stretch) * len(joints), len(clusters)))
                 at += len(stretch)
             samples = np.concatenate(grid.stretches) if grid.stretches else np.zeros(0, dtype=np.intp)
@@ -115,7 +115,7 @@ class Whitened:
     def _sure(self, off: Array, begins: NDArray[np.bool_]) -> Array:
         """One over the standard deviation of rows beside samples that may be off by so much, (N, n), the noise's being one."""
         whole = off.copy()
-        for lag in range(1, MEMORY + 1):
+        for lag in range(1, NOISE_LAGS + 1):
             whole[lag:] += np.abs(self._ahead[:, lag - 1]) * off[:-lag]
         whole /= self._innovation
         whole[begins] = off[begins] / self._std
@@ -213,7 +213,7 @@ class Whitened:
 
         tried = np.linspace(-2.0, 2.0, len(model.nominal))
         there = self._all(model.torques(tried, ()))
-        close = np.abs(columns @ products(tried) - there).max() <= SAME * np.abs(there).max()
+        close = np.abs(columns @ products(tried) - there).max() <= SAME_TORQUE * np.abs(there).max()
         return (products, columns) if close else None
 
     def _law(
@@ -286,7 +286,7 @@ class Whitened:
     def _filtered(self, place: _Place, joints: NDArray[np.intp] | int, seen: Array) -> Array:
         """Samples of some joints (N, J), or of one (N,), less what those before them tell, in units of what they do not."""
         out = seen.copy()
-        for lag in range(1, MEMORY + 1):
+        for lag in range(1, NOISE_LAGS + 1):
             out[lag:] -= self._ahead[joints, lag - 1] * seen[:-lag]
         out /= self._innovation[joints]
         out[place.begins] = seen[place.begins] / self._std[joints]
