@@ -12,15 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.arbitration.estimate import WIDE, Estimate
+from harness.diagnose.arbitration.constants import ALIKE_SHARE, MOST_NAMED, NAMED_WEIGHT, OPEN_SHARE
+from harness.diagnose.arbitration.estimate import Estimate
 from harness.diagnose.arbitration.numbers import Number
+from harness.diagnose.estimation.constants import NORMAL_95
 
 Array = NDArray[np.float64]
-
-OPEN = 0.5  # of its size, beyond which half a 95 % interval that holds every model leaves a number open
-PART = 0.2  # weight from which on a number is named in a combination
-MOST_NAMED = 5
-ALIKE = 0.01  # of its size, by which a number may be off and still be the same for every purpose
 
 
 def by_number(estimate: Estimate, models: Mapping[str, Array]) -> list[dict[str, Any]]:
@@ -35,18 +32,18 @@ def by_number(estimate: Estimate, models: Mapping[str, Array]) -> list[dict[str,
     out = []
     for k, number in enumerate(estimate.freed.numbers):
         value, std = float(estimate.numbers[k]), float(estimate.std[k])
-        low, high = value - WIDE * std, value + WIDE * std
+        low, high = value - NORMAL_95 * std, value + NORMAL_95 * std
         if number.positive:
             low = max(low, 0.0)
         held = not estimate.fitted.free[k]
-        slack = ALIKE * number.size
+        slack = ALIKE_SHARE * number.size
         inside = [name for name, numbers in models.items() if low - slack <= numbers[k] <= high + slack]
         if k == estimate.reference:
             says = "reference"
         elif held:
             says = "not freed"
         elif len(inside) == len(models):
-            says = "open" if WIDE * std > OPEN * number.size else "agree"
+            says = "open" if NORMAL_95 * std > OPEN_SHARE * number.size else "agree"
         elif len(inside) == 1:
             says = inside[0]
         else:
@@ -87,13 +84,13 @@ def by_combination(estimate: Estimate, models: Mapping[str, Array]) -> list[dict
             name: float(along @ (estimate.freed.of(numbers) - estimate.x)[free] / spread)
             for name, numbers in models.items()
         }
-        inside = [name for name, far in away.items() if abs(far) <= WIDE + ALIKE / spread]
+        inside = [name for name, far in away.items() if abs(far) <= NORMAL_95 + ALIKE_SHARE / spread]
         apart = max(away.values()) - min(away.values())
         if len(inside) == len(models):
-            says = "open" if WIDE * spread > OPEN else "agree"
+            says = "open" if NORMAL_95 * spread > OPEN_SHARE else "agree"
         elif len(inside) == 1:
             says = inside[0]
-        elif len(models) > 1 and apart <= WIDE:
+        elif len(models) > 1 and apart <= NORMAL_95:
             says = "agree, and the recordings differ"
         else:
             says = "neither"
@@ -103,7 +100,7 @@ def by_combination(estimate: Estimate, models: Mapping[str, Array]) -> list[dict
                 "weights": {
                     estimate.freed.numbers[free[j]].label: round(float(along[j]), 3)
                     for j in order
-                    if abs(along[j]) >= PART
+                    if abs(along[j]) >= NAMED_WEIGHT
                 },
                 "std": float(spread),
                 "models": away,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.arbitration.agreement import by_combination, by_number, counted_alike
+from harness.diagnose.arbitration.constants import TELLING_NOISE_RATIO
 from harness.diagnose.arbitration.estimate import Estimate
 from harness.diagnose.arbitration.numbers import Number, numbers, values
 from harness.diagnose.arbitration.pairing import paired, prepared
@@ -25,7 +26,6 @@ from harness.system import System
 Array = NDArray[np.float64]
 SCHEMA = "denoc.arbitration/1"
 REFITTED = "refitted"
-MORE_THAN_NOISE = 2.0  # from which on what fitted equations leave is worth a sentence
 
 
 @one_blas_thread()
@@ -220,7 +220,9 @@ def reservations(counted_by: str | None, left: Sequence[Mapping[str, Any]]) -> s
             f" Free swings show ratios alone: all numbers are counted by the {counted_by}. Where that one is off itself, what is "
             "told of the others is off by the same factor."
         )
-    over = [f"{row['channel']} {row['times_noise']:.2g} times" for row in left if row["times_noise"] > MORE_THAN_NOISE]
+    over = [
+        f"{row['channel']} {row['times_noise']:.2g} times" for row in left if row["times_noise"] > TELLING_NOISE_RATIO
+    ]
     if over:
         told += (
             f" Fitted too, the equations leave more than noise ({', '.join(over)}): a law that the rig has is missing in them, and "

@@ -17,15 +17,13 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.denoc.lanes.rows import INERTIA_SLOTS
+from harness.diagnose.arbitration.constants import BASE_PARAMETER_POSITIONS, DEPENDENT_COLUMN, NEGLIGIBLE_FACTOR
 from harness.system import System
 from harness.system.inertia import inertial_numbers
 
 Array = NDArray[np.float64]
 Key = tuple[str, str]  # link (or joint, for a rotor's inertia) and the parameter's name
 
-SAMPLES = 40  # positions
-DEPENDENT = 1e-9  # of its length, what of a column the ones before leave where it depends on them
-NEGLIGIBLE = 1e-6  # factors of grouped parameters below this are rounding
 ARMATURE = "armature"
 
 
@@ -60,9 +58,9 @@ def base_parameters(system: System) -> tuple[BaseParameter, ...]:
             known = columns[:, [place[k] for k in taken]]
             sizes = np.linalg.norm(known, axis=0)
             factors = np.linalg.lstsq(known / sizes, column, rcond=None)[0] / sizes
-            if float(np.linalg.norm(column - known @ factors)) <= DEPENDENT * length:
+            if float(np.linalg.norm(column - known @ factors)) <= DEPENDENT_COLUMN * length:
                 for factor, other in zip(factors, taken, strict=True):
-                    if abs(factor) > NEGLIGIBLE:
+                    if abs(factor) > NEGLIGIBLE_FACTOR:
                         grouped[other].append((float(factor), key))
                 continue
         taken.append(key)
@@ -90,7 +88,7 @@ def energies(system: System) -> tuple[list[Key], Array]:
     first: Array | None = None
     rows = []
     keys: list[Key] = []
-    for _ in range(SAMPLES):
+    for _ in range(BASE_PARAMETER_POSITIONS):
         q = rng.uniform(-np.pi, np.pi, n)
         keys, masses, potentials = _at(system, q, upper)
         first = potentials if first is None else first

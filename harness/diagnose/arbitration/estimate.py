@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from harness.denoc.lanes.rows import INERTIA_SLOTS
 from harness.diagnose.arbitration.base_parameters import ARMATURE
+from harness.diagnose.arbitration.constants import BEGINNING_SHARE, FIT_STEPS, UNSEEN_SPREAD
 from harness.diagnose.arbitration.freed import NOTHING, Freed, FreedObjective, lower_bounds
 from harness.diagnose.arbitration.numbers import Number
 from harness.diagnose.arbitration.runs import period, short_windows
@@ -33,11 +33,6 @@ from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-WIDE = float(norm.ppf(0.975))
-STEPS = 40
-SOME = 0.25  # of its size
-UNSEEN = 1e8  # standard deviation [sizes] of a combination that changes nothing
 
 
 @dataclass(frozen=True)
@@ -88,7 +83,7 @@ def reference_of(every: Sequence[Number]) -> int:
 def off_the_bounds(freed: Freed) -> Array:
     """A model with some of each friction that it has none of: its parameters, (K,)."""
     none = np.array([n.positive and v == 0.0 for n, v in zip(freed.numbers, freed.start, strict=True)], dtype=bool)
-    return np.where(none & ~freed.held, SOME, 0.0)
+    return np.where(none & ~freed.held, BEGINNING_SHARE, 0.0)
 
 
 def estimated(
@@ -119,12 +114,12 @@ def estimated(
     def over(spans: Sequence[Window]) -> FreedObjective:
         return FreedObjective(freed, likelihood, NOTHING, tuple(spans), lower_bounds(freed))
 
-    found = fit(over(short), x, states, fixed=fixed, most_steps=STEPS, others=[states])
+    found = fit(over(short), x, states, fixed=fixed, most_steps=FIT_STEPS, others=[states])
     longer = tuple(windows) if windows is not None else horizon.joined(found)
     if longer != short:
         read = {w: measured_state(problem, freed, w) for w in longer}
         begun = {**read, **found.beginning(longer).states}
-        found = fit(over(longer), found.x, begun, fixed=fixed, most_steps=STEPS, others=[read])
+        found = fit(over(longer), found.x, begun, fixed=fixed, most_steps=FIT_STEPS, others=[read])
     return _told(freed, replace(found, free=~fixed), likelihood, reference)
 
 
@@ -148,7 +143,7 @@ def _told(freed: Freed, found: Fit, likelihood: Likelihood, reference: int | Non
     free = np.flatnonzero(found.free)
     jacobian = weighed.linear.matrix[:, free] / factors[free]
     strength, axes = np.linalg.eigh(jacobian.T @ jacobian)
-    variance = 1.0 / np.maximum(strength, UNSEEN**-2)
+    variance = 1.0 / np.maximum(strength, UNSEEN_SPREAD**-2)
     covariance = np.zeros((len(found.x), len(found.x)))
     covariance[np.ix_(free, free)] = (axes * variance) @ axes.T
     return Estimate(freed, found, found.x, covariance, reference, tuple(louder.tolist()))

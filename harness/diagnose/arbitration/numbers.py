@@ -19,6 +19,7 @@ from harness.diagnose.arbitration.base_parameters import (
     base_parameters,
     inertial_parameters,
 )
+from harness.diagnose.arbitration.constants import LEAST_INERTIA_SHARE, LEAST_LAW_SHARE
 from harness.effects.lanes import lane_row
 from harness.effects.scale import References, references
 from harness.system import System
@@ -53,8 +54,6 @@ POSITIVE = (
     "dahl_stiffness",
     "dahl_torque",
 )
-# Of a joint's natural size, that a change of a number is at least measured by: of inertia, and of what is less as a rule.
-LEAST, LEAST_OF_LAWS = 0.05, 0.005
 PLAIN = {
     "damping": "viscous damping", "coulomb_torque": "dry friction", "static_torque": "dry friction at rest",
     ARMATURE: "rotor inertia",
@@ -136,7 +135,9 @@ def _number(
     joint: str, key: Key, values: Sequence[float], natural: References, system: System, parameter: BaseParameter | None
 ) -> Number:
     slides = system.joint(joint).prismatic
-    least = (LEAST_OF_LAWS if parameter is None else LEAST) * _natural(key[1], natural, parameter is not None)
+    least = (LEAST_LAW_SHARE if parameter is None else LEAST_INERTIA_SHARE) * _natural(
+        key[1], natural, parameter is not None
+    )
     size = max(*(abs(float(v)) for v in values), least)
     others = "" if parameter is None or not parameter.with_ else " with what acts like it"
     if parameter is None or key[1] == ARMATURE:

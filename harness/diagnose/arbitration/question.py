@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.answer.provenance import provenance
+from harness.diagnose.arbitration.constants import FAR_FROM_NOISE_RATIO
 from harness.diagnose.arbitration.estimate import Estimate, estimated, off_the_bounds
 from harness.diagnose.arbitration.freed import Freed
 from harness.diagnose.arbitration.numbers import Number
@@ -29,8 +30,6 @@ from harness.recording import Recording, read_recordings
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-FAR = 4.0  # times the noise's variance, beyond which other beginnings are tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +60,7 @@ class Question:
         for held in ways:
             if best is None:
                 found = [estimated(self.freed(system, every, held)) for system in systems]
-                if min(max(one.louder) for one in found) > FAR:
+                if min(max(one.louder) for one in found) > FAR_FROM_NOISE_RATIO:
                     # Friction that a model has none of begins at a kink, where steps may come to nothing.
                     found += [estimated(one.freed, begin=off_the_bounds(one.freed)) for one in found]
             else:

@@ -8,20 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.arbitration.constants import STATE_FIT_STEPS
 from harness.diagnose.arbitration.freed import NOTHING, Freed, FreedObjective, lower_bounds
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.objective import States
 from harness.diagnose.estimation.window_states import measured_state
+from harness.diagnose.problem.constants import SHORT_WINDOW_SWINGS
 from harness.diagnose.problem.problem import Problem, Run
 from harness.diagnose.problem.windows import Window, cut
 from harness.effects.scale import swings
 from harness.system import System
 
 Array = NDArray[np.float64]
-
-SWINGS = 1.5  # periods of the slowest swing in a short window
-STEPS = 20  # of a fit of initial states
 
 
 def of_model(problem: Problem, system: System) -> Problem:
@@ -41,7 +40,7 @@ def period(problem: Problem) -> float:
 
 def short_windows(problem: Problem, which: Sequence[int]) -> tuple[Window, ...]:
     """Windows of a swing and a half."""
-    return cut(problem.runs, which, SWINGS * period(problem))
+    return cut(problem.runs, which, SHORT_WINDOW_SWINGS * period(problem))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +64,7 @@ def free_runs(
     frozen = np.ones(len(x), dtype=bool)
     others = [read] if states is not None else []
     begun = {**read, **{w: s for w, s in (states or {}).items() if w in read and s.shape == read[w].shape}}
-    found = fit(objective, x, begun, fixed=frozen, most_steps=STEPS, others=others)
+    found = fit(objective, x, begun, fixed=frozen, most_steps=STATE_FIT_STEPS, others=others)
     predicted = freed.predict(NOTHING, x[None], [(0, w, found.states[w]) for w in windows])
     left = tuple(p - freed.runs[w.run].values[:, w.first : w.last] for p, w in zip(predicted, windows, strict=True))
     return FreeRuns(found, left, tuple(predicted))

@@ -22,10 +22,11 @@ from harness.diagnose.arbitration.arbitrate import (
     reservations,
     teller,
 )
-from harness.diagnose.arbitration.estimate import WIDE, estimated
+from harness.diagnose.arbitration.estimate import estimated
 from harness.diagnose.arbitration.numbers import values
 from harness.diagnose.arbitration.pairing import prepared
 from harness.diagnose.arbitration.question import labels, question
+from harness.diagnose.estimation.constants import NORMAL_95
 from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
 from harness.errors import InputError
 from harness.parallel import one_blas_thread
@@ -141,6 +142,6 @@ def _summary(name: str, prediction: Sequence[dict[str, Any]], rows: Sequence[dic
 
 
 def _told(row: dict[str, Any]) -> str:
-    half = WIDE * float(row["std"] or 0.0)
+    half = NORMAL_95 * float(row["std"] or 0.0)
     unit = written(row["unit"])
     return f"{row['number']} (published {row['published']:.4g}, here {row['value']:.4g} ± {half:.2g} {unit})"

@@ -15,16 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
 
+from harness.diagnose.arbitration.constants import CLEAR_CHANCE, FEWEST_WINDOWS, MATTERING_DIFFERENCE, WINDOW_GROUPS
 from harness.diagnose.arbitration.runs import FreeRuns
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window
 
 Array = NDArray[np.float64]
-
-GROUPS = 4  # of windows by speed, extent or effort, equally many in each
-FEWEST = 4  # windows that a test needs
-CLEAR = 0.05  # chance below which a difference is told
-MATTERS = 2.0 * np.log(1.05)  # of logarithms of mean squares: an error a twentieth larger
 
 
 def rms(left: Sequence[Array], channel: int) -> float:
@@ -48,13 +44,13 @@ def compared(errors: Mapping[str, Array]) -> tuple[str, float | None]:
     (one, a), (other, b) = errors.items()
     good = np.isfinite(a) & np.isfinite(b) & (a > 0.0) & (b > 0.0)
     count = int(np.count_nonzero(good))
-    if count < FEWEST:
+    if count < FEWEST_WINDOWS:
         return "too few", None
     difference = np.log(a[good]) - np.log(b[good])
     spread, mean = float(np.std(difference, ddof=1)), float(np.mean(difference))
     chance = float(2.0 * t.sf(abs(mean) / (spread / np.sqrt(count)), count - 1)) if spread > 0.0 else float(mean == 0.0)
     total = float(np.log(np.mean(a[good])) - np.log(np.mean(b[good])))
-    if chance > CLEAR or min(abs(mean), abs(total)) < MATTERS or mean * total < 0.0:
+    if chance > CLEAR_CHANCE or min(abs(mean), abs(total)) < MATTERING_DIFFERENCE or mean * total < 0.0:
         return "level", chance
     return (one if mean < 0.0 else other), chance
 
@@ -129,7 +125,7 @@ def _groups(problem: Problem, windows: Sequence[Window], some: FreeRuns, c: int)
 
 def _quantiles(size: Array) -> list[Group]:
     """Groups of equally many windows, or fewer groups where there are few windows."""
-    count = max(1, min(GROUPS, len(size) // FEWEST))
+    count = max(1, min(WINDOW_GROUPS, len(size) // FEWEST_WINDOWS))
     edges = np.quantile(size, np.linspace(0.0, 1.0, count + 1))
     out: list[Group] = []
     for k in range(count):
