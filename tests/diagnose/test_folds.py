@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from harness.diagnose.answer.cross_validation import FEWEST_IN_PART, Leaves, chosen, groups
+from harness.diagnose.answer.constants import FEWEST_FOLD_SAMPLES
+from harness.diagnose.answer.cross_validation import Leaves, chosen, groups
 from harness.diagnose.problem.windows import Window
 
 
@@ -18,7 +19,7 @@ def test_a_single_stretch_is_cut_into_as_many_parts_as_it_has_samples_for(sample
     (cuts,) = zip(*folds, strict=True)
     assert (cuts[0].first, cuts[-1].last) == (10, 10 + samples)
     assert all(one.last == other.first for one, other in pairwise(cuts))
-    assert all(cut.size >= FEWEST_IN_PART for cut in cuts)
+    assert all(cut.size >= FEWEST_FOLD_SAMPLES for cut in cuts)
 
 
 def test_two_recordings_are_left_out_by_halves() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.claims_as_data import finding_rows, plainer_rivals, rivals_as_data, units_of
+from harness.diagnose.answer.constants import REPLAY_TIME
 from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import Diagnosis
@@ -29,7 +30,7 @@ from harness.diagnose.answer.intervals_told import curvatures, intervals
 from harness.diagnose.answer.left_out import LeftOut, explained_share, left_out
 from harness.diagnose.answer.next_experiment import next_experiment
 from harness.diagnose.answer.predictive import predictive
-from harness.diagnose.answer.replay import LONGEST, Opening
+from harness.diagnose.answer.replay import Opening
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.answer.zeros import Zero, zeros_of
 from harness.diagnose.claims.conclude import Conclusion
@@ -233,7 +234,7 @@ def _opening(outcome: Outcome, conclusion: Conclusion, noise: dict[str, float]) 
         own = conclusion.own
         model = outcome.predictor.mechanism(own.hypothesis).model
         state = model.closed(outcome.predictor.row(own.hypothesis, own.x)[None], state[None])[0]
-    count = int(min(LONGEST, run.time[window.last - 1] - run.time[window.first]) / run.interval)
+    count = int(min(REPLAY_TIME, run.time[window.last - 1] - run.time[window.first]) / run.interval)
     time = np.arange(count + 1, dtype=np.float64) * run.interval
     tau = None
     if run.effort is not None:

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from harness.diagnose.answer.constants import TOLD_CORRELATION
 from harness.diagnose.estimation.least_squares import Fit, covariance
 from harness.diagnose.prediction.predictor import Predictor
-
-FELT = 0.3  # correlation with something claimed from which on a nominal quantity is told too
 
 
 def correlations(predictor: Predictor, fitted: Fit, keys: Sequence[str]) -> Mapping[str, Any] | None:
@@ -34,7 +33,7 @@ def correlations(predictor: Predictor, fitted: Fit, keys: Sequence[str]) -> Mapp
     with np.errstate(invalid="ignore", divide="ignore"):
         related = matrix / np.outer(deviation, deviation)
     names = {i: f"{q.kind} of {q.name}" for i, q in enumerate(predictor.nominal)}
-    felt = [i for i in range(count) if known[i] and float(np.abs(related[i, rows]).max()) > FELT]
+    felt = [i for i in range(count) if known[i] and float(np.abs(related[i, rows]).max()) > TOLD_CORRELATION]
     every = [*rows, *felt]
     if len(every) < 2:
         return None

@@ -14,14 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.answer.constants import FEWEST_FOLD_SAMPLES, FEWEST_FOLDS, MOST_FOLDS
 from harness.diagnose.answer.ways_to_predict import Way, by_sensors, free_run
 from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.outcome import Outcome
 
 Array = NDArray[np.float64]
-
-FEWEST_FOLDS, MOST_FOLDS = 4, 6
-FEWEST_IN_PART = 25  # samples of a stretch that is left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +93,7 @@ def groups(windows: Sequence[Window]) -> list[tuple[Window, ...]]:
         return [tuple(w for group in by_run[k::count] for w in group) for k in range(count)]
     for own in by_run:
         if len(own) == 1:
-            parts = equal_parts(own[0], min(each, max(own[0].size // FEWEST_IN_PART, 1)))
+            parts = equal_parts(own[0], min(each, max(own[0].size // FEWEST_FOLD_SAMPLES, 1)))
             out += [(part,) for part in parts]
         else:
             pieces = np.array_split(np.arange(len(own)), min(each, len(own)))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter, welch
 
 from harness.denoc.model import Denoc
+from harness.diagnose.answer.constants import SMOOTHING_PERIODS
 from harness.diagnose.criticism.locate import raw_residuals
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.acting import feedback
@@ -20,7 +21,6 @@ from harness.effects.scale import references, swings
 
 Array = NDArray[np.float64]
 
-SMOOTHING = 1.0 / 14.0  # of the period: span of the local cubic from which accelerations are read
 MOST_POINTS = 4000  # a plot, per curve
 
 
@@ -154,7 +154,7 @@ def _forces(outcome: Outcome) -> tuple[ForceMap, ...]:
     for run in problem.train:
         step = run.interval
         grid = np.arange(run.time[0], run.time[-1], step)
-        width = max(7, int(SMOOTHING * 2.0 * np.pi / slowest / step) | 1)
+        width = max(7, int(SMOOTHING_PERIODS * 2.0 * np.pi / slowest / step) | 1)
         if len(grid) <= 2 * width:
             continue
         values = np.stack([np.interp(grid, run.time, np.nan_to_num(run.values[c])) for c in channels], axis=1)
@@ -192,7 +192,7 @@ def _energy(outcome: Outcome, residuals: Sequence[Residuals]) -> tuple[Energy, .
         if r.channel != outcome.problem.channels[channels[0]].name:
             continue
         step = float(np.median(np.diff(r.time)))
-        width = max(5, int(SMOOTHING * 2.0 * np.pi / slowest / step) | 1)
+        width = max(5, int(SMOOTHING_PERIODS * 2.0 * np.pi / slowest / step) | 1)
         if len(r.time) <= 2 * width:
             continue
         for kind, values in (

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.diagnose.answer.constants import SHOWN_HYPOTHESES
 from harness.diagnose.answer.predictive import Predictive
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.model_comparison import why_lost
@@ -13,8 +14,6 @@ from harness.diagnose.claims.rivals import ranking as likeliest
 from harness.diagnose.criticism.locate import rmse
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.outcome import Outcome, as_read, judge, trained
-
-SHOWN = 8  # hypotheses in the ranking
 
 
 def fit_rows(outcome: Outcome, conclusion: Conclusion, best: Predictive | None = None) -> list[dict[str, Any]]:
@@ -46,7 +45,7 @@ def likeliest_sets(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, A
             "heldout": {},
             "lost": "",
         }
-        for f in likeliest(outcome, conclusion.best, SHOWN)
+        for f in likeliest(outcome, conclusion.best, SHOWN_HYPOTHESES)
     ]
 
 
@@ -58,7 +57,7 @@ def ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     study, best = outcome.study, conclusion.best
     least = _over_noise(outcome, _errors(outcome, best))
     rows: list[dict[str, Any]] = []
-    for fitted in likeliest(outcome, best, SHOWN):
+    for fitted in likeliest(outcome, best, SHOWN_HYPOTHESES):
         errors = _errors(outcome, fitted)
         # A set that fits better and was not taken beside a force over the state is one whose work that force does as well.
         imitated = conclusion.imitated if outcome.evidence is None else fitted.hypothesis.keys

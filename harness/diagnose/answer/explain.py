@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import floor, log10
 from typing import Any, NamedTuple
 
+from harness.diagnose.answer.constants import PLAINLY_BETTER_ERROR, POSSIBLY_EXPLAINED_SHARE, TELLING_GAIN_SHARE
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.claims.conclude import Conclusion
@@ -30,7 +31,6 @@ POSSIBLY = (
     "Possibly it is {names}: that would remove {share} of the mismatch on data held out, but a force over position and "
     "speed that nobody has named could do the same."
 )
-MOST_OF_IT = 0.5  # of the mismatch on data held out, that laws must remove to be told as possible in so many words
 
 # The same where the time was up before that could be said.
 CUT_SHORT = {
@@ -76,11 +76,6 @@ class Foretold(NamedTuple):
         each = [(r["augmented"]["heldout_rmse"], r) for r in rows]
         found = [cls(error / r["noise_floor"], error, r["channel"], r["unit"]) for error, r in each]
         return max(found, key=lambda f: f.times, default=cls())
-
-
-BETTER = 0.9  # of the error on data held out: from there on another set predicts plainly better
-# Share of the greatest gain that a test must have to be told instead, because it says more.
-TELLING = 0.25
 
 
 def summary(
@@ -163,7 +158,7 @@ def _beside_a_force(
         text = f"The nominal model leaves the recordings {size}; {' and '.join(findings)} {hold} up on data held out{share}."
     else:
         text = NONE_FOR_CERTAIN.format(severity=size)
-        if possible and explained is not None and explained > MOST_OF_IT:
+        if possible and explained is not None and explained > POSSIBLY_EXPLAINED_SHARE:
             text += f" {POSSIBLY.format(names=' and '.join(possible), share=percent(explained))}"
     sentences = [text, *left_in_words(left, foretold, "the sensors' noise")]
     differing = [f"{one.between:.2g} {written(one.unit)} at {one.joint}" for one in left.joints if one.between > 0.0]
@@ -210,7 +205,9 @@ def foretelling(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
     rows: errors of every channel, of what is claimed and of that set.
     """
-    better = [r for r in rows if r["predictive"]["heldout_rmse"] < BETTER * r["augmented"]["heldout_rmse"]]
+    better = [
+        r for r in rows if r["predictive"]["heldout_rmse"] < PLAINLY_BETTER_ERROR * r["augmented"]["heldout_rmse"]
+    ]
     if not better or not keys:
         return ""
     row = better[0]
@@ -250,4 +247,4 @@ def plainest(conclusion: Conclusion) -> Test:
         samples = sum(len(r) for r in conclusion.best.linear.residuals)
         found = max((t for t in tests if t.places >= 0), key=lambda t: t.worth(samples))
     # Others see a creep too, but its own test says where it comes from.
-    return next((t for t in tests if t.cause and t.gain > TELLING * found.gain), found)
+    return next((t for t in tests if t.cause and t.gain > TELLING_GAIN_SHARE * found.gain), found)

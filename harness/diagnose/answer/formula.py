@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from harness.diagnose.answer.constants import FORMULA_SHARE, MOST_FORMULA_TERMS
 from harness.diagnose.answer.explain import percent
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.check import Form, left_by
@@ -11,9 +12,6 @@ from harness.diagnose.criticism.checks.force_of_few_terms import sparsest
 from harness.diagnose.selection.outcome import Outcome
 from harness.recording.units import written
 from harness.system import System
-
-TELLING = 2  # terms at most: with more, most forces look like something
-MOST_OF_IT = 0.5  # of the squares above the noise, below which a formula says too little of what is left
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,7 @@ class Formula:
     @property
     def sentence(self) -> str:
         """In words; nothing where it takes too many terms to say much."""
-        if len(self.form.terms) > TELLING:
+        if len(self.form.terms) > MOST_FORMULA_TERMS:
             return ""
         return (
             f"As a formula over position q and velocity v it is about {self.form} {written(self.unit)} at {self.form.joint}, "
@@ -54,7 +52,7 @@ def formula(outcome: Outcome, conclusion: Conclusion) -> Formula | None:
     at_joints = [left.at_joint(joint) for joint in system.joint_names]
     forms = [sparsest(there) for there in at_joints if there is not None]
     form = max(forms, key=lambda own: own.gain, default=None)
-    if form is None or not form.terms or above <= 0.0 or form.gain < MOST_OF_IT * above:
+    if form is None or not form.terms or above <= 0.0 or form.gain < FORMULA_SHARE * above:
         return None
     # A linear view may promise more than there is.
     return Formula(form, min(form.gain / above, 1.0), system.joint(form.joint).force_unit)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.answer.augmented import attached, augmented
+from harness.diagnose.answer.constants import MOST_ORDINARY_JOINTS, NEAREST_SETS
 from harness.diagnose.answer.cross_validation import Leaves, chosen, groups, leaves
 from harness.diagnose.answer.explain import NO_FINDING
 from harness.diagnose.answer.ways_to_predict import Alone, Learned, Way, WithForce, can_have_force, free_run
@@ -34,8 +35,6 @@ from harness.system import Attachment, System
 Array = NDArray[np.float64]
 
 GAIN = "actuator_gain"
-NEAREST = 3  # sets of the search beside the one claimed
-MOST_JOINTS = 3  # of which the ordinary set has the dissipation of all
 FURTHER = ("further models that may predict best", NO_FINDING)  # left if the time is up
 
 
@@ -92,7 +91,7 @@ def _tried(outcome: Outcome, way: Way, folds: Sequence[tuple[Window, ...]], numb
 
 def _sets(outcome: Outcome, conclusion: Conclusion, ordinary: Sequence[Hypothesis]) -> list[tuple[Hypothesis, Array]]:
     """Sets that may predict best, each with numbers to begin at; those with fewer members first."""
-    near = [f for f in outcome.ordered if f.hypothesis.keys != conclusion.own.hypothesis.keys][:NEAREST]
+    near = [f for f in outcome.ordered if f.hypothesis.keys != conclusion.own.hypothesis.keys][:NEAREST_SETS]
     found = {f.hypothesis.identity: (f.hypothesis, f.x) for f in (conclusion.own, *near)}
     for hypothesis in (Hypothesis(), *ordinary):
         found.setdefault(hypothesis.identity, (hypothesis, _usual(outcome, hypothesis)))
@@ -112,7 +111,7 @@ def _ordinary(outcome: Outcome) -> list[Hypothesis]:
     The zero of an angle shows as what gravity then does, or where there is none as a constant force.
     """
     study = outcome.study
-    if len(outcome.problem.system.movable_joints) > MOST_JOINTS:
+    if len(outcome.problem.system.movable_joints) > MOST_ORDINARY_JOINTS:
         return []
     found: dict[frozenset[str], Hypothesis] = {}
     for zero in ZEROS:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from harness.cases.case import NATIVE
 from harness.cases.single_run import run_once
+from harness.diagnose.answer.constants import FINE_REPLAY_STEP, REPLAY_STEP
 from harness.diagnose.problem.payloads import carrying
 from harness.effects import catalogue
 from harness.engines.expressed import bends, realised
@@ -20,9 +21,6 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-LONGEST = 4.0  # s of motion that engines are compared over
-STEP = 5e-4  # s, of engines with a fixed one
-FINE = 1e-4  # s, the same where it must be finer
 # A light drive side vibrates on its teeth at hundreds of hertz; blows fall into steps.
 DEMANDING = ("backlash", "stop_inertia")
 CLOSED_FORM = "analytic"
@@ -96,7 +94,7 @@ def _columns(system: System, opening: Opening, engine: str) -> Mapping[str, Arra
     position, velocity = (
         {name: value for name, value in part.items() if name in known} for part in (opening.position, opening.velocity)
     )
-    step = FINE if any(attachment.effect in DEMANDING for attachment in system.attachments) else STEP
+    step = FINE_REPLAY_STEP if any(attachment.effect in DEMANDING for attachment in system.attachments) else REPLAY_STEP
     own = None if engine == NATIVE else step
     return run_once(
         system, opening.time, position, velocity, engine=engine, tau=opening.tau, hold=opening.hold, step=own

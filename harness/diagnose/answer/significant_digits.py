@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-_FEWEST, _MOST = 3, 9  # digits
-_PLAIN = 1e9  # up to which all digits are written, since 5570000 and 5.57e+06 would look like two figures
-_DECADE = 10.0  # between the ends of an interval, beyond which either is read by itself
-EXACTLY = 1e-9  # relative standard deviation of what is counted, not measured
-FARTHER = 2.0  # times as far as its deviation says, or as its other end, beyond which an interval itself is told
-TWO_SIDED = 1.96  # standard deviations to either end of a normal distribution's 95 %
+from harness.diagnose.answer.constants import (
+    COUNTED_SPREAD,
+    ENDS_RATIO,
+    FEWEST_DIGITS,
+    LOPSIDED_RATIO,
+    MOST_DIGITS,
+    PLAIN_NUMBER,
+    TWO_SIDED_95,
+)
 
 Interval = Sequence[float | None] | None
 
@@ -18,7 +21,7 @@ Interval = Sequence[float | None] | None
 def digits(value: float, count: int) -> str:
     """The value with so many significant digits, without an exponent below a thousand million."""
     text = f"{value:#.{count}g}".rstrip(".")
-    return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < PLAIN_NUMBER else text
 
 
 def resolved(value: float | None, width: float | None) -> str:
@@ -28,12 +31,12 @@ def resolved(value: float | None, width: float | None) -> str:
     """
     if value is None:
         return "–"
-    count = _FEWEST
-    if width and value and width > EXACTLY * abs(value):
+    count = FEWEST_DIGITS
+    if width and value and width > COUNTED_SPREAD * abs(value):
         decimals = math.ceil(-math.log10(width / 5.0))
-        if decimals <= _MOST and abs(value) < 0.5 * 10.0**-decimals:
+        if decimals <= MOST_DIGITS and abs(value) < 0.5 * 10.0**-decimals:
             return f"{0.0:.{max(decimals, 0)}f}"
-        count = min(max(math.floor(math.log10(abs(value))) + 1 + decimals, _FEWEST), _MOST)
+        count = min(max(math.floor(math.log10(abs(value))) + 1 + decimals, FEWEST_DIGITS), MOST_DIGITS)
     return digits(value, count)
 
 
@@ -47,7 +50,7 @@ def ends(interval: Interval) -> str:
     low, high = interval or (None, None)
     if low is not None and high is not None and low * high > 0.0:
         near, far = sorted((abs(low), abs(high)))
-        if far > _DECADE * near:
+        if far > ENDS_RATIO * near:
             return f"{_short(low)} … {_short(high)}"
     return " … ".join(resolved(end, _width(interval)) for end in interval or ())
 
@@ -73,7 +76,7 @@ def estimate(value: float, std: float | None, interval: Interval, unit: str = ""
     known = low is not None and high is not None
     if std is None and known and low != high:
         return f"{ends(interval)}{after} (95 %), best {best(value, interval)} (at its bound)"
-    if std is None or std <= EXACTLY * abs(value):
+    if std is None or std <= COUNTED_SPREAD * abs(value):
         return resolved(value, None) + after
     if low is not None and high is not None and _own(value, std, low, high):
         return f"{ends(interval)}{after} (95 %), best {best(value, interval)}"
@@ -83,12 +86,12 @@ def estimate(value: float, std: float | None, interval: Interval, unit: str = ""
 def _own(value: float, std: float, low: float, high: float) -> bool:
     """Whether a value and its deviation would tell half of an interval."""
     nearer, farther = sorted((value - low, high - value))
-    return farther > min(FARTHER * TWO_SIDED * std, FARTHER * nearer, abs(value))
+    return farther > min(LOPSIDED_RATIO * TWO_SIDED_95 * std, LOPSIDED_RATIO * nearer, abs(value))
 
 
 def _short(value: float) -> str:
     text = f"{value:.2g}"
-    return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < PLAIN_NUMBER else text
 
 
 def _width(interval: Interval) -> float | None:

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.answer.constants import PIECE_SWINGS, PREDICTION_STEPS
 from harness.diagnose.estimation.beside_state_force import Beside, beside
 from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit, fit
@@ -23,9 +24,6 @@ from harness.effects.effect import Effect, SiteKind
 from harness.effects.force_table import ForceTable
 
 Array = NDArray[np.float64]
-
-STEPS = 15
-A_PIECE = 0.5  # of the slowest swing: over less than a whole one no model loses count
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +60,10 @@ class Alone:
         starts, short = [(self.x, {w: self.known.get(w, usual[w]) for w in windows})], pieces(outcome, windows)
         if short != windows:
             read = {w: outcome.study.read_off(hypothesis, w) for w in short}
-            led = fit(objective.on(short), self.x, read, most_steps=STEPS)
+            led = fit(objective.on(short), self.x, read, most_steps=PREDICTION_STEPS)
             starts.append((led.x, dict(led.beginning(windows).states)))
         whole = objective.on(windows)
-        ends = [fit(whole, x, at, most_steps=2 * STEPS) for x, at in starts]
+        ends = [fit(whole, x, at, most_steps=2 * PREDICTION_STEPS) for x, at in starts]
         return Learned(min(ends, key=lambda f: f.score))
 
 
@@ -104,7 +102,7 @@ def pieces(outcome: Outcome, windows: Sequence[Window]) -> tuple[Window, ...]:
     for window in windows:
         run = outcome.problem.runs[window.run]
         lasts = run.duration * window.size / len(run.time)
-        count = min(round(lasts / (A_PIECE * outcome.period)), window.size // FEWEST_WINDOW_SAMPLES)
+        count = min(round(lasts / (PIECE_SWINGS * outcome.period)), window.size // FEWEST_WINDOW_SAMPLES)
         out += equal_parts(window, max(count, 1))
     return tuple(out)
 
@@ -131,7 +129,7 @@ def free_run(outcome: Outcome, hypothesis: Hypothesis, x: Array, windows: Sequen
     """Nothing but the initial states fitted."""
     objective = by_sensors(outcome, hypothesis).on(tuple(windows))
     frozen = np.ones(len(x), dtype=bool)
-    return fit(objective, x, states(outcome, hypothesis, windows), fixed=frozen, most_steps=STEPS)
+    return fit(objective, x, states(outcome, hypothesis, windows), fixed=frozen, most_steps=PREDICTION_STEPS)
 
 
 def _table(force: StateForce, found: Beside, nodes: Array, shape: Force) -> ForceTable:

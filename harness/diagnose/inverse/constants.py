@@ -143,5 +143,3 @@ SHAPES_DEPENDENT = 1e-8
 FORGOTTEN_SHARE = np.exp(-1.0)
 # samples; of a stretch that say how long something keeps; chosen
 FEWEST_MEMORY_SAMPLES = 8
-# hypotheses; in the ranking; chosen
-SHOWN_HYPOTHESES = 8

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.answer.augmented import augmented
+from harness.diagnose.answer.constants import SHOWN_HYPOTHESES
 from harness.diagnose.answer.curves import Curves, ForceMap, Residuals
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import Foretold, finding_words, untold
@@ -20,7 +21,6 @@ from harness.diagnose.claims.grades import POSSIBLE
 from harness.diagnose.criticism.constants import LOCATED_PIECES
 from harness.diagnose.estimation.constants import NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
-from harness.diagnose.inverse.constants import SHOWN_HYPOTHESES
 from harness.diagnose.inverse.effort_fit import EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_grades import grade, repeatability, without_each
 from harness.diagnose.inverse.effort_left import effort_left
