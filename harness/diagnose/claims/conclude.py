@@ -17,6 +17,7 @@ from harness.diagnose.claims.constants import (
     CROWDED_SET,
     HELD_OUT_SIGMAS,
     INEXACT_LAW_SHARE,
+    MOST_SETS_ASKED,
     PRACTICAL_SHARE,
     RINGING_SHARE,
     SURE_PROBABILITY,
@@ -183,7 +184,9 @@ def settle(outcome: Outcome, best: Fit) -> Fit:
     good, worst = _passes(outcome, best)
     if good:
         return best
-    near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + UNPARTED_EVIDENCE][:6]
+    near = [f for f in outcome.ordered if study.criterion(f) < study.criterion(best) + UNPARTED_EVIDENCE][
+        :MOST_SETS_ASKED
+    ]
     for fitted in near:
         if fitted is not best and _passes(outcome, fitted)[0]:
             return fitted

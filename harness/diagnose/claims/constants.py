@@ -32,6 +32,8 @@ CROWDED_PRICE_RATIO = 3.0
 RINGING_SHARE = 0.9
 # in the criterion; by which a set is better that does not stand on data held out; chosen
 UNPROVEN_EVIDENCE = 30.0
+# sets; that are asked whether they stand where the best one does not, likeliest first; chosen
+MOST_SETS_ASKED = 6
 
 # --- grades ---
 

@@ -28,14 +28,14 @@ from harness.diagnose.claims.constants import (
     RIVAL_PROMISE,
     SHAKEN_RATIO,
 )
-from harness.diagnose.estimation.constants import LOST
+from harness.diagnose.estimation.constants import LOST, RANKING_GAIN
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.constants import STRONG_EVIDENCE, UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, compatible, contains, dear
 from harness.diagnose.selection.beam_search import exhausted, finished
 from harness.diagnose.selection.cogging_periods import replaced
-from harness.diagnose.selection.constants.search import FAR_COST_RATIO, NEAR_EVIDENCE
+from harness.diagnose.selection.constants.search import CARRIED_STEPS, FAR_COST_RATIO, NEAR_EVIDENCE
 from harness.diagnose.selection.constants.weighing import VALLEYS_EVIDENCE
 from harness.diagnose.selection.exchange import Swap, exchanged, known_in_place_of, related, swaps
 from harness.diagnose.selection.outcome import Outcome
@@ -216,7 +216,7 @@ def unseen(outcome: Outcome, best: Fit, k: int) -> list[Fit]:
             held = np.concatenate([study.whole(rest), np.arange(wider.size) > 0])
             fitted = fit(
                 study.objective(rest.with_(wider)), start,
-                study.states_for(rest.with_(wider), best), fixed=held, enough=0.2,
+                study.states_for(rest.with_(wider), best), fixed=held, enough=RANKING_GAIN,
             )  # fmt: skip
             if fitted.score < best.score + UNPARTED_EVIDENCE:
                 found.append(fitted)
@@ -232,10 +232,10 @@ def preferred(outcome: Outcome, best: Fit) -> Fit:
     best = pruned(study, best)
     for _ in range(len(best.hypothesis.members) + 1):
         # To the end: what the search only had to rank may have stopped short.
-        best = study.fit(best.hypothesis, [best.x], best, most_steps=40)
+        best = study.fit(best.hypothesis, [best.x], best, most_steps=CARRIED_STEPS)
         shaken = _shaken(outcome, best)
         if shaken:
-            best = study.fit(best.hypothesis, shaken, best, most_steps=40, target=best.score)
+            best = study.fit(best.hypothesis, shaken, best, most_steps=CARRIED_STEPS, target=best.score)
         best = beyond_the_ends(study, replaced(study, best))
         others = [f for k in range(len(best.hypothesis.members)) for f in in_place_of(outcome, best, k)]
         # The place where a force over the angle fits best beside a wrong member need not be the one beside the right one.

@@ -79,3 +79,8 @@ MOST_LEFT_OUT_SHARE = 0.4
 # of the greatest speed, and of the swing's extent; below which a joint stands still: what stands still is held, and
 # has an effect of its own (late release); chosen
 MOVING_SHARE = 0.03
+# times the median deviation; standard deviation of what is normally distributed but for outliers; closed form: 1 /
+# Φ⁻¹(0.75), to five digits
+ROBUST_SIGMA = 1.4826
+# of the greatest speed; from which on motion is fast enough for its mean force to be judged; chosen
+FAST_SHARE = 0.1

@@ -22,11 +22,13 @@ from harness.diagnose.conditioning.constants import (
     CARRIED_ON_SIGMAS,
     CARRIED_SHARE,
     CARRIED_SIGMAS,
+    FAST_SHARE,
     FEWEST_CARRIED_WINDOWS,
     FORCE_WINDOW_SAMPLES,
     KNOCK_SWINGS,
     MOST_LEFT_OUT_SHARE,
     MOVING_SHARE,
+    ROBUST_SIGMA,
     SAMPLES_A_SWING,
     SMOOTHING_SAMPLES,
     STATIC_FRICTION_RATIO,
@@ -180,7 +182,7 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array, *, stop
     # The robust loss lets it pull no more than its number of samples; what is held for long would still pull too much.
     told = slice(round(MOST_LEFT_OUT_SHARE * len(left)) if stopped else 0, None)
     design, target = basis[told], left[told]
-    spread = float(1.4826 * np.median(np.abs(target - np.median(target)))) or 1e-12
+    spread = float(ROBUST_SIGMA * np.median(np.abs(target - np.median(target)))) or 1e-12
     start = np.zeros(basis.shape[1])
     fitted = least_squares(lambda x: design @ x - target, start, jac=lambda x: design, loss="soft_l1", f_scale=spread)
     rest = left - basis @ fitted.x
@@ -192,9 +194,9 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array, *, stop
         np.abs(qd[SMOOTHING_SAMPLES // 2 :][: windows * FORCE_WINDOW_SAMPLES])
         .reshape(windows, FORCE_WINDOW_SAMPLES)
         .max(axis=1)
-        > 0.1 * speed
+        > FAST_SHARE * speed
     )
-    sigma = float(1.4826 * np.median(np.abs(means[fast])))
+    sigma = float(ROBUST_SIGMA * np.median(np.abs(means[fast])))
     first = float(np.mean(means[:FEWEST_CARRIED_WINDOWS]))
     friction = STATIC_FRICTION_RATIO * abs(float(fitted.x[-1]))
     if abs(first) < max(CARRIED_SIGMAS * sigma / np.sqrt(FEWEST_CARRIED_WINDOWS), CARRIED_SHARE):

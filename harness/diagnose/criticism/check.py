@@ -12,7 +12,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.criticism.constants import LOUDNESS_BLOCKS
+from harness.diagnose.criticism.constants import END_QUANTILES, FASTEST_QUANTILE, LOUDNESS_BLOCKS
 from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
@@ -146,10 +146,10 @@ class Remainder:
         k = own.names.index(joint)
         pooled = np.concatenate([m.q[:, k] for m in own.motions.values()])
         speeds = np.abs(np.concatenate([m.qd[:, k] for m in own.motions.values()]))
-        low, high = (float(x) for x in np.quantile(pooled, [0.005, 0.995]))
+        low, high = (float(x) for x in np.quantile(pooled, END_QUANTILES))
         if high - low < 1e-9:
             return None
-        fast = max(float(np.quantile(speeds, 0.98)), 1e-9)
+        fast = max(float(np.quantile(speeds, FASTEST_QUANTILE)), 1e-9)
         return replace(self, here=AtJoint(joint, own, low, high, fast))
 
 

@@ -38,6 +38,15 @@ READING_JUMP_PLACES = 160
 PROBING_FORCE_SHARE = 1e-4
 # places over the range of a joint; at which a force of its own is allowed; chosen
 STATE_FORCE_PLACES = 10
+# times the half range of positions, or the fastest motion; to which the state is cut off where a force is tried
+# over it; chosen
+STATE_CUT = 1.5
+# 1 / fastest motion; steepness by which a force that tells the senses of turning apart turns; chosen
+TURNING_STEEPNESS = 20.0
+# of all samples; quantile of the speed that counts as the fastest motion; chosen
+FASTEST_QUANTILE = 0.98
+# of all samples; quantiles of the position that count as the ends of the motion; chosen
+END_QUANTILES = (0.005, 0.995)
 # of the range of motion; how far a force at one place may reach; chosen
 LOCAL_FORCE_WIDTHS = (0.25, 0.1, 0.04)
 # angles beside zero; at which a force may begin that acts on one side only; chosen: was 5
@@ -51,6 +60,8 @@ MOST_FORCE_TERMS = 3
 # ratio of eigenvalues of the columns' correlations; below which terms count as dependent; chosen above double
 # rounding (2e-16)
 FORCE_TERMS_DEPENDENT = 1e-8
+# of the columns' squares; ridge under which the gain of several forces at once is solved for; chosen
+GAIN_RIDGE = 1e-6
 # of the swing's period / 2π; shortest time in which a force may relax; chosen
 SHORTEST_RELAXATION = 0.03
 # of the swing's period / 2π; longest time in which a force may relax; chosen
@@ -92,6 +103,8 @@ STEADY_FREQUENCY_DIFFERENCE = 0.03
 STEADY_PHASE_DIFFERENCE = 0.6
 # standard deviations; that separate estimates may always be apart; convention: three of a normal distribution
 STEADY_SIGMAS = 3.0
+# steps; of a fit to the data held out by themselves; chosen
+HELD_OUT_FIT_STEPS = 20
 
 # --- where the nominal model and the force that is left out fail ---
 

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.criticism.constants import GAIN_RIDGE
 from harness.diagnose.selection.score_tests import Nuisance, Projected
 
 Array = NDArray[np.float64]
 
 
-def solve_gain(seen: Projected, index: Sequence[int], strength: float = 1e-6) -> tuple[float, Array, float]:
+def solve_gain(seen: Projected, index: Sequence[int], strength: float = GAIN_RIDGE) -> tuple[float, Array, float]:
     """Gain in cost, coefficients and effective number of directions of a least-squares combination of some columns."""
     assert seen.gram is not None
     coefficients = np.zeros(len(index))

@@ -10,6 +10,7 @@ from harness.diagnose.criticism.constants import (
     AMPLY_CARRIES_RATIO,
     CARRIES_RATIO,
     FAKED_RATIO,
+    HELD_OUT_FIT_STEPS,
     NEEDED_SHARE,
     STEADY_FREQUENCY_DIFFERENCE,
     STEADY_PHASE_DIFFERENCE,
@@ -66,7 +67,7 @@ def steady(outcome: Outcome, own: Fit, k: int) -> bool:
     if own.hypothesis.identity not in outcome.alone:
         states = judge(outcome, own).states
         outcome.alone[own.hypothesis.identity] = fit(
-            study.objective(own.hypothesis).on(held), own.x, states, most_steps=20
+            study.objective(own.hypothesis).on(held), own.x, states, most_steps=HELD_OUT_FIT_STEPS
         )
     other = outcome.alone[own.hypothesis.identity]
     a, b = (outcome.predictor.effect_values(f.hypothesis, k, f.x) for f in (own, other))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import AtJoint, Map, Remainder, Test
-from harness.diagnose.criticism.constants import STATE_FORCE_PLACES
+from harness.diagnose.criticism.constants import STATE_CUT, STATE_FORCE_PLACES, TURNING_STEEPNESS
 from harness.diagnose.criticism.gains import solve_gain
 
 Array = NDArray[np.float64]
@@ -23,15 +23,15 @@ def state_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> t
 
     low, high: range of position that the bumps divide; fast: velocity scale. Returns names and values (k, G).
     """
-    u = np.clip((q - 0.5 * (low + high)) / (0.5 * (high - low)), -1.5, 1.5)
-    w = np.clip(qd / fast, -1.5, 1.5)
+    u = np.clip((q - 0.5 * (low + high)) / (0.5 * (high - low)), -STATE_CUT, STATE_CUT)
+    w = np.clip(qd / fast, -STATE_CUT, STATE_CUT)
     names, values = [], []
     for a in range(4):
         for b in range(4):
             if a + b <= 4:
                 names.append(f"u^{a} w^{b}")
                 values.append(u**a * w**b)
-    for label, sign in (("sign(w)", np.tanh(20.0 * w)), ("u sign(w)", u * np.tanh(20.0 * w))):
+    for label, sign in (("sign(w)", np.tanh(TURNING_STEEPNESS * w)), ("u sign(w)", u * np.tanh(TURNING_STEEPNESS * w))):
         names.append(label)
         values.append(sign)
     centres = np.linspace(-1.0, 1.0, STATE_FORCE_PLACES)
@@ -39,7 +39,7 @@ def state_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> t
     for c in centres:
         bump = np.exp(-(((u - c) / width) ** 2))
         names += [f"bump({c:.2f})", f"bump({c:.2f}) sign(w)"]
-        values += [bump, bump * np.tanh(20.0 * w)]
+        values += [bump, bump * np.tanh(TURNING_STEEPNESS * w)]
     return names, np.array(values)
 
 

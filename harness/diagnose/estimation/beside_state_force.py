@@ -23,6 +23,7 @@ from harness.diagnose.estimation.constants import (
     LOST,
     MOST_STEPS_BESIDE,
     PUSHING_ROUNDS,
+    RANKING_GAIN,
     SHORTENED_STEP,
     SHORTEST_STEP,
     STUCK_ANSWER,
@@ -71,7 +72,7 @@ def beside(
     def fitted_at(nodes: Array, x: Array, states: States, force_there: Force) -> Point:
         there = _pushed(force, objective, nodes)
         loud = float(np.mean(force_there.louder * force.together))
-        found = fit(there, x, states, fixed=held, most_steps=MOST_STEPS_BESIDE, enough=0.2 * loud, louder=loud)
+        found = fit(there, x, states, fixed=held, most_steps=MOST_STEPS_BESIDE, enough=RANKING_GAIN * loud, louder=loud)
         return Point(there, nodes, found.x, found.states, found.linear)
 
     plain = looked_at(force, objective, None, fitted.x, fitted.states, held)

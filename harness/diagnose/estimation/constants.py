@@ -12,6 +12,14 @@ from scipy.stats import norm
 
 # times a step's predicted gain; the most that the rest of a search is expected to bring; chosen
 EXPECTED_GAIN_RATIO = 6.0
+# steps; of a fit at most, unless it is told otherwise; chosen
+MOST_FIT_STEPS = 30
+# in cost; gain of a step below which a fit has come to its end; chosen
+ENOUGH_FIT_GAIN = 0.02
+# in cost; the same of fits that a search only has to rank; chosen
+RANKING_GAIN = 0.2
+# of the normal equations' diagonal; damping that fits begin with; convention: Marquardt's 1e-3
+FIRST_DAMPING = 1e-3
 # steps; that tell a search's pace; chosen
 PACE_STEPS = 4
 # of the normal equations' diagonal; least damping; chosen

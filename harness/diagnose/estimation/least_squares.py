@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 
 from harness.diagnose.estimation.constants import (
     BETTER_STATE_RATIO,
+    ENOUGH_FIT_GAIN,
     EXPECTED_GAIN_RATIO,
+    FIRST_DAMPING,
     LEAST_DAMPING,
     LOST,
     MOST_DAMPING,
+    MOST_FIT_STEPS,
     PACE_STEPS,
     STATE_MIXING_GAIN,
     STATE_MIXING_ROUNDS,
@@ -85,8 +88,8 @@ def fit(
     states: States,
     *,
     fixed: NDArray[np.bool_] | None = None,
-    most_steps: int = 30,
-    enough: float = 0.02,
+    most_steps: int = MOST_FIT_STEPS,
+    enough: float = ENOUGH_FIT_GAIN,
     target: float = -np.inf,
     louder: float = 1.0,
     others: Sequence[States] = (),
@@ -172,7 +175,7 @@ def _descend(
     current = dict(states)
     here = linearise(objective, x, current, upper=upper, fixed=held)
     prior = stepping.prior(x)
-    damping, converged = 1e-3, False
+    damping, converged = FIRST_DAMPING, False
     free = ~held
     # A step that fails is tried again with more damping, from the same place: as many such trials as fit beside the first
     # one into lanes that run anyway are made at once.

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from harness.diagnose.estimation.assemblies import closed_as_recorded
 from harness.diagnose.estimation.constants import (
+    FIRST_DAMPING,
     ODD_WINDOW_RATIO,
     STATE_DIFFERENCE,
     STATE_READING_TIME,
@@ -78,7 +79,7 @@ def settled(objective: Objective, x: Array, options: Sequence[States]) -> dict[W
     windows = objective.windows
     states = [np.array([own[window] for own in options]) for window in windows]
     costs, residuals = objective.of_options(x, _named(windows, states))
-    damping = np.full(costs.shape, 1e-3)
+    damping = np.full(costs.shape, FIRST_DAMPING)
     n = states[0].shape[1]
     for _ in range(STATE_STEPS):
         moved = [np.concatenate([own + STATE_DIFFERENCE * e for e in np.eye(n)]) for own in states]

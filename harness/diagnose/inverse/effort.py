@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
+from harness.diagnose.conditioning.constants import ROBUST_SIGMA
 from harness.diagnose.inverse.constants import FEWEST_SAMPLES, NOISE_LAGS, REVERSING_SHARE
 from harness.diagnose.inverse.effort_answer import EffortAnswer
 from harness.diagnose.inverse.effort_fit import EffortData
@@ -194,7 +195,7 @@ def _data(
 def _pieces(mine: Sequence[tuple[EffortRun, Grid, Array]], j: int, dry: float) -> list[Array]:
     """Consecutive samples of what is left that dry friction's direction has no part in, or all where there are too few of those."""
     every = [left[s] for _, grid, left in mine for s in grid.stretches]
-    spread = 1.4826 * float(np.median(np.abs(np.concatenate(every))))
+    spread = ROBUST_SIGMA * float(np.median(np.abs(np.concatenate(every))))
     sure = []
     for run, grid, left in mine:
         for s in grid.stretches:

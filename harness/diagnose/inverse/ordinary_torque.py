@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.denoc.model import Denoc
+from harness.diagnose.conditioning.constants import ROBUST_SIGMA
 from harness.diagnose.inverse.constants import (
     FALLING_SPEEDS,
     MOST_COGGING_WAVES,
@@ -164,7 +165,7 @@ def _robust(columns: Array, target: Array, certain: Array) -> tuple[Array, float
         root = np.sqrt(weight)
         found = np.asarray(np.linalg.lstsq(columns * root[:, None], target * root, rcond=1e-8)[0])
         left = (target - columns @ found) * np.sqrt(certain)
-        spread = 1.4826 * float(np.median(np.abs(left[certain > 0.5]))) if np.any(certain > 0.5) else 0.0
+        spread = ROBUST_SIGMA * float(np.median(np.abs(left[certain > 0.5]))) if np.any(certain > 0.5) else 0.0
         if spread <= 0.0 or abs(spread - before) < SETTLED_SPREAD * spread:
             break
         before = spread

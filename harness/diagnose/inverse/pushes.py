@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
-from harness.diagnose.conditioning.constants import MOST_LEFT_OUT_SHARE
+from harness.diagnose.conditioning.constants import MOST_LEFT_OUT_SHARE, ROBUST_SIGMA
 from harness.diagnose.inverse.constants import PUSH_END_SIGMAS, PUSH_SHARE, PUSH_SIGMAS, SHORTEST_PUSH_PERIODS
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
@@ -49,7 +49,7 @@ def find_pushes(system: System, runs: Sequence[EffortRun]) -> tuple[Push, ...]:
         use = np.concatenate([run.usable for run in runs])
         target = np.concatenate([run.effort[:, j] for run in runs])
         left = np.concatenate(ordinary.left)
-        spread = 1.4826 * float(np.median(np.abs(left[use])))
+        spread = ROBUST_SIGMA * float(np.median(np.abs(left[use])))
         least = max(PUSH_SIGMAS * spread, PUSH_SHARE * float(np.percentile(np.abs(target[use]), 95)))
         for k, (run, surely) in enumerate(zip(runs, ordinary.surely(runs, j), strict=True)):
             rest = np.where(run.inner, surely, 0.0)

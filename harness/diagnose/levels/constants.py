@@ -18,6 +18,8 @@ GRADIENT_BLOCKS = 12
 FIRST_RESIDUAL = 3e-4
 # fits; that begin where the best one ended; chosen: was 8
 MOST_REFITS = 4
+# evaluations; of one fit; chosen
+MOST_LEVEL_EVALUATIONS = 60
 # in cost; below which a further fit is not worth it; chosen
 ENOUGH_REFIT_GAIN = 2.0
 # of a starting value; by which it is expected to be wrong; chosen

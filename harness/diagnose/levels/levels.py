@@ -25,6 +25,7 @@ from harness.diagnose.levels.constants import (
     GRADIENT_BLOCKS,
     LEVEL_FIT_DIFFERENCE,
     LEVEL_SPREAD,
+    MOST_LEVEL_EVALUATIONS,
     MOST_REFITS,
     SHORTEST_DAHL_WAY,
     START_ERROR,
@@ -326,7 +327,12 @@ class _Levels:
             pairs.clear()
             x[a:b] = np.clip(x[a:b], low[a:b] + 1e-9, high[a:b] - 1e-9)
             found = least_squares(
-                lambda x: both(x)[0], x, jac=lambda x: both(x)[1], bounds=(low, high), x_scale=unit, max_nfev=60
+                lambda x: both(x)[0],
+                x,
+                jac=lambda x: both(x)[1],
+                bounds=(low, high),
+                x_scale=unit,
+                max_nfev=MOST_LEVEL_EVALUATIONS,
             )
             x = found.x
             raw = [self._residuals(x[None], k)[0] for k in range(len(self.runs))]

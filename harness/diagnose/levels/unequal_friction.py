@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 from scipy.stats import f as f_distribution
 
+from harness.diagnose.criticism.constants import END_QUANTILES, FASTEST_QUANTILE
 from harness.diagnose.criticism.probe import Probe, probe
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linear_response import Response, to_channels
@@ -165,8 +166,10 @@ def _shared_shapes(own: Probe, joint: str) -> list[Array]:
     """Changes per stretch (K, M) by friction over speed and over place and by smooth forces, the same in every recording."""
     k = own.names.index(joint)
     q = np.concatenate([m.q[:, k] for m in own.motions.values()])
-    fast = max(float(np.quantile(np.abs(np.concatenate([m.qd[:, k] for m in own.motions.values()])), 0.98)), 1e-9)
-    low, high = (float(x) for x in np.quantile(q, [0.005, 0.995]))
+    fast = max(
+        float(np.quantile(np.abs(np.concatenate([m.qd[:, k] for m in own.motions.values()])), FASTEST_QUANTILE)), 1e-9
+    )
+    low, high = (float(x) for x in np.quantile(q, END_QUANTILES))
     return own.changes(
         joint, partial(_forces, middle=0.5 * (low + high), reach=max(0.5 * (high - low), 1e-9), fast=fast)
     )

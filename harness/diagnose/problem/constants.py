@@ -24,6 +24,10 @@ MOST_SAMPLES = 24_000
 # samples of the fastest motion that is looked for; that thinning leaves at least; chosen: was 60, and recordings at
 # 500 Hz are averaged to 250 Hz since
 SAMPLES_A_SWING = 40.0
+# Hz; rate beyond which samples are averaged in blocks: recordings at 250 Hz are left as they are; chosen
+FINEST_RATE = 260.0
+# usable samples; that a recording has to have, to tell motion from noise; chosen
+FEWEST_USABLE_SAMPLES = 50
 # of a sample; that a block may be shorter than the rate asks for; chosen
 BLOCK_SHORTNESS = 0.1
 # of a channel's extent; around where it ends, within which it has come to rest; chosen
@@ -64,6 +68,8 @@ FEWEST_EFFORT_INTERVALS = 20
 # of a joint's range; how far from a limit a recording has met it, by its sensor's zero and the give of the stop;
 # chosen
 NEAR_LIMIT_SHARE = 0.02
+# relative 1σ; of a nominal quantity whose model states none; convention: stated to users
+USUAL_TOLERANCE = 0.01
 # of a joint's range; beyond which the joint runs through what the model states; chosen
 PAST_LIMIT_SHARE = 0.1
 

@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.problem.constants import USUAL_TOLERANCE
 from harness.diagnose.problem.problem import Run
 from harness.diagnose.problem.windows import Window
 from harness.effects.effect import BY_MODEL, Effect
@@ -111,7 +112,7 @@ class Nominal:
 
     kind: str  # mass, length, inertia, armature, damping, stiffness, payload
     name: str
-    tolerance: float = 0.01
+    tolerance: float = USUAL_TOLERANCE
 
     @property
     def key(self) -> str:

@@ -24,6 +24,8 @@ from harness.diagnose.problem.constants import (
     COHERENT_CHANCE,
     COHERENT_SHARE,
     FEWEST_MOVING_SAMPLES,
+    FEWEST_USABLE_SAMPLES,
+    FINEST_RATE,
     HELD_OUT_SHARE,
     MOST_SAMPLES,
     SAMPLES_A_SWING,
@@ -129,7 +131,7 @@ def pose(
     recordings: Sequence[Measured],
     *,
     heldout: Measured | None = None,
-    finest_rate: float = 260.0,
+    finest_rate: float = FINEST_RATE,
     payloads: Sequence[Mapping[str, Array]] = (),
 ) -> Problem:
     """Put recordings of a system into the form the fit works on.
@@ -268,9 +270,10 @@ def _run(system: System, infos: tuple[ChannelInfo, ...], recording: Measured, in
             effort = None
     time, values = time[keep], values[:, keep]
     effort = None if effort is None else effort[keep]
-    if len(time) < 50:
+    if len(time) < FEWEST_USABLE_SAMPLES:
         raise InputError(
-            f"the recording has {len(time)} usable samples", mend="at least 50 are needed to tell motion from noise"
+            f"the recording has {len(time)} usable samples",
+            mend=f"at least {FEWEST_USABLE_SAMPLES} are needed to tell motion from noise",
         )
     name = str(getattr(recording, "name", "") or getattr(recording, "source", "") or f"recording {index + 1}")
     since = sum(note.size for note in getattr(recording, "quality", ()) if note.kind == "carried_start")

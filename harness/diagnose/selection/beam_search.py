@@ -20,6 +20,7 @@ from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Hypothesis, compatible, dear
 from harness.diagnose.selection.constants.search import (
     ALIKE_PREDICTIONS,
+    BEAM_WIDTH,
     CARRIED_STEPS,
     COMPLETE_COST_RATIO,
     DEAR_EFFECT_SHARE,
@@ -27,13 +28,17 @@ from harness.diagnose.selection.constants.search import (
     FAR_COST_RATIO,
     GENEROUS_PROMISE,
     HOPELESS_COST_RATIO,
+    LARGEST_SET,
+    MEMBER_ALTERNATIVES,
     MOST_CARRIED_SETS,
+    MOST_STUDY_FITS,
     NEAR_EVIDENCE,
     OFFERED_PAIRS,
     PLAINLY_MORE_THAN_NOISE,
     PROSPECTS,
     STALLED_SHARE,
     STRAIGHTENING_EFFECTS,
+    TRIED_EFFECTS,
     UNDER_WAY_GAIN,
 )
 from harness.diagnose.selection.pruning import pruned
@@ -53,11 +58,11 @@ class Effort:
     fitted for every member of the best set. most_fits: of one study; what needs more is not among few effects of the catalogue.
     """
 
-    beam: int = 2
-    tries: int = 4
-    largest: int = 4
-    swaps: int = 3
-    most_fits: int = 30
+    beam: int = BEAM_WIDTH
+    tries: int = TRIED_EFFECTS
+    largest: int = LARGEST_SET
+    swaps: int = MEMBER_ALTERNATIVES
+    most_fits: int = MOST_STUDY_FITS
 
 
 def grow(

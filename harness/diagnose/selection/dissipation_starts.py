@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector, to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
+from harness.diagnose.selection.constants.search import EXTENDING_STEPS
 from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
@@ -55,7 +56,7 @@ def with_one_change(study: Study, near: Fit) -> list[Fit]:
             for size in sizes
         ]
         known = study.fits.get(hypothesis.identity)
-        found.append(known or study.fit(hypothesis, starts, near, most_steps=25))
+        found.append(known or study.fit(hypothesis, starts, near, most_steps=EXTENDING_STEPS))
     return sorted(found, key=study.criterion)
 
 

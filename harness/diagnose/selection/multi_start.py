@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.estimation.constants import RANKING_GAIN
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.prediction.coordinates import is_logarithmic, to_internal
 from harness.diagnose.prediction.predictor import Predictor
@@ -52,7 +53,7 @@ def made_to_ring(study: Bench, fitted: Fit, most_steps: int) -> Fit:
     study.rung.add(hypothesis.identity)
     other = fit(
         study.objective(hypothesis), start, fitted.states, fixed=study.whole(hypothesis),
-        most_steps=most_steps, enough=0.2, target=fitted.score, others=study.others(hypothesis),
+        most_steps=most_steps, enough=RANKING_GAIN, target=fitted.score, others=study.others(hypothesis),
     )  # fmt: skip
     return min(fitted, other, key=study.criterion)
 
@@ -107,7 +108,7 @@ def brought_back(study: Bench, base: Fit, hypothesis: Hypothesis, start: Array) 
     held[len(start) - hypothesis.members[-1].size :] = True
     found = []
     for x in (points[0], points[int(np.argmin(costs))]):
-        found.append(fit(objective, x, states, most_steps=FOLLOWING_STEPS, enough=0.2, fixed=held))
+        found.append(fit(objective, x, states, most_steps=FOLLOWING_STEPS, enough=RANKING_GAIN, fixed=held))
         if found[-1].score < base.score:
             break
     return min(found, key=lambda f: f.score)
@@ -127,7 +128,7 @@ def bent_back(
     held[:k] = True
     straight = fit(
         study.objective(hypothesis), start, study.states_for(hypothesis, near),
-        most_steps=most_steps, enough=0.2, fixed=held, target=FAR_WORSE_RATIO * near.cost, others=study.others(hypothesis),
+        most_steps=most_steps, enough=RANKING_GAIN, fixed=held, target=FAR_WORSE_RATIO * near.cost, others=study.others(hypothesis),
     )  # fmt: skip
     if straight.cost > FAR_WORSE_RATIO * near.cost:
         straight = _led_back(study, near, hypothesis, held) or straight
@@ -163,7 +164,7 @@ def _led_back(study: Bench, near: Fit, hypothesis: Hypothesis, held: NDArray[np.
         ahead = np.concatenate([bent * (1.0 - (stage + 1) / stages), 2.0 * x[k:] - last[k:]])
         found = fit(
             study.objective(hypothesis), ahead, states,
-            most_steps=BENT_STAGE_STEPS, enough=0.2, fixed=held,
+            most_steps=BENT_STAGE_STEPS, enough=RANKING_GAIN, fixed=held,
         )  # fmt: skip
         if found.cost > OFF_THE_WAY_RATIO * near.cost:
             return None

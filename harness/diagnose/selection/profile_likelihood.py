@@ -12,9 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
-from harness.diagnose.estimation.constants import NORMAL_95, WIDEST_INTERVAL
+from harness.diagnose.estimation.constants import NORMAL_95, RANKING_GAIN, WIDEST_INTERVAL
 from harness.diagnose.estimation.intervals import Estimate, inflation
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.objective import States
@@ -27,6 +26,7 @@ from harness.diagnose.selection.constants.weighing import (
     MOST_HALVINGS,
     MOST_NEIGHBOURS,
     OUTWARD_STEPS,
+    PROFILE_95,
     UNKNOWN_LOGARITHM,
     VALLEYS_EVIDENCE,
 )
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 def whole_interval(study: Study, fitted: Fit, index: int, lower: float, upper: float) -> tuple[float, float]:
     """Whole numbers from lower to upper that the data leave open at 95 %, by fitting everything else again for each."""
-    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted)
+    limit = fitted.score + PROFILE_95 * inflation(fitted)
     value = study.counted(fitted, index)
     ends = []
     for sense in (-1.0, 1.0):
@@ -52,7 +52,7 @@ def whole_interval(study: Study, fitted: Fit, index: int, lower: float, upper: f
 
 def as_likely(study: Study, best: Fit, k: int) -> list[Array]:
     """Values of member ``k`` where other fits of the same hypothesis have ended, no less likely than the ends of an interval."""
-    limit = best.score + float(chi2.ppf(0.95, 1)) * inflation(best)
+    limit = best.score + PROFILE_95 * inflation(best)
     ends = study.ends.get(best.hypothesis.keys, ())
     return [study.predictor.effect_values(best.hypothesis, k, x) for score, x in ends if score < limit]
 
@@ -63,7 +63,7 @@ def reached(study: Study, fitted: Fit, index: int, width: float, valleys: float 
     Of what vibrates a fit knows one of many narrow valleys, and its curvature says nothing of the next. A place counts if a fit
     there is as likely as the truth would be beside the best of so many valleys.
     """
-    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted) + valleys
+    limit = fitted.score + PROFILE_95 * inflation(fitted) + valleys
     objective = study.objective(fitted.hypothesis).on(fitted.windows)
     lower, upper = objective.bounds()
     held = study.whole(fitted.hypothesis)
@@ -72,7 +72,7 @@ def reached(study: Study, fitted: Fit, index: int, width: float, valleys: float 
     def likely(x: Array, states: States) -> Fit | None:
         if not lower[index] <= x[index] <= upper[index]:
             return None
-        found = fit(objective, x, states, fixed=held, most_steps=OUTWARD_STEPS, enough=0.2, target=limit)
+        found = fit(objective, x, states, fixed=held, most_steps=OUTWARD_STEPS, enough=RANKING_GAIN, target=limit)
         return found if found.score < limit else None
 
     good, last = width, fitted
@@ -95,7 +95,7 @@ def kept_within(study: Study, fitted: Fit, index: int, width: float) -> float:
 
     For what a change of other parameters makes up for but for squares: the curvature says next to nothing of it.
     """
-    limit = fitted.score + float(chi2.ppf(0.95, 1)) * inflation(fitted)
+    limit = fitted.score + PROFILE_95 * inflation(fitted)
     objective = study.objective(fitted.hypothesis).on(fitted.windows)
     lower, upper = objective.bounds()
     held = study.whole(fitted.hypothesis)
@@ -104,7 +104,9 @@ def kept_within(study: Study, fitted: Fit, index: int, width: float) -> float:
     def likely(away: float) -> bool:
         x = _moved(fitted, index, float(np.clip(fitted.x[index] + away, lower[index], upper[index])))
         return (
-            fit(objective, x, fitted.states, fixed=held, most_steps=OUTWARD_STEPS, enough=0.2, target=limit).score
+            fit(
+                objective, x, fitted.states, fixed=held, most_steps=OUTWARD_STEPS, enough=RANKING_GAIN, target=limit
+            ).score
             < limit
         )
 

@@ -10,6 +10,7 @@ import numpy as np
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import internal_bounds
 from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.constants.search import CARRIED_STEPS
 from harness.diagnose.selection.constants.starts import FURTHER_REACH
 from harness.diagnose.selection.study import Study
 
@@ -23,7 +24,7 @@ def beyond_the_ends(study: Study, fitted: Fit) -> Fit:
     if not at_end:
         return fitted
     reach.update(dict.fromkeys(at_end, FURTHER_REACH))
-    return study.fit(fitted.hypothesis, [fitted.x], fitted, most_steps=40)
+    return study.fit(fitted.hypothesis, [fitted.x], fitted, most_steps=CARRIED_STEPS)
 
 
 def _at_end(study: Study, fitted: Fit, k: int, member: Candidate) -> bool:

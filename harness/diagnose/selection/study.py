@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from harness.diagnose.estimation.constants import STATE_READING_TIME
+from harness.diagnose.estimation.constants import RANKING_GAIN, STATE_READING_TIME
 from harness.diagnose.estimation.discrepancy import Profiled, profiled
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
@@ -33,13 +33,16 @@ from harness.diagnose.selection.beginning import Addition
 from harness.diagnose.selection.beginnings.catalogue import beginnings
 from harness.diagnose.selection.constants.search import (
     ALIKE_SCORES,
+    BENT_BACK_STEPS,
     CLEARLY_NOISE_SIGMAS,
+    EXTENDING_STEPS,
     FAR_COST_RATIO,
     HOPELESS_COST_RATIO,
     NOTICEABLE_GAIN,
     PATIENT_STEPS,
     PLAINLY_MORE_THAN_NOISE,
     PRIOR_WIDTH,
+    SEARCH_STEPS,
     STATE_READING_PARTS,
     STRETCHED_CHANCE,
     SUFFICIENT_SHARE,
@@ -218,7 +221,7 @@ class Study:
         starts: Sequence[Array],
         near: Fit | None,
         *,
-        most_steps: int = 15,
+        most_steps: int = SEARCH_STEPS,
         target: float = -np.inf,
     ) -> Fit:
         """The best fit of a hypothesis over several starting vectors; an earlier better one is kept."""
@@ -231,7 +234,7 @@ class Study:
                 start,
                 self.states_for(hypothesis, near),
                 most_steps=most_steps,
-                enough=0.2,
+                enough=RANKING_GAIN,
                 fixed=whole if whole.any() else None,
                 target=target,
                 others=others,
@@ -270,7 +273,7 @@ class Study:
         x[: len(self.predictor.nominal)] = 0.0
         found = fit(
             self.objective(best.hypothesis), x, best.states,
-            most_steps=most_steps, enough=0.2, fixed=whole if whole.any() else None, louder=louder,
+            most_steps=most_steps, enough=RANKING_GAIN, fixed=whole if whole.any() else None, louder=louder,
         )  # fmt: skip
         # It begins far from where the first one ended, perhaps in a wrong valley.
         return min(found, best, key=lambda f: f.cost + louder * f.prior)
@@ -300,7 +303,7 @@ class Study:
         ]
         return float(np.concatenate(values)[index - len(self.predictor.nominal)])
 
-    def neighbour(self, best: Fit, index: int, by: float, most_steps: int = 15) -> Fit:
+    def neighbour(self, best: Fit, index: int, by: float, most_steps: int = SEARCH_STEPS) -> Fit:
         """The fit with one whole number of the parameter vector changed, everything else fitted again."""
         x = best.x.copy()
         logarithmic = np.concatenate(
@@ -310,7 +313,7 @@ class Study:
         held = self.whole(best.hypothesis)
         return fit(
             self.objective(best.hypothesis), x, best.states,
-            most_steps=most_steps, enough=0.2, fixed=held, target=best.score,
+            most_steps=most_steps, enough=RANKING_GAIN, fixed=held, target=best.score,
         )  # fmt: skip
 
     def stretched(self, fitted: Fit, louder: float = 1.0) -> bool:
@@ -418,7 +421,7 @@ class Study:
         gain = base.score - known.score
         return [Score(candidate, gain, np.empty(0), float(np.sqrt(gain)))] if gain > 0.0 else []
 
-    def extend(self, base: Fit, found: Score, *, most_steps: int = 25) -> Fit:
+    def extend(self, base: Fit, found: Score, *, most_steps: int = EXTENDING_STEPS) -> Fit:
         """The fit of a hypothesis with one more effect, from the score test's starting point."""
         hypothesis = base.hypothesis.with_(found.candidate)
         known = self.known(hypothesis)
@@ -500,7 +503,7 @@ class Study:
             if nested is None or found.score <= nested.score:
                 break
         if hypothesis.members and self.stretched(found) and found.cost < HOPELESS_COST_RATIO * self.samples:
-            found = bent_back(self, base, found.x, hypothesis, most_steps=25)
+            found = bent_back(self, base, found.x, hypothesis, most_steps=BENT_BACK_STEPS)
         return found
 
     def _astray(self, known: Fit, base: Fit, k: int) -> bool:

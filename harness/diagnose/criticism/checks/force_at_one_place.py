@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
-from harness.diagnose.criticism.constants import LOCAL_FORCE_WIDTHS, ONE_SIDED_FORCE_ANGLES
+from harness.diagnose.criticism.constants import (
+    LOCAL_FORCE_WIDTHS,
+    ONE_SIDED_FORCE_ANGLES,
+    STATE_CUT,
+    TURNING_STEEPNESS,
+)
 
 Array = NDArray[np.float64]
 
@@ -30,8 +35,8 @@ def _asked(left: Remainder) -> Iterator[Test]:
 def _local_shapes(q: Array, qd: Array, low: float, high: float, fast: float) -> Array:
     """Forces that nobody has a law for, one amplitude each: at one place of the range (attraction, push, drag, friction
     there), or on one side of it only; shape (k, G)."""
-    w = np.clip(qd / fast, -1.5, 1.5)
-    sense = np.tanh(20.0 * w)
+    w = np.clip(qd / fast, -STATE_CUT, STATE_CUT)
+    sense = np.tanh(TURNING_STEEPNESS * w)
     values = []
     for share in LOCAL_FORCE_WIDTHS:
         width = share * (high - low)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
-from harness.diagnose.criticism.constants import SETTING_IN_MOMENTS
+from harness.diagnose.criticism.constants import SETTING_IN_MOMENTS, STATE_CUT, TURNING_STEEPNESS
 from harness.diagnose.criticism.gains import jointly
 from harness.effects.effect import Effect, Family
 
@@ -30,8 +30,8 @@ def _asked(left: Remainder) -> Iterator[Test]:
         found = own.motions[window]
         run = own.predictor.runs[window.run]
         time = found.time + run.date(window.first)
-        speed = np.clip(found.qd[:, k] / at.fast, -1.5, 1.5)
-        shapes = np.array([np.ones_like(speed), np.tanh(20.0 * speed), speed, np.sin(found.q[:, k])])
+        speed = np.clip(found.qd[:, k] / at.fast, -STATE_CUT, STATE_CUT)
+        shapes = np.array([np.ones_like(speed), np.tanh(TURNING_STEEPNESS * speed), speed, np.sin(found.q[:, k])])
         later = (time[None, :] >= moments[:, None]).astype(np.float64)
         histories = np.vstack([(shapes[:, None, :] * later[None]).reshape(-1, len(speed)), shapes * time / longest])
         columns.append(own.pulses(joint, window, histories))

@@ -43,6 +43,20 @@ PATIENT_STEPS = 100
 STATE_READING_PARTS = 8.0
 # sets; that are kept, or fitted anew, when all are weighed anew; chosen
 RETAINED_SETS = 24
+# sets; that are kept a round; chosen
+BEAM_WIDTH = 2
+# effects; fitted beside each of them; chosen
+TRIED_EFFECTS = 4
+# effects; in a set at most; chosen
+LARGEST_SET = 4
+# alternatives; fitted for every member of the best set; chosen
+MEMBER_ALTERNATIVES = 3
+# fits; of one study: what needs more is not among few effects of the catalogue; chosen
+MOST_STUDY_FITS = 30
+# steps; of a fit in the search; chosen
+SEARCH_STEPS = 15
+# steps; of a fit with one more effect, or of ordinary dissipation; chosen
+EXTENDING_STEPS = 25
 
 # --- beam search ---
 

@@ -6,6 +6,8 @@ stands in ``reference/sensitivity.json``.
 
 from __future__ import annotations
 
+from scipy.stats import chi2
+
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 
 # --- beside a force over the state ---
@@ -50,6 +52,9 @@ LOUD_RATIO = 3.0
 
 # whole numbers; beside the likeliest, either way, that are tried; chosen
 MOST_NEIGHBOURS = 5
+# rise of twice the logarithm of the profile likelihood; at the ends of a 95 % interval of one parameter; closed
+# form: χ²⁻¹(0.95, 1) = 3.841
+PROFILE_95 = float(chi2.ppf(0.95, 1))
 # times; that an interval is doubled outward; chosen
 MOST_DOUBLINGS = 5
 # steps; of a fit there; chosen

@@ -13,7 +13,7 @@ from itertools import islice, product
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
+from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES, RANKING_GAIN
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible, dear
@@ -119,7 +119,9 @@ def _begun_ringing(study: Study, near: Fit, hypothesis: Hypothesis, start: Array
     """
     held = study.whole(hypothesis)
     held[len(start) - hypothesis.members[-1].size :] = True
-    ringing = fit(study.objective(hypothesis), start, study.states_for(hypothesis, near), fixed=held, enough=0.2)
+    ringing = fit(
+        study.objective(hypothesis), start, study.states_for(hypothesis, near), fixed=held, enough=RANKING_GAIN
+    )
     return study.fit(hypothesis, [ringing.x], ringing)
 
 
@@ -190,10 +192,14 @@ def _grown(study: Study, best: Fit, hypothesis: Hypothesis, starts: Sequence[Arr
         if found is None:
             costs = [cost for cost, _ in on.residuals([(x, begun) for x in starts])]
             likeliest = [starts[k] for k in np.argsort(costs)[:RELATIVE_BEGUN_SIZES]]
-            sized = [fit(on, x, begun, fixed=alone, enough=0.2, most_steps=RELATIVE_SIZE_STEPS) for x in likeliest]
+            sized = [
+                fit(on, x, begun, fixed=alone, enough=RANKING_GAIN, most_steps=RELATIVE_SIZE_STEPS) for x in likeliest
+            ]
             found = min(sized, key=lambda f: f.score)
         else:
-            found = fit(on, found.x, begun, fixed=study.whole(hypothesis), enough=0.2, most_steps=RELATIVE_SIZE_STEPS)
+            found = fit(
+                on, found.x, begun, fixed=study.whole(hypothesis), enough=RANKING_GAIN, most_steps=RELATIVE_SIZE_STEPS
+            )
             own = _on_parts(study, best, parts)
             if found.score > SAME_WORK_RATIO * own or (
                 only_noise and found.converged and found.score > own + NEAR_EVIDENCE
