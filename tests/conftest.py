@@ -14,6 +14,7 @@ QUICK = {
     "diagnose": (
         "test_absence", "test_assemblies", "test_averaged_intervals", "test_balanced_link", "test_beside_a_remainder",
         "test_coarse_effort",
+        "test_changed_numbers",
         "test_conventions", "test_crosstalk", "test_curved_valley", "test_diagnose_noise_colour", "test_discrepancy",
         "test_dispersion", "test_effect_without_parameters", "test_effort_laws", "test_efforts_first", "test_end_of_link",
         "test_free_motion", "test_held_start", "test_joint_gain", "test_noise_free_recording", "test_numbers_in_tables",
