@@ -1,0 +1,122 @@
+"""Findings of efforts: their numbers, evidence, grades, and what else they could be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from harness.diagnose.answer.explain import finding_words, untold
+from harness.diagnose.answer.findings import in_words
+from harness.diagnose.claims.grades import POSSIBLE
+from harness.diagnose.estimation.constants import NORMAL_95
+from harness.diagnose.estimation.intervals import Estimate
+from harness.diagnose.inverse.effort_fit import EffortFit, spread
+from harness.diagnose.inverse.effort_grades import grade, repeatability, without_each
+from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.problem.hypothesis import Candidate
+from harness.effects.effect import SiteKind
+from harness.system import System
+
+UNREPEATED = ("whether what was found repeats in every recording", "grades may be too low")
+UNRIVALLED = (
+    "what else could stand in the place of each effect claimed",
+    "more effects may be as likely as those told",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class EffortFindings:
+    """Findings as the document has them; those more than possible in words, and what these cannot be told from; effects that cannot
+    be told apart, in pairs."""
+
+    rows: Sequence[dict[str, Any]]
+    titles: Sequence[str]
+    rivals: Sequence[str]
+    pairs: Sequence[tuple[str, str]]
+
+
+def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, remainder: bool) -> EffortFindings:
+    """All findings of a set; remainder: whether more than noise is left beside it."""
+    deadline = study.data.model.deadline
+    weights = {key: study.criterion(f) for key, f in study.fits.items()}
+    lowest = min(weights.values())
+    share = {key: float(np.exp(-0.5 * (w - lowest))) for key, w in weights.items()}
+    total = sum(share.values())
+    findings, titles, rivals, pairs = [], [], [], []
+    again: list[tuple[str, EffortFit]] = deadline.attempt(
+        *UNREPEATED, lambda: without_each((study.data, study.held), best), lambda: []
+    )
+    for k, member in enumerate(best.hypothesis.members):
+        values, units = estimates(study, best, k), _units(system, member)
+        smaller = study.reduce(best, k)
+        alike: list[tuple[Candidate, EffortFit]] = deadline.attempt(
+            *UNRIVALLED, partial(study.rivals, best, k), lambda: []
+        )
+        others = [c for c, _ in alike]
+        names = [c.effect.name if c.site == member.site else c.key for c in others]
+        repeats = repeatability(again, study.nominal, k)
+        how = grade(
+            member, values, repeats, share=_share(study, best, smaller), rivals=bool(names), remainder=remainder
+        )
+        probability = sum(s for key, s in share.items() if member.key in key) / total
+        findings.append(
+            {
+                "effect": member.effect.name,
+                "site": member.site,
+                "parameters": {
+                    name: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[name]}
+                    for name, e in values.items()
+                },
+                "evidence": {
+                    "delta_bic": study.criterion(smaller) - study.criterion(best), "probability": probability,
+                    "heldout_sigma": study.heldout_z(smaller, best),
+                },
+                "indistinguishable_from": names,
+                "grade": how,
+                "repeatability": repeats,
+            }
+        )  # fmt: skip
+        if how != POSSIBLE:
+            titles.append(finding_words(member.effect.title, member.site, values, units))
+        if names and how != POSSIBLE:
+            rivals.append(untold(member.effect.title, member.site, list(map(in_words, names))))
+        pairs += [(member.effect.name, c.effect.name) for c in others]
+    return EffortFindings(findings, titles, rivals, pairs)
+
+
+def estimates(study: EffortStudy, best: EffortFit, k: int) -> dict[str, Estimate]:
+    """The parameters of member ``k``."""
+    member = best.hypothesis.members[k]
+    first = study.nominal + best.hypothesis.span(k).start
+    sigma = spread(best, study.nominal)
+    out = {}
+    for j, parameter in enumerate(member.effect.parameters):
+        value, s = float(best.x[first + j]), float(sigma[first + j])
+        span = 1e-6 * float(member.scales[j])
+        bound = value <= parameter.lower + span or value >= parameter.upper - span
+        low, high = max(value - NORMAL_95 * s, parameter.lower), min(value + NORMAL_95 * s, parameter.upper)
+        out[parameter.name] = Estimate(value, None if bound else s, low, high)
+    return out
+
+
+def _units(system: System, member: Candidate) -> dict[str, str]:
+    """Units of a member's parameters."""
+    joint = (
+        system.joint(member.site.split(".")[0]) if member.effect.site in (SiteKind.JOINT, SiteKind.CHANNEL) else None
+    )
+    units = member.effect.units(
+        prismatic=joint is not None and joint.prismatic, channel_unit=joint.position_unit if joint else "rad"
+    )
+    return dict(zip(member.effect.parameter_names, units, strict=True))
+
+
+def _share(study: EffortStudy, best: EffortFit, smaller: EffortFit) -> float:
+    """What a member explains that is missing in a smaller set, in units of what is left beyond the noise (squares)."""
+    data = study.data
+    own, other = (float(np.sum(data.rows(f.hypothesis, f.x) ** 2)) for f in (best, smaller))
+    left = own - data.samples
+    return (other - own) / left if left > 0.0 else np.inf
