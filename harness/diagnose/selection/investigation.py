@@ -62,7 +62,13 @@ def investigate(
         training = final.unfitted(final.likelihood, own)
         frozen = np.ones(len(final.predictor.nominal), dtype=bool)
         states = {w: empty.states[w] for w in own}
-        nominal = fit(training.objective(Hypothesis()), np.zeros(len(frozen)), states, fixed=frozen)
+        nominal = fit(
+            training.objective(Hypothesis()),
+            np.zeros(len(frozen)),
+            states,
+            fixed=frozen,
+            others=training.others(Hypothesis()),
+        )
     return Outcome(
         final.problem, final.predictor, final, training, nominal, empty, ordered[0], ordered, held,
         MOTION_HARMONICS * frequency, period,

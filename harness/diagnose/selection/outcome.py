@@ -84,7 +84,8 @@ class Outcome:
         self.empty = after.known(Hypothesis()) or after.empty()
         self.best = after.fit(best.hypothesis, [best.x], best)
         frozen = np.ones(len(self.nominal.x), dtype=bool)
-        self.nominal = fit(self.training.objective(Hypothesis()), self.nominal.x, self.nominal.states, fixed=frozen)
+        objective, others = self.training.objective(Hypothesis()), self.training.others(Hypothesis())
+        self.nominal = fit(objective, self.nominal.x, self.nominal.states, fixed=frozen, others=others)
         return self.best
 
 
@@ -128,7 +129,10 @@ def judged(outcome: Outcome, fitted: Fit, own: Fit) -> Fit:
             state = outcome.study.read_off(fitted.hypothesis, window)
         states[window] = state
     frozen = np.ones(len(own.x), dtype=bool)
-    held = fit(outcome.study.objective(own.hypothesis).on(outcome.held_windows), own.x, states, fixed=frozen)
+    held = fit(
+        outcome.study.objective(own.hypothesis).on(outcome.held_windows), own.x, states, fixed=frozen,
+        others=outcome.study.others(own.hypothesis, outcome.held_windows),
+    )  # fmt: skip
     outcome.judged[id(own)] = (own, held)
     return held
 
@@ -145,7 +149,11 @@ def as_read(outcome: Outcome, fitted: Fit) -> Fit:
     if known is None:
         objective = outcome.study.objective_under(sensors, fitted)
         every = np.ones(len(fitted.x), dtype=bool)
-        known = outcome.read[id(fitted)] = fitted, fit(objective, fitted.x, fitted.states, fixed=every)
+        others = outcome.study.others(fitted.hypothesis, fitted.windows)
+        known = outcome.read[id(fitted)] = (
+            fitted,
+            fit(objective, fitted.x, fitted.states, fixed=every, others=others),
+        )
     return known[1]
 
 

@@ -204,10 +204,13 @@ class Study:
         """The initial state of any window as it is read off the recording over a span [s]."""
         return carry_state(self.predictor, Hypothesis(), hypothesis, self._measured(window, span))
 
-    def others(self, hypothesis: Hypothesis) -> list[dict[Window, Array]]:
-        """Initial states as they are read off the recording, sharply and smoothly, for windows whose own have gone astray."""
+    def others(self, hypothesis: Hypothesis, windows: Sequence[Window] | None = None) -> list[dict[Window, Array]]:
+        """Initial states as they are read off the recording, sharply and smoothly, for windows whose own have gone astray; of the
+        study's windows, or of these.
+        """
+        windows = self.windows if windows is None else windows
         spans = sorted({STATE_READING_TIME, max(STATE_READING_TIME, self.swing / STATE_READING_PARTS)})
-        return [{window: self.read_off(hypothesis, window, span) for window in self.windows} for span in spans]
+        return [{window: self.read_off(hypothesis, window, span) for window in windows} for span in spans]
 
     def _measured(self, window: Window, span: float) -> Array:
         key = (window, span)
