@@ -57,6 +57,8 @@ FEWEST_FOLD_SAMPLES = 25
 PREDICTION_STEPS = 15
 # of the slowest swing; length of a piece: over less than a whole one no model loses count; chosen
 PIECE_SWINGS = 0.5
+# times as long; pieces after pieces, until they are whole: a fit over some follows the motion over a few times as many; chosen
+LONGER_PIECES_RATIO = 4.0
 
 # --- curves and the replay in other engines ---
 

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.answer.constants import PIECE_SWINGS, PREDICTION_STEPS
+from harness.diagnose.answer.constants import LONGER_PIECES_RATIO, PIECE_SWINGS, PREDICTION_STEPS
 from harness.diagnose.estimation.beside_state_force import Beside, beside
 from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit, fit
@@ -51,16 +51,21 @@ class Alone:
     known: Mapping[Window, Array] = field(default_factory=dict)
 
     def learned(self, windows: Sequence[Window]) -> Learned:
-        """As whole windows teach it, begun at ``x`` and where pieces of half a swing lead from there.
+        """As whole windows teach it, begun at ``x`` and where ever longer pieces lead from there.
 
-        Over whole windows a model that leaves something out has many valleys; over short ones it has few.
+        Over whole windows a model that leaves something out has many valleys; over half a swing it has few, and what fits there
+        lies near the valley of pieces a few times as long (Bock's multiple shooting, with fewer and fewer shots).
         """
         outcome, hypothesis, windows = self.outcome, self.hypothesis, tuple(windows)
         objective, usual = by_sensors(outcome, hypothesis), states(outcome, hypothesis, windows)
-        starts, short = [(self.x, {w: self.known.get(w, usual[w]) for w in windows})], pieces(outcome, windows)
-        if short != windows:
-            read = {w: outcome.study.read_off(hypothesis, w) for w in short}
-            led = fit(objective.on(short), self.x, read, most_steps=PREDICTION_STEPS)
+        starts = [(self.x, {w: self.known.get(w, usual[w]) for w in windows})]
+        led: Fit | None = None
+        for cuts in longer_and_longer(outcome, windows):
+            read = {w: outcome.study.read_off(hypothesis, w) for w in cuts}
+            x = self.x if led is None else led.x
+            near = read if led is None else {**read, **led.beginning(cuts).states}
+            led = fit(objective.on(cuts), x, near, most_steps=PREDICTION_STEPS, others=[read])
+        if led is not None:
             starts.append((led.x, dict(led.beginning(windows).states)))
         whole = objective.on(windows)
         ends = [fit(whole, x, at, most_steps=2 * PREDICTION_STEPS) for x, at in starts]
@@ -96,13 +101,25 @@ class WithForce:
         return Learned(free_run(outcome, larger, x, windows), table)
 
 
-def pieces(outcome: Outcome, windows: Sequence[Window]) -> tuple[Window, ...]:
-    """Windows cut into pieces of about half a swing, as far as samples allow."""
+def longer_and_longer(outcome: Outcome, windows: Sequence[Window]) -> list[tuple[Window, ...]]:
+    """Windows cut into pieces of half a swing, of a few times as much, and so on, as far as they are cut at all."""
+    out: list[tuple[Window, ...]] = []
+    swings = PIECE_SWINGS
+    while True:
+        cuts = pieces(outcome, windows, swings)
+        if cuts == tuple(windows):
+            return out
+        out.append(cuts)
+        swings *= LONGER_PIECES_RATIO
+
+
+def pieces(outcome: Outcome, windows: Sequence[Window], swings: float) -> tuple[Window, ...]:
+    """Windows cut into pieces of about so many swings, as far as samples allow."""
     out: list[Window] = []
     for window in windows:
         run = outcome.problem.runs[window.run]
         lasts = run.duration * window.size / len(run.time)
-        count = min(round(lasts / (PIECE_SWINGS * outcome.period)), window.size // FEWEST_WINDOW_SAMPLES)
+        count = min(round(lasts / (swings * outcome.period)), window.size // FEWEST_WINDOW_SAMPLES)
         out += equal_parts(window, max(count, 1))
     return tuple(out)
 
