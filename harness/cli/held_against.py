@@ -53,9 +53,12 @@ def tell(found: dict[str, dict[str, Any]], out: Path | None, json_file: str | No
 
     screen = console(json_file)
     plain: dict[str, dict[str, Any]] = {}
+    said: set[str] = set()
     for key, document in found.items():
         curves = document.pop("curves")
-        say_notes(document["notes"])
+        # Both are of the same recordings, of which the same is to be noted.
+        say_notes([note for note in document["notes"] if note not in said])
+        said.update(document["notes"])
         print_comparison(document, screen)
         if out is not None:
             for path in write_comparison(document, curves, out):

@@ -10,7 +10,7 @@ from harness.system.description import constant
 
 pytest.importorskip("pysindy")
 
-from harness.compare.peers.torque_regression import fit_regression
+from harness.compare.peers.torque_regression import fit_regression, thresholded
 
 INERTIA, WEIGHT, NOISE = 6e-3, 0.2943, 1e-4
 
@@ -30,6 +30,25 @@ def swing(angle: float, viscous: float, seed: int) -> Run:
 
     q = solve_ivp(rate, (0.0, 6.0), [angle, 0.0], "DOP853", time, rtol=1e-9, atol=1e-11).y[0]
     return Run(time, (q + NOISE * np.random.default_rng(seed).standard_normal(len(time)))[:, None])
+
+
+def test_its_readmes_example_comes_out_to_its_figures() -> None:
+    # github.com/dynamicslab/pysindy, README.rst: x = 3 exp(-2t), y = 0.5 exp(t) over a second in a hundred samples, second-order
+    # differences, polynomials of third degree and a threshold of 0.2 print x' = -2.000 x and y' = 1.000 y. Here of columns of
+    # length one, and a fifth of the length of what they add up to.
+    import pysindy
+
+    t = np.linspace(0.0, 1.0, 100)
+    states = np.stack([3.0 * np.exp(-2.0 * t), 0.5 * np.exp(t)], axis=-1)
+    rates = np.asarray(pysindy.FiniteDifference(order=2)(states, t))
+    library = pysindy.PolynomialLibrary(degree=3).fit(states)
+    columns = np.asarray(library.transform(states))
+    norms = np.linalg.norm(columns, axis=0)
+    names = library.get_feature_names()
+    for own, rate, figure in zip(("x0", "x1"), rates.T, (-2.0, 1.0), strict=True):
+        found = thresholded(columns / norms, rate, 0.2) / norms
+        assert [name for name, c in zip(names, found, strict=True) if c] == [own]
+        assert found[names.index(own)] == pytest.approx(figure, abs=5e-4)
 
 
 def test_the_law_that_acts_is_kept_alone_and_predicts() -> None:

@@ -88,10 +88,21 @@ def fit_regression(system: System, train: Sequence[Run], heldout: Sequence[Run])
     return min(found, key=lambda one: one.error)
 
 
-def _fitted(system: System, train: Sequence[Run], heldout: Sequence[Run]) -> Sparse:
-    """With efforts as they are at the samples."""
+def thresholded(columns: Array, y: Array, threshold: float) -> Array:
+    """Coefficients (K,) of columns (T, K) of length one that add up to y (T,), those below a share of its length left out.
+
+    By pysindy's own ``STLSQ``.
+    """
     import pysindy
 
+    optimizer = pysindy.STLSQ(threshold=threshold * float(np.linalg.norm(y)), alpha=RIDGE)
+    with contextlib.redirect_stdout(io.StringIO()):
+        optimizer.fit(columns, y.reshape(-1, 1))
+    return np.ravel(optimizer.coef_)
+
+
+def _fitted(system: System, train: Sequence[Run], heldout: Sequence[Run]) -> Sparse:
+    """With efforts as they are at the samples."""
     fitted, judged = ([_left_over(system, run) for run in some] for some in (train, heldout))
     found: dict[str, dict[str, float]] = {}
     squares = 0.0
@@ -102,11 +113,7 @@ def _fitted(system: System, train: Sequence[Run], heldout: Sequence[Run]) -> Spa
         norms = np.linalg.norm(library, axis=0)
         norms[norms == 0.0] = 1.0
         tried = [np.zeros(len(names))]
-        for threshold in THRESHOLDS:
-            optimizer = pysindy.STLSQ(threshold=threshold * float(np.linalg.norm(y)), alpha=RIDGE)
-            with contextlib.redirect_stdout(io.StringIO()):
-                optimizer.fit(library / norms, y.reshape(-1, 1))
-            tried.append(np.ravel(optimizer.coef_) / norms)
+        tried += [thresholded(library / norms, y, threshold) / norms for threshold in THRESHOLDS]
         errors = [float(np.sqrt(np.mean((z - other @ c) ** 2))) for c in tried]
         enough = AS_GOOD * min(errors)
         best = min(
