@@ -1,4 +1,4 @@
-"""The table of peers on real rigs: what is said of one that takes too long, fails or was not asked."""
+"""The tables of peers: what is said of one that takes too long, fails or was not asked; and of one that named nothing."""
 
 import sys
 import time
@@ -9,6 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 peers_on_rigs = pytest.importorskip("peers_on_rigs")
 peers_on_rigs_table = pytest.importorskip("peers_on_rigs_table")
+peers_sealed_table = pytest.importorskip("peers_sealed_table")
 
 
 def test_a_peer_is_ended_though_it_catches_what_it_may(monkeypatch) -> None:
@@ -44,3 +45,17 @@ def test_what_was_ended_is_asked_again_with_more_time_alone() -> None:
     assert made({"heldout": {}}, None) and made({"not_for_it": "one joint"}, 60.0)
     ended = {"ended_after_processor_s": 60.0}
     assert made(ended, 60.0) and not made(ended, 90.0) and not made(ended, None)
+
+
+def test_a_row_on_sealed_cases_has_dashes_where_nothing_is_to_be_counted() -> None:
+    said = {
+        "asked": 3, "failed": 1, "named_single": [1, 2], "named_exactly": [0, 2], "listed_single": 2.0, "worth_single": 0.25,
+        "false_beside_single": [0, 1], "clean_false": [0, 1], "coverage95": [0, 0], "interval_width": None,
+        "heldout_over_noise": 1.0234, "seconds": 34.21,
+    }  # fmt: skip
+    row = peers_sealed_table.row("mujoco.sysid", said)
+    assert (
+        row
+        == "| `mujoco.sysid` | 3, 1 without an answer | 1 of 2 | 0 | 2 | 25 % | 0 of 1 | 0 of 1 | – | – | 1.02 | 34.2 |"
+    )
+    assert peers_sealed_table.table({"denoc": said}).count("\n") == 2
