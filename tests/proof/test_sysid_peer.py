@@ -6,7 +6,16 @@ from scipy.integrate import solve_ivp
 
 import harness
 from harness.compare.peers.runs import Run
-from harness.compare.peers.sysid import ITERATIONS, _compiled, _optimized, fit_sysid
+from harness.compare.peers.sysid import (
+    AWAY,
+    ITERATIONS,
+    _compiled,
+    _optimized,
+    _parameters,
+    _residual,
+    _rig,
+    fit_sysid,
+)
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
 
@@ -145,6 +154,19 @@ def test_what_one_set_of_parameters_wrote_does_not_stay_for_the_next(tmp_path) -
     found = fit_sysid(system, [run], held=False, inertial=(("com",), ("armature",)), starts=(1e-3,))
     assert found.rmse == pytest.approx(1e-3, rel=0.1)
     assert found.values["pivot:armature"] == pytest.approx(0.012, rel=0.02)
+
+
+def test_numbers_that_a_step_cannot_follow_are_a_bad_trial_and_no_end(tmp_path) -> None:
+    # At its bound damping swallows 0.98 N·m at the 6 mrad/s of this swing: 1/J of it times a step of 5 ms is beyond what RK4 bears.
+    system, rng = _pendulum(tmp_path), np.random.default_rng(8)
+    run = _swing(1e-3, 0.0, rng, 0.0)
+    rig = _rig(system, [run], 5e-3)
+    parameters, _ = _parameters(rig, 1, ("com",))
+    residual = _residual(rig, [run], 5e-3, False)
+    assert np.max(np.abs(residual(parameters.as_vector(), parameters)[0][0])) < 0.1
+    parameters["pivot:viscous"].value[:] = parameters["pivot:viscous"].max_value
+    (left,) = residual(parameters.as_vector(), parameters)[0]
+    assert np.max(np.abs(left)) == AWAY
 
 
 def test_a_driven_rig_within_its_tolerance_claims_nothing(tmp_path) -> None:

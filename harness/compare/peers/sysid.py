@@ -18,6 +18,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,7 @@ OFF_BOUND = 1e-4  # of a range: what pieces put at nothing goes on from there
 CHUNK = 0.5
 # From each start, to tell which lies in the deepest valley; its own way to several starts is ``randomize``.
 FIRST_ITERATIONS = 10
+AWAY = 1e3  # spreads of what is measured: no residual is larger, of trials that run away least of all
 ITERATIONS = 200  # from the best of them: the default of ``optimize``, and what the README's section 5 passes
 # Mass and centre of mass, in shares of the stated ones: the default bounds of ``body_inertia_param`` for a mass; its centre may
 # move half a metre either way there, which on small rigs is more.
@@ -341,9 +343,7 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
                 moved[1 : 1 + n] += p[f"run{r}:position"].value - biases(p)
                 moved[1 + n : 1 + 2 * n] += p[f"run{r}:velocity"].value
                 begun.append(moved)
-            return sysid.sysid_rollout(
-                models=models, datas=datas, control_signal=control_signal, initial_states=begun, **mappings
-            )
+            return _rolled_out(begun, models, datas, control_signal, mappings)
 
         def differ(
             p: Any, predicted: Any, measured: Any, model: Any, everything: bool = False, *, state: Any, r: int = r,
@@ -355,7 +355,8 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
             path = np.vstack([begin, state[:, 1 : 1 + n]])
             at = np.stack([np.interp(measured.times, times, x) for x in path.T], axis=1) + bias
             told = sysid.TimeSeries(measured.times, at, measured.signal_mapping)
-            return np.nan_to_num((at - measured.data) / spread, nan=1e3, posinf=1e3, neginf=-1e3), told, measured
+            left = np.nan_to_num((at - measured.data) / spread, nan=AWAY, posinf=AWAY, neginf=-AWAY)
+            return np.clip(left, -AWAY, AWAY), told, measured
 
         # One thread: results of its rollouts do not depend on their number, and a proof runs many at once.
         parts.append(
@@ -373,6 +374,34 @@ def _residual(rig: _Rig, runs: Sequence[Run], step: float, held: bool) -> Any:
         return [r for f in found for r in f[0]], [p for f in found for p in f[1]], [m for f in found for m in f[2]]
 
     return every
+
+
+def _rolled_out(
+    states: Sequence[Array], models: Any, datas: Any, controls: Any, mappings: Mapping[str, Any]
+) -> list[Any]:
+    """Runs from first states, one a model; of one that its step cannot follow there are no numbers.
+
+    Such numbers are tried at times. MuJoCo's ``rollout`` repeats the last state from there on, its time too, which ``TimeSeries``
+    refuses, and the whole fit would end with it. It is a bad trial among others.
+    """
+    from mujoco import sysid
+
+    def run(some: slice) -> list[Any]:
+        told = {"models": models[some], "control_signal": controls[some], "initial_states": states[some]}
+        return list(sysid.sysid_rollout(datas=datas, **told, **mappings))
+
+    try:
+        return run(slice(None))
+    except ValueError:
+        if len(states) > 1:
+            return [
+                one
+                for k in range(len(states))
+                for one in _rolled_out(states[k : k + 1], models[k : k + 1], datas, controls[k : k + 1], mappings)
+            ]
+        nowhere = np.full((len(controls[0].times), len(states[0])), np.nan)
+        nowhere[:, 0] = controls[0].times + float(models[0].opt.timestep)
+        return [SimpleNamespace(state=SimpleNamespace(data=nowhere), sensordata=None)]
 
 
 def _apart(part: Any, run: int, x: Array, parameters: Any) -> Any:
