@@ -117,17 +117,23 @@ def attribute(
     *,
     allowed: float = 1e-9,
     called: tuple[str, str] = ("the reference engine", "the other engine"),
+    derived: bool = False,
 ) -> Attribution:
     """Which term makes ``other`` accelerate differently from ``reference`` at B states.
 
     q, qd, tau: shape (B, n), several states in general position. allowed: relative difference that counts as
-    agreement, of the accelerations and of each term. called: how the two engines are named.
+    agreement, of the accelerations and of each term. called: how the two engines are named. derived: the terms of ``other`` are
+    worked out from its accelerations alone, so that forces which count otherwise look like every term scaled.
     """
     names = reference.names
     ours, theirs = take_apart(reference, q, qd, tau), take_apart(other, q, qd, tau)
     difference = float(quantities.accelerations(ours.mass, ours.acceleration, theirs.acceleration).max())
     if difference <= allowed:
         return Attribution(difference, allowed, ())
+    counted = _counted(ours, theirs, allowed) if derived else None
+    if counted is not None:
+        words = f"as if the applied forces counted {counted:.6g} times"
+        return Attribution(difference, allowed, (Blame("applied_force", abs(counted - 1.0), 1.0, "", words),))
     apart = theirs.acceleration - ours.acceleration
     solved = ours.with_term("", ours, tau)
     blames = []
@@ -156,6 +162,18 @@ def attribute(
             blames.append(Blame("solution", differs, _share(parts.mass, change, apart), names[worst], words))
     blames.sort(key=lambda blame: (blame.term != "mass_matrix", -blame.share))
     return Attribution(difference, allowed, tuple(blames))
+
+
+def _counted(ours: Parts, theirs: Parts, allowed: float) -> float | None:
+    """How many times the applied forces count, where every term is that many times too small; else None."""
+    factor = float(np.sum(ours.mass * theirs.mass) / np.sum(ours.mass**2))
+    if not (abs(factor - 1.0) > allowed and factor > 0.0):
+        return None
+    for name in ("mass", "coriolis", "gravity", "damping"):
+        a, b = getattr(ours, name), getattr(theirs, name)
+        if not np.abs(b - factor * a).max() <= max(allowed, 1e-6) * np.abs(a).max():
+            return None
+    return 1.0 / factor
 
 
 def _bias(model: EngineModel, q: Array, qd: Array) -> Array:

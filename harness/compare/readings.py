@@ -23,16 +23,21 @@ FIELDS = ("damping", "friction", "armature", "stiffness", "rest_position", "lowe
 
 @dataclass(frozen=True)
 class Otherwise:
-    """A field that is read otherwise: of which ``joint`` or ``link``, which member of it, and both values in words."""
+    """A field that is read otherwise: of which ``joint`` or ``link``, which member of it, and both values in words.
+
+    part: of the member, where one alone differs: ``products of inertia``.
+    """
 
     owner: str
     name: str
     member: str
     words: str
+    part: str = ""
 
     @property
     def place(self) -> dict[str, object]:
-        return {self.owner: self.name, "value": self.member}
+        place: dict[str, object] = {self.owner: self.name, "value": self.member}
+        return place | ({"part": self.part} if self.part else {})
 
 
 def differences(ours: Sequence[Placed], theirs: Sequence[Placed]) -> tuple[Otherwise, ...]:
@@ -67,7 +72,7 @@ def differences(ours: Sequence[Placed], theirs: Sequence[Placed]) -> tuple[Other
             entry = "".join("xyz"[i] for i in at)
             what = _inertia_part(a.inertia, b.inertia, ALLOWED * inertia)
             words = f"{what}, most in {entry}: {b.inertia[at]:.6g} for {a.inertia[at]:.6g} kg·m² here"
-            found.append(_body(a, "inertia", words))
+            found.append(_body(a, "inertia", words, what if what != "inertia" else ""))
     return tuple(found)
 
 
@@ -88,8 +93,8 @@ def _joint(placed: Placed, member: str, words: str) -> Otherwise:
     return Otherwise("joint", placed.joint, member, f"joint {placed.joint!r}: {words}")
 
 
-def _body(placed: Placed, member: str, words: str) -> Otherwise:
-    return Otherwise("link", placed.link, member, f"body {placed.link!r}: {words}")
+def _body(placed: Placed, member: str, words: str, part: str = "") -> Otherwise:
+    return Otherwise("link", placed.link, member, f"body {placed.link!r}: {words}", part)
 
 
 def fields_of(system: System) -> dict[str, dict[str, float]]:

@@ -31,15 +31,20 @@ def blame_answer(
     """
     if quantity not in _TAKEN_APART:
         return None
+    names = reference.names
+    if quantity == "energy" and (said := _no_energy(other, q[0], qd[0])):
+        return Blame("energy", 1.0, 1.0, "", said)
     take = _TAKEN_APART[quantity]
     ours, theirs = (take(model, q[:STATES], qd[:STATES]) for model in (reference, other))
-    names = reference.names
     if quantity == "energy":
         allowed = max(allowed, _SLOPES)
+    opposing = [term_difference(term, ours, theirs) for term in ("coriolis", "gravity")]
     for term in TERMS:
         differs = term_difference(term, ours, theirs)
         if not differs > allowed:
             continue
+        if term == "coriolis" and min(opposing) > allowed:
+            return blame_opposing(names, ours, theirs, allowed, max(opposing))
         if term == "mass_matrix":
             return blame_mass(names, ours, theirs, allowed, differs, 1.0)
         blame = blame_force(term, names, ours, theirs, allowed, differs, 1.0)
@@ -52,6 +57,26 @@ def blame_answer(
         asked = _inverse_dynamics if quantity == "inverse_dynamics" else _bias
         return at_joint(blame, reference, other, q[0], asked) if term == "coriolis" else blame
     return None
+
+
+def blame_opposing(names: tuple[str, ...], ours: Parts, theirs: Parts, allowed: float, differs: float) -> Blame:
+    """Weight and the forces of motion are wrong alike, while the mass matrix is right."""
+    one, other = (replace(parts, coriolis=parts.coriolis + parts.gravity) for parts in (ours, theirs))
+    blame = blame_force("coriolis", names, one, other, allowed, differs, 1.0)
+    words = blame.words.replace(
+        "the Coriolis and centrifugal force", "what opposes, weight and forces of motion alike,"
+    )
+    return replace(blame, term="bias", words=words)
+
+
+def _no_energy(model: EngineModel, q: Array, qd: Array) -> str:
+    """Said of a kinetic energy that does not go with the square of velocities, and of another that hangs on them."""
+    still, once, twice = (model.energy(q, way * qd) for way in (0.0, 1.0, 2.0))
+    if abs(still[0]) > 1e-9 * abs(once[0]) or abs(twice[0] - 4.0 * once[0]) > 1e-9 * abs(twice[0]):
+        return "what it calls kinetic energy does not go with the square of velocities"
+    if abs(once[1] - still[1]) > 1e-9 * (abs(still[1]) + abs(once[0])):
+        return "what it calls potential energy hangs on velocities"
+    return ""
 
 
 def weight_or_spring(blame: Blame) -> Blame:

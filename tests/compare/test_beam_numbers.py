@@ -15,7 +15,7 @@ from harness.cases.case import Bench
 from harness.cases.checks.beam_blame import by_forces, by_frequencies, by_motion
 from harness.cases.checks.textbook import Textbook
 from harness.cases.discover import built_in
-from harness.compare.beam_numbers import with_moments
+from harness.compare.numbers_of import with_moments
 from harness.denoc import Denoc
 from harness.engines.registry import engine
 from harness.system import Link
@@ -54,7 +54,7 @@ def test_one_mode_names_nothing_and_what_no_number_does_is_said_so():
     assert by_frequencies(system, "other", true, {0: 1.01})[0] == ""
     said, place = by_frequencies(system, "other", true, {0: 1.01, 1: 0.99, 2: 1.02}, mode=0)
     assert "no one number" in said
-    assert place == {"mode": 1}
+    assert place == {"mode": 1, "term": "shapes", "link": "rod"}
 
 
 def test_a_motion_that_dies_away_too_fast_is_named_for_its_damping():
