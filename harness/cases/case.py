@@ -199,10 +199,17 @@ class Bench:
         note: str = "",
         first_divergence: Mapping[str, object] | None = None,
         source: str = "",
+        about: Mapping[str, object] | None = None,
     ) -> Row:
-        """A row whose verdict is whether ``difference`` is within ``allowed``; what is not a number never passes."""
+        """A row whose verdict is whether ``difference`` is within ``allowed``; what is not a number never passes.
+
+        about: of a row that measures one thing alone, what is to blame where it fails: ``term``, and the ``joint``, ``link`` or
+        ``channel`` that it is at. What ``first_divergence`` says of these stands.
+        """
         difference = float(difference)
         passes = math.isfinite(difference) and difference <= allowed
+        if not passes and about is not None:
+            first_divergence = {**about, **(first_divergence or {})}
         if not math.isfinite(difference):
             note = "; ".join(filter(None, ["the difference is not a finite number", note]))
         return Row(

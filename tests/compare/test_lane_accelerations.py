@@ -53,7 +53,7 @@ def test_the_term_and_the_number_that_the_lanes_have_wrong_are_named(spoil, term
 def test_lanes_that_accelerate_as_they_should_are_told_to_be_integrated_wrongly():
     q, qd = np.random.default_rng(3).standard_normal((2, 8, 3))
     said, place = in_lanes(bench_of(SYSTEM, NATIVE), LaneModel(SYSTEM), q, qd)
-    assert (said, place) == ("their accelerations agree, so it is how they are integrated", {})
+    assert (said, place) == ("their accelerations agree, so it is how they are integrated", {"term": "integration"})
 
 
 @pytest.mark.parametrize("of", ["acceleration", "inverse_dynamics"])

@@ -1,8 +1,8 @@
-"""Many states in one call against other engines, one state at a time."""
+"""Many states in one call against other engines, one state at a time; and what a batch of equal rows has otherwise."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from harness.compare.answers import Completed, Few
 from harness.compare.attribution import attribute
 from harness.compare.single_answer import blame_answer
 from harness.denoc import Denoc
-from harness.engines.protocol import EngineError
+from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import UnsupportedError
 
 BATCH, FEW = "the batch", 8
@@ -84,13 +84,21 @@ def in_rows(bench: Bench, of: str, native: Denoc, name: str, states: States) -> 
         # As many as were asked, for few rows may go another way.
         return np.asarray(getattr(native, method)(*(np.tile(x, (len(states.q), 1)) for x in one))[-1])
 
-    model = bench.models[name]
-    answer = "forward_dynamics" if of == "acceleration" else of
-    batch = Few(model.names, **{answer: row})
-    q, qd = states.q[:FEW], states.qd[:FEW]
+    return of_row(of, row, name, bench.models[name], states.q[:FEW], states.qd[:FEW], states.tau[:FEW])
+
+
+def of_row(
+    of: str, row: Callable[..., Array], name: str, model: EngineModel, q: Array, qd: Array, tau: Array
+) -> tuple[str, dict[str, object]]:
+    """The term in which what a batch gives for a state is otherwise than an engine's, at some states (B, n), and where.
+
+    of: a key of ``BATCHES``; row: what a batch of equal rows gives, of the arguments of that method. Where it is right at all of
+    them, it is how different rows stand together.
+    """
+    batch = Few(model.names, **{"forward_dynamics" if of == "acceleration" else of: row})
     try:
         if of == "acceleration":
-            found = attribute(model, Completed(batch, model), q, qd, states.tau[:FEW], called=(name, BATCH))
+            found = attribute(model, Completed(batch, model), q, qd, tau, called=(name, BATCH), derived=True)
             blame, said = found.culprit, found.sentence()
         else:
             blame = blame_answer(of, model, batch, q, qd)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series
-from harness.cases.checks.batch import BATCHES
+from harness.cases.checks.batch import BATCHES, FEW, of_row
 from harness.denoc import Denoc
 from harness.engines.protocol import EngineModel
 from harness.engines.registry import engine
@@ -53,14 +53,22 @@ class BatchStraight:
             scale = np.abs(theirs).reshape(self.states, -1).max(1)
             apart = np.abs(ours - theirs).reshape(self.states, -1).max(1) / scale
             worst = int(np.argmax(apart))
+            place: dict[str, object] | None = None
+            note = f"{self.states} states in one call, flexible links held straight"
+            if not apart[worst] <= self.allowed:
+                forces = np.array([model.inverse_dynamics(*each) for each in zip(q, qd, qdd, strict=True)])
+                row = straight_row(self.of, native, where, self.states)
+                said, site = of_row(self.of, row, name, model, q[:FEW], qd[:FEW], forces[:FEW])
+                place = {"state": worst} | site
+                note = "; ".join(filter(None, [note, said]))
             yield bench.row(
                 self.quantity,
                 (NATIVE, name),
                 float(apart[worst]),
                 self.allowed,
                 why=self.why,
-                first_divergence=None if apart[worst] <= self.allowed else {"state": worst},
-                note=f"{self.states} states in one call, flexible links held straight",
+                first_divergence=place,
+                note=note,
             )
 
     def _answers(
@@ -76,3 +84,38 @@ class BatchStraight:
             return forces[:, where], moved
         forces[:, where] = moved
         return native.forward_dynamics_batch(wide[0], wide[1], forces), wide[2]
+
+
+def straight_row(of: str, native: Denoc, where: Array, count: int) -> Callable[..., Array]:
+    """What a batch of ``count`` equal rows gives the joints of a mechanism whose beams are held straight, as if it were rigid.
+
+    of: a key of ``BATCHES``; where: the joints' places among all coordinates.
+    """
+    method = getattr(native, BATCHES[of][0])
+    bent = np.setdiff1d(np.arange(native.n), where)
+
+    def last(*joints: Array) -> Array:
+        return np.asarray(method(*(np.tile(_wide(x, where, native.n), (count, 1)) for x in joints))[-1])
+
+    def acceleration(q: Array, qd: Array, tau: Array) -> Array:
+        # The forces that hold the beams are those under which none of them bends: accelerations are linear in forces.
+        free = last(q, qd, tau)
+        held = np.zeros((native.n, len(bent)))
+        for k, place in enumerate(bent):
+            pushed = np.array([_wide(q, where, native.n), _wide(qd, where, native.n), _wide(tau, where, native.n)])
+            pushed[2, place] = 1.0
+            held[:, k] = np.asarray(method(*(np.tile(x, (count, 1)) for x in pushed))[-1]) - free
+        return np.asarray((free + held @ np.linalg.solve(held[bent], -free[bent]))[where])
+
+    if of == "acceleration":
+        return acceleration
+    if of == "mass_matrix":
+        return lambda q: last(q)[np.ix_(where, where)]
+    return lambda q, qd, qdd: last(q, qd, qdd)[where]
+
+
+def _wide(joints: Array, where: Array, n: int) -> Array:
+    """With zeros where beams bend."""
+    whole = np.zeros(n)
+    whole[where] = joints
+    return whole

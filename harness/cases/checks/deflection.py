@@ -153,7 +153,7 @@ class DeflectionAgreement:
             note="; ".join(
                 [f"largest over {self.duration:g} s, at {joint}", *([blame[0]] if not angle <= accuracy.angle else [])]
             ),
-            first_divergence={"joint": joint} | blame[1] if not angle <= accuracy.angle else None,
+            first_divergence={"signal": joint} | blame[1] if not angle <= accuracy.angle else None,
         )
         if accuracy.frequency is None:
             return
@@ -207,6 +207,11 @@ class DeflectionAgreement:
             lambda of: flat(self._native(bench, of, part)) if of is not system else base[few],
             (flat(theirs) - base)[few],
         )
+        if place is None and angle <= accuracy.angle:
+            # What the joints feel of the beams is right.
+            label = tip_difference(ours, theirs)[1]
+            said = "the joints move alike, so it is how the deflection is read, or to which side a beam bends"
+            return said, {"term": DEFLECTION.lstrip("."), "link": label.removesuffix(DEFLECTION)}
         return said, place or {}
 
     def _line(self, bench: Bench, figure: str, label: str, time: Array, values: Array, style: str) -> Series:

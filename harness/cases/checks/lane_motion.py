@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import NATIVE, Bench, Row, Series
-from harness.cases.checks.states import blame, explained_by, weight_told_apart
+from harness.cases.checks.equation_blame import Told, blamed, explained_by, weight_told_apart
 from harness.cases.checks.trajectory import initial_state, step_of
 from harness.compare.attribution import attribute
 from harness.compare.lane_accelerations import LANES, of_lanes
@@ -86,12 +86,12 @@ class LaneAgreement:
         """Where the native equations of one mechanism are right, it is the lanes': their term, or how they are integrated."""
         chosen = np.unique(np.linspace(0, len(q) - 1, 8).round().astype(int))
         q, qd = q[chosen], qd[chosen]
-        said = "" if name == NATIVE else blame(bench, name, q, qd, np.zeros_like(qd))
-        if said and "agree" not in said:
-            return said, {}
+        told = Told() if name == NATIVE else blamed(bench, name, q, qd, np.zeros_like(qd))
+        if told.words:
+            return told.words, told.place
         lane = f"the equations of one mechanism agree, so it is the lanes ({'planar' if self.planar else 'spatial'})"
-        told, place = in_lanes(bench, lanes, q, qd)
-        return "; ".join(filter(None, [lane, told])), place
+        said, place = in_lanes(bench, lanes, q, qd)
+        return "; ".join(filter(None, [lane, said])), place
 
 
 def in_lanes(bench: Bench, lanes: LaneModel, q: np.ndarray, qd: np.ndarray) -> tuple[str, dict[str, object]]:
@@ -107,9 +107,9 @@ def in_lanes(bench: Bench, lanes: LaneModel, q: np.ndarray, qd: np.ndarray) -> t
     rng = np.random.default_rng(bench.seed)
     tau = np.array([native.mass_matrix(x) @ a for x, a in zip(q, rng.standard_normal(qd.shape), strict=True)])
     try:
-        found = attribute(native, theirs, q, qd, tau, called=("the single model", LANES))
+        found = attribute(native, theirs, q, qd, tau, called=("the single model", LANES), derived=True)
         if not found.blames:
-            return "their accelerations agree, so it is how they are integrated", {}
+            return "their accelerations agree, so it is how they are integrated", {"term": "integration"}
         found = weight_told_apart(found, theirs, bench.system, q)
         culprit = found.blames[0]
         place: dict[str, object] = {"term": culprit.term, "at": culprit.coordinate}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series
+from harness.cases.checks.equation_blame import Told, blamed
 from harness.cases.checks.trajectory import initial_state
 from harness.engines.protocol import EngineModel
 
@@ -45,7 +46,20 @@ class LoopMotion:
         }
         for name, (allowed, compare) in asked.items():
             if name in bench.models and allowed is not None:
-                yield from compare(bench, bench.models[name], start, time, ours, allowed)
+                for item in compare(bench, bench.models[name], start, time, ours, allowed):
+                    yield self._blamed(bench, name, time, item)
+
+    def _blamed(self, bench: Bench, name: str, time: Array, item: Row | Series) -> Row | Series:
+        """A row that fails with the term that is to blame, asked along the native motion."""
+        if not isinstance(item, Row) or item.verdict != "fail":
+            return item
+        start = initial_state(bench.system, dict(self.position), dict(self.velocity))
+        run = bench.models[NATIVE].simulate(*start, time[:: SAMPLES // 8])
+        told = blamed(bench, name, run.position, run.velocity, np.zeros_like(run.velocity))
+        if told.agree:
+            told = Told("the accelerations agree, so it is the integration", {"term": "integration"}, agree=True)
+        note = "; ".join(filter(None, [item.note, told.words]))
+        return replace(item, note=note, first_divergence={**(item.first_divergence or {}), **told.place} or None)
 
     def _integrated(
         self, bench: Bench, model: EngineModel, start: tuple[Array, Array], time: Array, ours: Array, allowed: float
@@ -140,5 +154,6 @@ class LoopsKept:
             unit="rad",
             why="positions and velocities are projected after every step, until rounding is left",
             note=f"over {self.duration:g} s: positions {worst[0]:.1e}, velocities {worst[1]:.1e}",
+            about={"term": "loops_kept"},
             source="what the loops state",
         )

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series
-from harness.cases.checks.beam_blame import by_forces
+from harness.cases.checks.equation_blame import blamed
 from harness.compare import quantities
-from harness.compare.answers import Completed
-from harness.compare.attribution import Attribution, Blame, attribute
+from harness.compare.attribution import Blame
 from harness.compare.odd_one_out import vote
-from harness.compare.parameters import Explanation, explain
 from harness.compare.scales import Terms, terms
-from harness.compare.single_answer import blame_answer, weight_or_spring
+from harness.compare.single_answer import blame_answer
 from harness.engines.protocol import EngineError, EngineModel
-from harness.errors import EngineUnavailableError, InputError, UnsupportedError
+from harness.errors import UnsupportedError
 from harness.system import System
 from harness.system.lowering import lower
 
@@ -33,11 +31,6 @@ QUANTITIES: dict[str, Quantity] = {
     "gravity": lambda m, q, qd, qdd, tau: m.gravity(q),
     "energy": lambda m, q, qd, qdd, tau: np.asarray(m.energy(q, qd)),
 }
-
-# Coordinates up to which a number that explains a difference is looked for: the time goes with their square.
-MOST_EXPLAINED = 12
-# Said where what fails is no term of the equation of motion.
-INTEGRATION = "the accelerations agree, so it is the integration"
 
 
 @dataclass(frozen=True)
@@ -113,121 +106,22 @@ class StateAgreement:
             yield bench.skipped(self.quantity, (NATIVE, name), reason)
 
     def _blame(self, bench: Bench, name: str, states: States) -> tuple[str, dict[str, object]]:
-        said, place = blamed(bench, name, states.q, states.qd, states.tau, self.allowed)
-        if said == INTEGRATION:
-            # The equation of motion is right, so that what fails is this answer alone.
-            said = f"the accelerations agree, so it is the answer to {self.quantity.replace('_', ' ')} alone"
-            place = {"term": self.quantity}
-            found = self._in_answer(bench, name, states)
-            if found is not None:
-                said, place = f"{said}: {found.words}", {"term": found.term, "at": found.coordinate}
-        return said, place
+        told = blamed(bench, name, states.q, states.qd, states.tau, self.allowed)
+        if not told.agree:
+            return told.words, told.place
+        # The equation of motion is right, so that what fails is this answer alone.
+        said = f"the accelerations agree, so it is the answer to {self.quantity.replace('_', ' ')} alone"
+        # A closed mechanism has no answer at accelerations that would open it.
+        found = None if bench.system.loops else self._in_answer(bench, name, states)
+        if found is None:
+            return said, {"term": self.quantity}
+        return f"{said}: {found.words}", {"term": found.term, "at": found.coordinate}
 
     def _in_answer(self, bench: Bench, name: str, states: States) -> Blame | None:
         try:
             return blame_answer(self.quantity, bench.models[name], bench.models[NATIVE], states.q, states.qd)
         except (UnsupportedError, EngineError, np.linalg.LinAlgError):
             return None
-
-
-def blame(bench: Bench, name: str, q: Array, qd: Array, tau: Array, allowed: float = 1e-10) -> str:
-    """Which term of the native dynamics differs from another engine's, or nothing where that cannot be told.
-
-    q, qd, tau: states to ask at, shape (B, n).
-    """
-    return blamed(bench, name, q, qd, tau, allowed)[0]
-
-
-def blamed(
-    bench: Bench, name: str, q: Array, qd: Array, tau: Array, allowed: float = 1e-10
-) -> tuple[str, dict[str, object]]:
-    """What differs, as a sentence, and where: ``term`` and the link or joint that it is at.
-
-    The number of the description that would explain it, where one does, stands before the term of the equation of motion.
-    """
-    said: list[str] = []
-    place: dict[str, object] = {}
-    if bench.system.loops:
-        # Terms of the equation of motion are asked at accelerations that would open the loops.
-        return "", {}
-    try:
-        ours = bench.models[NATIVE]
-        theirs = Completed(bench.models[name], ours)
-        found = attribute(theirs, ours, q, qd, tau, allowed=max(allowed, 1e-10), called=(name, NATIVE))
-    except (UnsupportedError, EngineError, np.linalg.LinAlgError):
-        return "", {}
-    if not found.blames:
-        return ("" if found.difference > allowed else INTEGRATION), {}
-    found = weight_told_apart(found, theirs, bench.system, q)
-    culprit = found.blames[0]
-    place = {"term": culprit.term, "at": culprit.coordinate}
-    if culprit.term != "solution" and bench.system.flexible:
-        told, site = _bent(bench, name, q, qd)
-        said += [told] if told else []
-        place |= site
-    elif culprit.term != "solution":
-        explained = _explained(bench, name, q, qd, tau)
-        if explained:
-            said.append(" or ".join(one.sentence() for one in explained))
-            place |= explained[0].place
-    said.append(f"{NATIVE} against {name}: {found.sentence()}")
-    return "; ".join(said), place
-
-
-def weight_told_apart(found: Attribution, theirs: Completed, system: System, q: Array) -> Attribution:
-    """The same, with gravity blamed as gravity or a spring where springs act that one of the two tells with its weight alone."""
-    if not (system.flexible or any(joint.stiffness for joint in system.joints)) or theirs.weighs_apart(q[0]):
-        return found
-    blames = tuple(weight_or_spring(blame) if blame.term == "gravity" else blame for blame in found.blames)
-    return replace(found, blames=blames)
-
-
-def _bent(bench: Bench, name: str, q: Array, qd: Array) -> tuple[str, dict[str, object]]:
-    """The number of a beam, or of what it is mounted on, that would explain a difference of forces."""
-    try:
-        return by_forces(bench, name, q, qd)
-    except (InputError, EngineError, np.linalg.LinAlgError):
-        return "", {}
-
-
-def _explained(bench: Bench, name: str, q: Array, qd: Array, tau: Array) -> list[Explanation]:
-    """Numbers of the description that the native engine seems to take otherwise."""
-    # Several checks of a case ask, and the answer is one.
-    if name not in bench.explained:
-        from harness.engines.registry import names
-
-        if name in names():
-            found = explained_by(bench.system, bench.models[NATIVE], q, qd, bench.seed, trusted=name)
-        else:
-            # What a test hands over is not built anew: it is what the trusted one is moved towards.
-            own = Completed(bench.models[name], bench.models[NATIVE])
-            found = explained_by(bench.system, own, q, qd, bench.seed)
-        bench.explained[name] = found
-    return bench.explained[name]
-
-
-def explained_by(
-    system: System, other: EngineModel, q: Array, qd: Array, seed: int, *, trusted: str = NATIVE
-) -> list[Explanation]:
-    """Numbers of the description that would make a trusted engine answer as ``other`` does; none of what is too large or bends.
-
-    q, qd: states to ask at, shape (B, n). seed: of the accelerations that they are asked with.
-    """
-    if len(system.coordinate_names) > MOST_EXPLAINED or system.flexible or not system.simple:
-        return []
-    from harness.engines.registry import engine
-
-    rng = np.random.default_rng(seed)
-    # As many states as four times the largest group has numbers.
-    count = max(3, -(-24 // qd.shape[1]))
-    q, qd = q[:count], qd[:count]
-    # Accelerations that have nothing to do with the forces, and velocities too where all are at rest.
-    accelerations = rng.standard_normal(qd.shape)
-    moving = qd if np.abs(qd).max() > 0.1 else rng.standard_normal(qd.shape)
-    try:
-        return explain(engine(trusted).build, system, other, q, moving, accelerations)
-    except (InputError, EngineError, EngineUnavailableError, np.linalg.LinAlgError):
-        return []
 
 
 def _beyond(differences: dict[str, Array], allowed: float) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
-from harness.cases.checks.states import INTEGRATION, blamed
+from harness.cases.checks.equation_blame import Told, blamed
 from harness.compare.divergence_shape import by_steps, growth, shape_of
 from harness.compare.kinematics import astray, broken
 from harness.engines.denoc_native import NativeModel
@@ -18,6 +18,8 @@ from harness.system import System, Trajectory
 from harness.system.closure import closed_position, closed_velocity, opening, stated_position, worst
 from harness.system.lowering import neutral_position
 
+# Said where what fails is no term of the equation of motion.
+INTEGRATION = "the accelerations agree, so it is the integration"
 # Samples this close [s] tell whether positions follow velocities.
 CLOSE = 2e-3
 # Of a run, by which fixed steps are looked at.
@@ -92,16 +94,15 @@ class TrajectoryAgreement:
                 divergence["shape"] = shape
             if shape == "exponential" and (rate := growth(time, theirs[worst] - ours[worst])) is not None:
                 divergence["growth"] = rate
-        note = f"over {self.duration:g} s"
+        note, told = f"over {self.duration:g} s", Told()
         if divergence is not None and bench.models[name].names == bench.models[NATIVE].names:
-            said, place = self._blame(bench, name, first)
-            divergence |= place
-            note = "; ".join(filter(None, [note, said]))
+            told = self._blame(bench, name, first)
+            divergence |= told.place
+            note = "; ".join(filter(None, [note, told.words]))
         if divergence is not None and self.signal == "position":
             how = "halving the step" if self.step is not None else "a hundredth of the tolerance"
             floors = self._floors(bench, name, time)
-            one_equation = INTEGRATION in note
-            note = "; ".join(filter(None, [note, by_steps(difference, floors, how, one_equation=one_equation)]))
+            note = "; ".join(filter(None, [note, by_steps(difference, floors, how, one_equation=told.agree)]))
         unit = "1" if self.relative else unit_of(bench.system, common)
         return bench.row(
             self.quantity,
@@ -135,7 +136,7 @@ class TrajectoryAgreement:
                 floors[engine] = moved
         return floors
 
-    def _blame(self, bench: Bench, name: str, sample: int) -> tuple[str, dict[str, object]]:
+    def _blame(self, bench: Bench, name: str, sample: int) -> Told:
         """Which term is to blame, asked along the native motion up to where the two part."""
         q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
         time = np.linspace(0.0, self.duration, round(self.duration * self.rate) + 1)[: max(sample, 1) + 1]
@@ -143,11 +144,11 @@ class TrajectoryAgreement:
         chosen = np.unique(np.linspace(0, len(time) - 1, 8).round().astype(int))
         q, qd = run.position[chosen], run.velocity[chosen]
         if not (np.isfinite(q).all() and np.isfinite(qd).all()):
-            return "", {}
-        said, place = blamed(bench, name, q, qd, np.zeros_like(qd))
-        return self._integrated(bench, name, q0, qd0) if said == INTEGRATION else (said, place)
+            return Told()
+        told = blamed(bench, name, q, qd, np.zeros_like(qd))
+        return self._integrated(bench, name, q0, qd0) if told.agree else told
 
-    def _integrated(self, bench: Bench, name: str, q0: Array, qd0: Array) -> tuple[str, dict[str, object]]:
+    def _integrated(self, bench: Bench, name: str, q0: Array, qd0: Array) -> Told:
         """Where the equations are one, and the motion is not: whether positions go where velocities say, from the start."""
         time = np.linspace(0.0, min(self.duration, CLOSE * 20), 21)
         for engine in (NATIVE, name):
@@ -156,17 +157,18 @@ class TrajectoryAgreement:
             if found is not None:
                 coordinate, share = found
                 words = f"in {engine} the positions of {coordinate} go {share:.3g} times as fast as its velocity says"
-                return f"{INTEGRATION}: {words}", {"term": "position_rates", "at": coordinate}
+                place: dict[str, object] = {"term": "position_rates", "at": coordinate}
+                return Told(f"{INTEGRATION}: {words}", place, agree=True)
         if (
             self.step is None
             or bench.system.loops
             or bench.system.attachments
             or any(joint.friction for joint in bench.system.joints)
         ):
-            return INTEGRATION, {}
+            return Told(INTEGRATION, {"term": "integration"}, agree=True)
         return self._stepped(bench, name, self.step, q0, qd0)
 
-    def _stepped(self, bench: Bench, name: str, step: float, q0: Array, qd0: Array) -> tuple[str, dict[str, object]]:
+    def _stepped(self, bench: Bench, name: str, step: float, q0: Array, qd0: Array) -> Told:
         """Which integral of an engine's fixed steps does not get better with smaller ones; its order is its own affair."""
         model, ours = bench.models[name], bench.models[NATIVE]
         duration = min(self.duration, MOST_STEPS * step)
@@ -178,16 +180,18 @@ class TrajectoryAgreement:
             # The accelerations are one: the native ones are there whatever the engine answers.
             return ours.forward_dynamics(q, v, np.zeros_like(v))
 
+        alone = Told(INTEGRATION, {"term": "integration"}, agree=True)
         try:
             # What differs in so short a part of the run is that part of the limit.
             wrong = broken(
                 bench.system, run, acceleration, step, order=1.0, allowed=self.allowed * duration / self.duration
             )
         except (UnsupportedError, EngineError):
-            return INTEGRATION, {}
+            return alone
         if wrong is None:
-            return INTEGRATION, {}
-        return f"{INTEGRATION}: in {name} {wrong.sentence()}", {"term": wrong.term, "at": wrong.coordinate}
+            return alone
+        place: dict[str, object] = {"term": wrong.term, "at": wrong.coordinate}
+        return Told(f"{INTEGRATION}: in {name} {wrong.sentence()}", place, agree=True)
 
     def _lines(self, bench: Bench, name: str, time: Array, signal: dict[str, Array]) -> Iterable[Series]:
         for key, values in signal.items():
