@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -107,7 +107,8 @@ def coriolis(bench: Bench) -> Iterable[Row | Series]:
     book, q, qd = _states(bench)
     found = [bench.native.coriolis_matrix(*state) for state in zip(q, qd, strict=True)]
     rates = [book.mass_rate(*state) for state in zip(q, qd, strict=True)]
-    yield _row(bench, "coriolis_matrix_bent", np.array([c + c.T for c in found]), np.array(rates))
+    about = {"term": "coriolis_matrix"}
+    yield _row(bench, "coriolis_matrix_bent", np.array([c + c.T for c in found]), np.array(rates), about)
 
 
 def momentum(bench: Bench) -> Iterable[Row | Series]:
@@ -129,7 +130,11 @@ def places(bench: Bench) -> Iterable[Row | Series]:
     """Where every link's frame stands; how it is turned is told by where those stand that it carries."""
     book, q, _ = _states(bench)
     found = [[bench.native.link_pose(x, link.name)[1] for link in bench.system.links] for x in q]
-    yield _row(bench, "link_place_bent", np.array(found), np.array([book.origins(x) for x in q]))
+    true = np.array([book.origins(x) for x in q])
+    far = np.abs(np.array(found) - true).max(axis=(0, 2))
+    off = [link.name for link, apart in zip(bench.system.links, far, strict=True) if not apart <= 1e-10]
+    about = {"term": "link_pose", "link": off[0]} if off else {"term": "link_pose"}
+    yield _row(bench, "link_place_bent", np.array(found), true, about)
 
 
 def accelerometer(bench: Bench) -> Iterable[Row | Series]:
@@ -160,14 +165,20 @@ def accelerometer(bench: Bench) -> Iterable[Row | Series]:
     apart = quantities.relative(np.array(found), np.array(true))
     note = "" if apart.max() <= 1e-6 else "the native tip acceleration is not the mark's"
     yield bench.row(
-        "tip_acceleration_bent", (NATIVE, TEXTBOOK), float(apart.max()), 1e-6, why="central differences of J", note=note
+        "tip_acceleration_bent",
+        (NATIVE, TEXTBOOK),
+        float(apart.max()),
+        1e-6,
+        why="central differences of J",
+        note=note,
+        about={"term": "tip_acceleration", "link": "upper"},
     )
 
 
-def _row(bench: Bench, quantity: str, ours: Array, theirs: Array) -> Row:
+def _row(bench: Bench, quantity: str, ours: Array, theirs: Array, about: Mapping[str, object]) -> Row:
     apart = quantities.relative(ours, theirs)
     note = "" if apart.max() <= 1e-10 else f"the native {quantity.replace('_', ' ')} is not the textbook's"
-    return bench.row(quantity, (NATIVE, TEXTBOOK), float(apart.max()), 1e-10, why=WHY, note=note)
+    return bench.row(quantity, (NATIVE, TEXTBOOK), float(apart.max()), 1e-10, why=WHY, note=note, about=about)
 
 
 def _agrees(of: str) -> AgainstTextbook:

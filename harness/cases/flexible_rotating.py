@@ -10,6 +10,8 @@ import numpy as np
 
 from harness.cases.case import NATIVE, Bench, Case, Row, Series
 from harness.cases.checks import Measured
+from harness.cases.checks.beam_blame import Blame, by_linearization
+from harness.compare.beam_numbers import explain, place_of, sentence, squares
 from harness.system import Beam, Joint, JointType, Link, System
 from harness.system.description import constant
 from harness.system.flexible_link import flexible_link
@@ -78,18 +80,33 @@ class Sweep:
         found = native_frequencies(system, SPINS)
         errors = [abs(ours / true - 1.0) for ours, true in zip(found, self.truth, strict=True)]
         worst = int(np.argmax(errors))
+        said, place = ("", None) if errors[worst] <= self.allowed else self._blame(system, found)
+        note = f"γ = {SPINS[worst]:g}: λ = {found[worst]:.5f} against {self.truth[worst]:g}"
         yield bench.row(
             self.label,
             (NATIVE, "published"),
             errors[worst],
             self.allowed,
             why=self.why,
-            note=f"γ = {SPINS[worst]:g}: λ = {found[worst]:.5f} against {self.truth[worst]:g}",
+            note="; ".join(filter(None, [note, said])),
+            first_divergence=place,
             source=self.cites,
         )
         fine = tuple(np.linspace(0.0, SPINS[-1], 21).tolist())
         yield self._line(bench, NATIVE, fine, tuple(native_frequencies(system, fine)), "line")
         yield self._line(bench, "published", SPINS, self.truth, "points")
+
+    def _blame(self, system: System, found: list[float]) -> Blame:
+        """The number that explains all spin rates: stiffness and mass act at all of them, stiffening at fast ones."""
+        q, qd = np.zeros((2, len(system.coordinate_names)))
+        qd[0] = SPINS[-1]
+        if told := by_linearization(system, q, qd):
+            return told, {"term": "linearization"}
+        apart = np.log(np.array(found) / np.array(self.truth))
+        explained = explain(system, lambda of: np.log(native_frequencies(of, SPINS)), apart, squares)
+        if not explained:
+            return "no one number of the description explains all spin rates", {"link": "blade"}
+        return sentence(explained, NATIVE), place_of(explained)
 
     def _line(self, bench: Bench, who: str, x: tuple[float, ...], y: tuple[float, ...], style: str) -> Series:
         return Series(

@@ -71,6 +71,7 @@ def _rows(
         )
         if wrong is not None:
             said, place = wrong.sentence(), {"term": wrong.term, "at": wrong.coordinate}
+    about = {"method": method.replace("lanes_planar_", "lanes ").replace("lanes_spatial_", "lanes ")}
     yield bench.row(
         f"{method}_error",
         (NATIVE, "analytic"),
@@ -79,6 +80,7 @@ def _rows(
         unit="rad",
         why=f"twice what the method leaves at {1e3 * step:g} ms on this swing",
         first_divergence=place,
+        about=about,
         note=said,
         source=CITES,
     )
@@ -89,6 +91,7 @@ def _rows(
         OFF_ORDER,
         why=f"halving the step divides the error by 2 to the {order:g}th; higher terms still show at this step",
         first_divergence=place,
+        about=about,
         note="; ".join(filter(None, [f"{found:.2f} found", said])),
         source=CITES,
     )
@@ -114,6 +117,7 @@ def adaptive(bench: Bench) -> Iterable[Row | Series]:
             1e-8,
             unit="rad",
             why="relative tolerance 1e-10 a step, samples between the steps",
+            about={"method": quantity.removesuffix("_error")},
             source=CITES,
         )
     # A swing of amplitude A passes the bottom a quarter of a period after its release: K(sin²(A/2)) / ω.
@@ -130,6 +134,7 @@ def adaptive(bench: Bench) -> Iterable[Row | Series]:
         1e-8,
         unit="s",
         why="root of the dense output of a step",
+        about={"term": "event_time"},
         source="a quarter of the period 4 K(sin²(A/2)) / ω",
     )
 
@@ -154,6 +159,7 @@ def held(bench: Bench) -> Iterable[Row | Series]:
                 1e-9,
                 unit="rad/s",
                 why="no method of order two or more errs on a force that runs straight",
+                about={"term": f"force between samples ({hold})", "method": method, "joint": "hub"},
                 source="J ω(t) = ∫ τ dt",
             )
 
@@ -180,6 +186,7 @@ def held_in_lanes(bench: Bench) -> Iterable[Row | Series]:
                     1e-9,
                     unit="rad/s",
                     why="no method of order two or more errs on a force that runs straight",
+                    about={"term": f"force between samples ({hold})", "method": f"lanes {method}", "joint": "hub"},
                     source="J ω(t) = ∫ τ dt",
                 )
 
@@ -198,6 +205,7 @@ def lanes(bench: Bench) -> Iterable[Row | Series]:
             1e-8,
             unit="rad",
             why="1e-11 a step",
+            about={"method": "lanes adaptive"},
             source=CITES,
         )
         errors = [

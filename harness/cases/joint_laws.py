@@ -44,6 +44,7 @@ def _row(bench: Bench, law: Law, model: LaneModel, planar: bool) -> Row:
     return _told(
         bench,
         f"{law.name}_{'planar' if planar else 'spatial'}",
+        law.name,
         f"the law {law.name.replace('_', ' ')}",
         "hub",
         time,
@@ -56,13 +57,27 @@ def _row(bench: Bench, law: Law, model: LaneModel, planar: bool) -> Row:
 
 
 def _told(
-    bench: Bench, quantity: str, law: str, joint: str, time: Array, apart: Array, *, allowed: float = 1e-8, **said: str
+    bench: Bench,
+    quantity: str,
+    term: str,
+    law: str,
+    joint: str,
+    time: Array,
+    apart: Array,
+    *,
+    allowed: float = 1e-8,
+    unit: str,
+    why: str,
+    source: str,
 ) -> Row:
-    """A row of a motion's difference [rad or m], shape (T,), that says when it left the line, in what law and at what joint."""
+    """A row of a motion's difference [rad or m], shape (T,), that says when it left the line, in what law and at what joint.
+
+    term, law: the law, for a program and in words.
+    """
     worst = int(np.argmax(apart)) if np.isfinite(apart).all() else int(np.argmin(np.isfinite(apart)))
     place: dict[str, object] | None = None
     if not apart.max() <= allowed:
-        place = {"time": float(time[int(np.argmax(~(apart <= allowed)))]), "joint": joint}
+        place = {"time": float(time[int(np.argmax(~(apart <= allowed)))]), "term": term, "joint": joint}
     return bench.row(
         quantity,
         (NATIVE, "analytic"),
@@ -70,7 +85,9 @@ def _told(
         allowed,
         note="" if place is None else f"{law} at {joint}",
         first_divergence=place,
-        **said,
+        unit=unit,
+        why=why,
+        source=source,
     )
 
 
@@ -101,6 +118,7 @@ def bearing(bench: Bench) -> Iterable[Row | Series]:
         yield _told(
             bench,
             f"load_friction_{'planar' if planar else 'spatial'}",
+            "load_friction",
             "friction by load",
             "axle",
             time,
@@ -128,6 +146,7 @@ def shaken(bench: Bench) -> Iterable[Row | Series]:
         yield _told(
             bench,
             f"base_excitation_{'planar' if planar else 'spatial'}",
+            "base_excitation",
             "shaking of the base",
             "rail",
             time,
@@ -149,6 +168,7 @@ def breaking_loose(bench: Bench) -> Iterable[Row | Series]:
     yield _told(
         bench,
         "break_loose",
+        "dry_friction",
         "dry friction that holds",
         "hub",
         time,
@@ -169,6 +189,7 @@ def breaking_loose_between(bench: Bench) -> Iterable[Row | Series]:
     yield _told(
         bench,
         "break_loose_between",
+        "dry_friction",
         "dry friction that holds",
         "hub",
         time,

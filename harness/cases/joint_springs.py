@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.cases.case import NATIVE, Bench, Case, Row, Series
+from harness.cases.case import NATIVE, Array, Bench, Case, Row, Series
 from harness.cases.checks import Measured, TrajectoryAgreement
 from harness.cases.rotor import INERTIA
 from harness.cases.rotor import system as rotor
 from harness.cases.users import state_checks
+from harness.engines.protocol import EngineModel
 from harness.system import System, random_chain
 
 STIFFNESS, REST, START = 0.5, 0.3, 1.1  # N·m/rad, rad, rad
@@ -32,15 +33,29 @@ def oscillator(bench: Bench) -> Iterable[Row | Series]:
     true = REST + (START - REST) * np.cos(omega * time)
     for name in bench.models:
         run = bench.build(name, sprung).simulate(np.array([START]), np.zeros(1), time, step=1e-3)
+        apart = float(np.abs(run.position[:, 0] - true).max())
+        said, place = ("", None) if apart <= 1e-7 else _blame(bench.build(name, sprung), true)
         yield bench.row(
             "spring_swing",
             (name, "analytic"),
-            float(np.abs(run.position[:, 0] - true).max()),
+            apart,
             1e-7,
             unit="rad",
             why="RK4 at 1 ms over three periods, or adaptive integration at 1e-10",
+            first_divergence=place,
+            note=said,
             source="θ(t) = θ₀ + (θ(0) − θ₀) cos √(k/J) t",
         )
+
+
+def _blame(model: EngineModel, true: Array) -> tuple[str, dict[str, object]]:
+    """Whether the engine pulls otherwise than the spring, or is integrated wrongly."""
+    place: dict[str, object] = {"term": "stiffness", "joint": "hub"}
+    pulls = np.array([model.forward_dynamics(q[None], np.zeros(1), np.zeros(1))[0] for q in true[:8]])
+    if not np.abs(pulls + STIFFNESS / INERTIA * (true[:8] - REST)).max() <= 1e-9 * STIFFNESS / INERTIA:
+        return "it does not accelerate as the spring pulls", place
+    said = "it accelerates as the spring pulls, so it is the integration"
+    return said, {"term": "integration", "joint": "hub"}
 
 
 CASE = Case(

@@ -357,6 +357,20 @@ def _apart(found: object, stated: object) -> float:
     return float(np.abs(a[other] - b[other]).max(initial=0.0)) / (size or 1.0)
 
 
+def _place(system: System, stated: str) -> dict[str, object]:
+    """Whose number it is, and which: ``{"joint": "hip", "value": "damping"}``; of the mechanism itself the number alone."""
+    kind, _, rest = stated.partition(" '")
+    if not rest:
+        return {"value": kind}
+    name, _, member = rest.partition("' ")
+    if kind == "effect":
+        sites = [one.site for one in system.attachments if one.effect == name]
+        place: dict[str, object] = {"term": name, "value": member}
+        return place | ({"joint": sites[0]} if sites else {})
+    # Numbers of a beam are its link's.
+    return {"link" if kind == "beam" else kind: name, "value": member}
+
+
 def fields(stated: Stated, bench: Bench) -> Iterable[Row | Series]:
     """Every number stated, against the description."""
     apart = {place: _apart(_found(bench.system, place), value) for place, value in stated.items()}
@@ -371,7 +385,7 @@ def fields(stated: Stated, bench: Bench) -> Iterable[Row | Series]:
         1e-12,
         why="numbers as they stand in the file",
         note=f"the readers take the file to mean different things: {said}" if wrong else f"{len(apart)} numbers",
-        first_divergence=None if first is None else {"value": first},
+        first_divergence=None if first is None else _place(bench.system, first),
         source="the numbers that stand in the file, read by a person",
     )
 
@@ -387,6 +401,7 @@ def torsion(bench: Bench) -> Iterable[Row | Series]:
         abs(beam.torsional_stiffness - true) / true,
         5e-3,
         why="Roark's formula for a rectangle is certain to 0.5 %",
+        about={"link": "rod", "value": "torsional_stiffness"},
         source="S. Timoshenko and J. Goodier, Theory of Elasticity (1970), § 109",
     )
 

@@ -166,7 +166,10 @@ def formats(bench: Bench) -> Iterable[Row | Series]:
             continue
         except InputError as error:
             note = f"the reader of {name.replace('_', ' ')} refuses it: {error.what}"
-            yield bench.row(quantity, (NATIVE, "analytic"), np.nan, allowed, why="conversions of units", note=note)
+            about = {"term": f"reader of {name.replace('_', ' ')}"}
+            yield bench.row(
+                quantity, (NATIVE, "analytic"), np.nan, allowed, why="conversions of units", note=note, about=about
+            )
             continue
         worst = max(apart, key=lambda channel: apart[channel])
         yield bench.row(
@@ -176,7 +179,7 @@ def formats(bench: Bench) -> Iterable[Row | Series]:
             allowed,
             why="conversions of units" if allowed < 1e-9 else "whole numbers of 1e-6 rad/s in the file",
             note="" if apart[worst] <= allowed else f"the reader of {name.replace('_', ' ')} differs at {worst}",
-            first_divergence=None if apart[worst] <= allowed else {"channel": worst},
+            about={"term": f"reader of {name.replace('_', ' ')}", "channel": worst},
             source="the motion that was written, by the format's own library",
         )
 

@@ -43,6 +43,7 @@ def dry(bench: Bench) -> Iterable[Row | Series]:
         unit="rad",
         why="piecewise quadratic motion; the stop is an event located in time",
         note=f"at rest after {stop:g} s at {angle:g} rad, and held there",
+        about={"term": "dry_friction", "joint": "hub"},
         source="J dω/dt = −T until rest, then stuck",
     )
 
@@ -63,6 +64,7 @@ def viscous(bench: Bench) -> Iterable[Row | Series]:
             1e-8,
             unit="rad",
             why="RK4 at 1 ms or adaptive integration at 1e-10",
+            about={"term": "damping", "joint": "hub"},
             source="θ(t) = ω J/ξ (1 − exp(−ξ t / J))",
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -263,9 +264,11 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
     except Exception as error:
         # What the suite's own reader refuses has passed before: a failure of this case, and none of the others'.
         bench = Bench(case, System(case.name, (), ()), {})
-        what = "the readers refuse this case's own model: " if isinstance(error, InputError) else ""
         row = _broken(bench, "all", (NATIVE,), error)
-        rows.append(replace(row, note=what + row.note))
+        if isinstance(error, InputError):
+            note = f"the readers refuse this case's own model: {row.note}"
+            row = replace(row, note=note, first_divergence={"term": "refused"} | _owner(row.note))
+        rows.append(row)
         return Outcome(case.name, case.title, tuple(rows), (), perf_counter() - start)
     models: dict[str, EngineModel] = {}
     refusals: dict[str, str] = {}
@@ -314,6 +317,12 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
 def _broken(bench: Bench, quantity: str, engines: tuple[str, ...], error: Exception) -> Row:
     text = " ".join(str(error).split()) or "no message"
     return replace(bench.skipped(quantity, engines, f"{type(error).__name__}: {text}"), verdict="fail")
+
+
+def _owner(said: str) -> dict[str, object]:
+    """The first link or joint that a refusal names."""
+    found = re.search(r"\b(link|joint) '([^']+)'", said)
+    return {} if found is None else {found[1]: found[2]}
 
 
 def versions() -> dict[str, str]:

@@ -81,6 +81,7 @@ def models(bench: Bench) -> Iterable[Row | Series]:
             model.allowed,
             why="cubics through samples 2 ms apart" if model.allowed > 1e-12 else "rounding",
             note="" if apart <= model.allowed else f"the measurement model {model.name.replace('_', ' ')}",
+            about={"term": f"sensor_{model.name}"},
             source=model.source,
         )
 
