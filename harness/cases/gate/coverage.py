@@ -106,6 +106,7 @@ PATHS: dict[str, tuple[str, ...]] = {
         "lanes_double_pendulum/lanes_adaptive_planar/*",
         "lanes_double_pendulum/lanes_adaptive_spatial/*",
     ),
+    "LaneModel.closed": ("lanes_closed/lanes_states_closed/*",),
     "LaneModel.slot": ("joint_laws/*",),
     "lanes adaptive": ("lanes_*/lanes_adaptive_*", "integrators/lanes_*_error/*"),
     "lanes rk4": ("lanes_*/lanes_rk4_*", "integrators/lanes_*_rk4_order/*"),
@@ -139,6 +140,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     "kernel lane_parameters": ("lanes_tree/*", "lanes_two_flexible_links/*"),
     "kernel lanes": ("lanes_chain/*", "lanes_flexible_pendulum/*"),
     "kernel exponential": ("lanes_flexible_pendulum/lanes_exponential_*",),
+    "kernel closed": ("lanes_closed/lanes_loop_motion/*", "lanes_closed/lanes_loop_damping/*"),
     # What a description says of a joint.
     "joint type": (
         "chain_*/acceleration/*",
@@ -245,8 +247,6 @@ EXEMPT: dict[str, str] = {
     "Closed.loop_jacobian": "what loops_kept is measured with; its own values: tests alone",
     "Closed.constraint_forces": "against the whole matrix of masses and conditions: tests alone",
     "Closed.refuse_open": "makes a refusal, and computes nothing",
-    "LaneModel.closed": "closed states against those of a single model and a textbook pendulum: tests alone",
-    "kernel closed": "loops, balls and clearance in the lanes against textbook pendulums, decays and a fall: tests alone",
     "Denoc.singular": "makes a refusal, and computes nothing",
     "Denoc.vector": "checks an argument, and computes nothing",
     "Denoc.position": "checks an argument, and computes nothing",
