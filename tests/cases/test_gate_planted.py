@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from harness.cases.discover import built_in
+from harness.cases.gate.planted.blamed import Blamed, places, terms
 from harness.cases.gate.planted.copy import PACKAGE, spoiled_copy
 from harness.cases.gate.planted.full import Fault, faults, try_fault
+from harness.cases.gate.planted.patch import expected
 from harness.cases.gate.planted.patches import PATCHES
 
 
@@ -72,3 +74,37 @@ def test_a_fault_closes_the_gate_and_is_named_and_none_leaves_it_open(name):
 def test_a_fault_in_the_code_closes_the_gate_and_is_named(name):
     fate = try_fault(next(fault for fault in faults() if fault.name == name))
     assert fate.closed and fate.named, fate.said
+
+
+@pytest.mark.parametrize("patch", PATCHES, ids=lambda patch: patch.name)
+def test_what_must_be_blamed_is_a_term_and_a_place_or_none(patch):
+    assert patch.expected.rows and all(patch.expected.rows)
+    assert patch.expected.terms and all(patch.expected.terms)
+    assert all(patch.expected.places)
+
+
+def row(key, **where):
+    return Blamed(key, terms(where), places(where), "")
+
+
+def test_a_fault_is_named_by_its_term_and_its_place_in_most_of_the_rows_it_is_looked_for_in():
+    hinge = expected("acceleration; damping @ joint2|joint3")
+    right = row("case/acceleration/denoc+mujoco", term="damping", at="joint2", coordinate="joint7")
+    elsewhere = row("case/acceleration/denoc+pinocchio", term="damping", at="joint7", coordinate="joint2")
+    other = row("case/acceleration/denoc+exudyn", term="gravity", at="joint2")
+    assert hinge.met([right])
+    assert not hinge.met([elsewhere]) and not hinge.met([other])
+    # A row that says nothing speaks for nobody; one of another quantity is not asked.
+    assert hinge.met([right, row("case/acceleration/denoc+exudyn"), row("case/gravity/denoc+mujoco", term="gravity")])
+    assert not hinge.met([right, other])
+    assert not hinge.met([])
+
+
+def test_a_fault_that_is_at_no_joint_is_named_by_its_term_alone():
+    assert expected("rk4_error; position_rates @ -").met([row("c/rk4_error/denoc", term="position_rates", at="pivot")])
+
+
+def test_several_numbers_that_do_the_same_are_all_named_and_a_coordinate_is_of_its_link():
+    where = {"link": "rod", "value": "mass", "or": "payload, bending_stiffness", "mode": 2}
+    assert terms(where) == ("mass", "payload", "bending_stiffness")
+    assert places({"at": "rod.mode1"}) == ("rod.mode1", "rod")

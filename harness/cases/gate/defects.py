@@ -19,7 +19,8 @@ class Defect:
     """A defect and what it should be called.
 
     term: the term of the dynamics that must be blamed first; empty if the accelerations stay right or are none.
-    words: must occur in what the gate says about it. spoil: the system the native engine gets instead of the true one.
+    words, at: must occur in what the gate says about it; the latter is the link or joint that it is at.
+    spoil: the system the native engine gets instead of the true one.
     wrap: what becomes of the native model.
     """
 
@@ -28,6 +29,7 @@ class Defect:
     words: str
     spoil: Callable[[System], System] = lambda system: system
     wrap: Callable[[EngineModel], Any] = lambda model: model
+    at: str = ""
 
 
 class Spoiled:
@@ -141,15 +143,10 @@ def _coarse_output(model: EngineModel) -> Spoiled:
 
 
 DEFECTS = (
-    Defect("mass of one link a millionth too large", "mass_matrix", "carries", spoil=_heavier),
-    Defect(
-        "inertia of one link a millionth too large",
-        "mass_matrix",
-        "carries",
-        spoil=_rounder,
-    ),
-    Defect("centre of mass of one link a micrometre off", "mass_matrix", "carries", spoil=_shifted),
-    Defect("axis of one joint a microradian off", "mass_matrix", "carries", spoil=_tilted),
+    Defect("mass of one link a millionth too large", "mass_matrix", "mass of link", spoil=_heavier, at="link3"),
+    Defect("inertia of one link a millionth too large", "mass_matrix", "inertia of link", spoil=_rounder, at="link3"),
+    Defect("centre of mass of one link a micrometre off", "mass_matrix", "com of link", spoil=_shifted, at="link3"),
+    Defect("axis of one joint a microradian off", "mass_matrix", "axis of joint", spoil=_tilted, at="joint3"),
     Defect("armature forgotten", "armature", "armature", spoil=_without("armature")),
     Defect("damping forgotten", "damping", "damping", spoil=_without("damping")),
     Defect("gravity with the other sign", "gravity", "other sign", spoil=_gravity(-1.0)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from textwrap import shorten
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ from harness.system import System, random_chain
 
 # Of the faults of the full self-test; what two sites explain alike is named by either.
 ENOUGH_NAMED = 0.9
+# Characters of what is said of one that is missed.
+TOLD = 400
 WHY = "as for every mechanism of this size in the suite"
 
 
@@ -46,12 +49,20 @@ CASE = Case(
 
 @dataclass(frozen=True)
 class Trial:
-    """One planted defect: whether a row failed because of it, whether it was called by its name, and what was said."""
+    """One planted defect: whether a row failed because of it, whether it was called by its name, and what was said.
+
+    at: the joint, body or channel that had to be named beside the term; empty for a defect that is at none, or at all alike.
+    """
 
     defect: str
     caught: bool
     named: bool
     said: str
+    at: str = ""
+
+    def fate(self) -> str:
+        """What became of one that was missed, in a line."""
+        return f"caught, but said to be: {shorten(self.said, TOLD, placeholder=' …')}" if self.caught else "not caught"
 
 
 @dataclass(frozen=True)
@@ -71,12 +82,30 @@ class SelfTest:
         named = sum(trial.named for trial in self.trials)
         return self.clean and all(trial.caught for trial in self.trials) and named >= self.enough * len(self.trials)
 
+    def count(self, *, placed: bool) -> tuple[int, int]:
+        """How many are named, and of how many: of the defects that are at a joint, body or channel, or of those at none."""
+        chosen = [trial for trial in self.trials if bool(trial.at) is placed]
+        return sum(trial.named for trial in chosen), len(chosen)
+
+    def sentence(self) -> str:
+        """The counts in words."""
+        planted, caught = len(self.trials), sum(trial.caught for trial in self.trials)
+        (placed, of_placed), (term, of_term) = self.count(placed=True), self.count(placed=False)
+        runs = "run" if self.clean_runs == 1 else "runs"
+        passed = "left the gate open" if self.clean else "did not all leave the gate open"
+        return (
+            f"{planted} defects planted, {caught} caught, {placed + term} named: {placed} of {of_placed} by term and joint or "
+            f"body, {term} of the {of_term} that are at none by their term; {self.clean_runs} {runs} without a defect {passed}"
+        )
+
     def as_dict(self) -> dict[str, Any]:
-        """``planted``, ``caught`` and ``named`` are counts."""
+        """``planted``, ``caught`` and ``named`` are counts; ``named_with_place`` and ``named_by_term`` pairs of named and asked."""
         return {
             "planted": len(self.trials),
             "caught": sum(trial.caught for trial in self.trials),
             "named": sum(trial.named for trial in self.trials),
+            "named_with_place": list(self.count(placed=True)),
+            "named_by_term": list(self.count(placed=False)),
             "clean_passes": self.clean,
             "clean_runs": self.clean_runs,
             "defects": [vars(trial) for trial in self.trials],
@@ -103,7 +132,7 @@ def self_test(
     from harness.cases.gate.planted.full import full_trials
 
     planted, runs = full_trials(workers=workers, progress=progress, journal=journal)
-    trials += [Trial(fate.fault, fate.closed, fate.named, fate.said) for fate in planted]
+    trials += [Trial(fate.fault, fate.closed, fate.named, fate.said, fate.at) for fate in planted]
     return SelfTest(clean and not any(fate.closed for fate in runs), tuple(trials), ENOUGH_NAMED, len(runs) + 1)
 
 
@@ -126,8 +155,8 @@ def _try(defect: Defect, native: Engine, judge: Engine) -> Trial:
     spoiled = SpoiledEngine(native, defect)
     failed = [row for row in _rows(spoiled, judge) if row.verdict == "fail"]
     said = "; ".join(dict.fromkeys(row.note for row in failed if row.note))
-    named = bool(failed) and _blamed(spoiled, judge) == defect.term and defect.words in said
-    return Trial(defect.name, bool(failed), named, said)
+    named = bool(failed) and _blamed(spoiled, judge) == defect.term and defect.words in said and defect.at in said
+    return Trial(defect.name, bool(failed), named, said, defect.at)
 
 
 def _blamed(spoiled: SpoiledEngine, judge: Engine) -> str:

@@ -37,17 +37,13 @@ def print_judgement(
         for name, (before, now) in judgement.versions_changed.items():
             console.print(Text(f"{name}: accepted with {before}, run with {now}", style="dim"))
     if trials is not None:
-        planted = len(trials.trials)
-        caught = sum(trial.caught for trial in trials.trials)
-        named = sum(trial.named for trial in trials.trials)
-        text = f"Self-test: {planted} defects planted, {caught} caught, {named} named."
+        text = f"Self-test: {trials.sentence()}."
         console.print(Text(text, style="bold green" if trials.ok else "bold red"))
         if not trials.clean:
             console.print(Text("  the same case without a defect does not pass", style="red"))
         for trial in trials.trials:
             if not (trial.caught and trial.named):
-                fate = "not caught" if not trial.caught else f"caught, but said to be: {trial.said}"
-                console.print(Text(f"  {trial.defect}: {fate}", style="red"))
+                console.print(Text(f"  {trial.defect}: {trial.fate()}", style="red"))
 
 
 def _print_lines(lines: list[closing.Line], console: Console) -> None:

@@ -28,14 +28,9 @@ def markdown(
     if judgement is not None:
         lines += _verdict(judgement, files)
     if trials is not None:
-        planted = len(trials.trials)
-        caught = sum(trial.caught for trial in trials.trials)
-        named = sum(trial.named for trial in trials.trials)
-        lines += [f"Self-test: {planted} defects planted, {caught} caught, {named} named.", ""]
+        lines += [f"Self-test: {trials.sentence()}.", ""]
         missed = [trial for trial in trials.trials if not (trial.caught and trial.named)]
-        lines += [
-            f"- {trial.defect}: {'said to be ' + trial.said if trial.caught else 'not caught'}" for trial in missed
-        ]
+        lines += [f"- {trial.defect}: {trial.fate()}" for trial in missed]
         lines += [""] * bool(missed)
     if judgement is not None and results.told:
         lines += [f"<details><summary>{len(results.told)} notes on the models</summary>", ""]

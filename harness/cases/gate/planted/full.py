@@ -19,6 +19,7 @@ from harness.cases.case import NATIVE, Case
 from harness.cases.checks import StateAgreement
 from harness.cases.gate.accepted import DEFAULT
 from harness.cases.gate.defects import Defect, SpoiledEngine
+from harness.cases.gate.planted.blamed import Blamed
 from harness.cases.gate.planted.copy import PACKAGE, spoiled_copy
 from harness.cases.gate.planted.patch import Patch
 from harness.cases.gate.planted.patches import PATCHES
@@ -31,6 +32,8 @@ from harness.parallel import parallel_map
 from harness.system import System, random_chain, random_tree
 
 CLEAN = 50
+# Characters kept of what is said of one.
+SAID = 6000
 # A kernel in space and one in the plane are compiled anew: minutes on a busy machine.
 LONGEST = 1200.0
 WHY = "as for every mechanism of this size in the suite"
@@ -53,12 +56,16 @@ class Fault:
 
 @dataclass(frozen=True)
 class Fate:
-    """Whether the gate closed, whether it named the fault, and what it said."""
+    """Whether the gate closed, whether it named the fault, and what it said.
+
+    at: the joint, link or channel that had to be named beside the term; empty for a fault that is at none.
+    """
 
     fault: str
     closed: bool
     named: bool
     said: str
+    at: str = ""
 
 
 def faults() -> list[Fault]:
@@ -140,15 +147,18 @@ def _in_code(patch: Patch) -> Fate:
             run = subprocess.run(
                 command, cwd=place, env=environment, capture_output=True, text=True, check=False, timeout=LONGEST
             )
-            lines = json.loads(run.stdout.strip().splitlines()[-1])
+            found = [
+                Blamed(one["key"], tuple(one["terms"]), tuple(one["places"]), one["said"])
+                for one in json.loads(run.stdout.strip().splitlines()[-1])
+            ]
         except subprocess.TimeoutExpired:
-            return Fate(patch.name, False, False, f"no answer in {LONGEST:g} s")
+            return Fate(patch.name, False, False, f"no answer in {LONGEST:g} s", patch.expected.at)
         except (IndexError, ValueError):
             # A copy that cannot even run lets nothing through; but nobody is told what it is.
-            return Fate(patch.name, run.returncode != 0, False, " ".join(run.stderr.split())[-300:])
-    said = " | ".join(lines)
-    named = bool(lines) and all(word.lower() in said.lower() for word in patch.words)
-    return Fate(patch.name, bool(lines), named, said[:600])
+            said = " ".join(run.stderr.split())[-300:]
+            return Fate(patch.name, run.returncode != 0, False, said, patch.expected.at)
+    said = " | ".join(one.said for one in found)
+    return Fate(patch.name, bool(found), patch.expected.met(found), said[:SAID], patch.expected.at)
 
 
 def _in_description(name: str, system: System, group: Group) -> Fate:
@@ -161,7 +171,7 @@ def _in_description(name: str, system: System, group: Group) -> Fate:
     rows = run_case(case, {NATIVE: native, "pinocchio": registry.engine("pinocchio")}).rows
     failed = [row for row in rows if row.verdict == "fail"]
     said = "; ".join(row.note for row in failed)
-    return Fate(name, bool(failed), group.said() in said, said[:600])
+    return Fate(name, bool(failed), group.said() in said, said[:SAID], "" if group.owner == "base" else group.name)
 
 
 def _clean(name: str, seed: int) -> Fate:
@@ -172,4 +182,4 @@ def _clean(name: str, seed: int) -> Fate:
     case = Case(name, name, "clean", lambda: system, checks)
     engines = {NATIVE: registry.engine(NATIVE), "pinocchio": registry.engine("pinocchio")}
     failed = [row for row in run_case(case, engines).rows if row.verdict == "fail"]
-    return Fate(name, bool(failed), False, "; ".join(f"{row.key}: {row.note}" for row in failed)[:600])
+    return Fate(name, bool(failed), False, "; ".join(f"{row.key}: {row.note}" for row in failed)[:SAID])
