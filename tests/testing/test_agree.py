@@ -220,6 +220,25 @@ def steps() -> dict[str, str]:
     return found
 
 
+@pytest.mark.parametrize(("extras", "package"), [("engines", ""), ("", ". another")])
+def test_the_action_installs_its_own_version_and_what_else_it_is_told(tmp_path, extras, package):
+    told = tmp_path / "python"
+    told.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n', encoding="utf-8")
+    told.chmod(0o755)
+    action = ROOT / ".github" / "actions" / "gate"
+    environment = {
+        "PATH": f"{tmp_path}:{os.environ['PATH']}",
+        "ACTION": str(action),
+        "EXTRAS": extras,
+        "PACKAGE": package,
+    }
+    command = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", steps()["install"]]
+    run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+    own = f"{ROOT}[engines]" if extras else str(ROOT)
+    assert run.stdout.splitlines() == ["-m", "pip", "install", "--quiet", own, *package.split()]
+    assert (ROOT / "pyproject.toml").exists()
+
+
 def test_the_action_as_another_repository_runs_it(installed, tmp_path):
     repository, environment = installed
     gate = [sys.executable, "-m", "harness", "gate", "pendulum.urdf", "--reference", "gate.json", "--workers", "1"]
