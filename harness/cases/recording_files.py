@@ -16,6 +16,7 @@ from harness.cases.checks import Measured
 from harness.cases.rotor import system
 from harness.errors import InputError, missing_package
 from harness.recording import read_recording
+from harness.recording.formats import read_table
 
 TIME = np.linspace(0.0, 2.0, 401)  # s
 ANGLE = 0.7 * np.sin(5.0 * TIME + 0.4)  # rad
@@ -167,6 +168,8 @@ def formats(bench: Bench) -> Iterable[Row | Series]:
         except InputError as error:
             note = f"the reader of {name.replace('_', ' ')} refuses it: {error.what}"
             about = {"term": f"reader of {name.replace('_', ' ')}"}
+            if channel := _misread(write, ending):
+                note, about = f"{note}; {channel} is not read as it was written", about | {"channel": channel}
             yield bench.row(
                 quantity, (NATIVE, "analytic"), np.nan, allowed, why="conversions of units", note=note, about=about
             )
@@ -199,6 +202,24 @@ def _apart(write: Callable[[Path], None], ending: str, bench: Bench) -> dict[str
         # What is not there is as far apart as can be.
         apart[name] = float(np.abs(values - true).max() / np.abs(true).max()) if same else 1.0
     return apart
+
+
+def _misread(write: Callable[[Path], None], ending: str) -> str:
+    """The first column of a file that is refused whose course, whatever its unit, is not the one written; empty if all are."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / f"run{ending}"
+        write(file)
+        try:
+            columns = read_table(file).columns
+        except InputError:
+            return ""
+    for name, true in ({"time": TIME} | CHANNELS).items():
+        values = next((v for key, v in columns.items() if key == name or key.startswith(f"{name} ")), np.zeros(0))
+        # From their mean and over their spread: units are a factor, clocks an offset.
+        courses = [(x - x.mean()) / (np.ptp(x) or 1.0) for x in (values, true) if len(x)]
+        if len(values) != len(true) or not np.abs(courses[0] - courses[1]).max() <= 1e-6:
+            return name
+    return ""
 
 
 CASE = Case(

@@ -31,7 +31,11 @@ def by_truth(link: str, truth: Truth, names: tuple[str, ...], found: Array) -> t
 
         def left(exponent: float, name: str = name) -> float:
             factor = float(np.exp(exponent))
-            return float(np.linalg.norm(np.log(found / truth(lambda one: factor if one == name else 1.0)))) / whole
+            try:
+                true = truth(lambda one: factor if one == name else 1.0)
+            except (ValueError, ArithmeticError):
+                return np.inf  # so far from what it is, the closed form has no answer
+            return float(np.linalg.norm(np.log(found / true))) / whole
 
         logs = np.log(_FACTORS)
         best = int(np.argmin([left(x) for x in logs]))

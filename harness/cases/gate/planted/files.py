@@ -100,7 +100,7 @@ RECORDINGS = (
         ("nanoseconds taken as microseconds", "return seconds * 1_000_000_000 + rest", "return seconds * 1_000_000_000 + rest // 1000",
          "recording_mcap; reader of mcap @ time"),
         ("numbers of the joint before", "for joint, number in zip(joints, array, strict=True):", "for joint, number in zip(joints, array[::-1], strict=True):",
-         "recording_mcap; reader of mcap @ hub.position|hub.velocity|hub.effort"),
+         "recording_mcap; reader of mcap @ -"),
     ),
     *of_file(
         "formats/matlab.py", "recording_files",
