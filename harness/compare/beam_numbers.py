@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.compare.numbers_of import Number, numbers
+from harness.compare.numbers_of import VANISHES, Number, numbers
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -25,6 +25,7 @@ Blend = Callable[[Array, Array, float], Array]
 _STEP, _LEFT, _ALIKE = 1e-3, 0.1, 0.02
 # Effects below this share of the largest are rounding.
 _NOTHING = 1e-9
+MISTAKES = (0.0, 0.5, 2.0)
 # What no beam can be: numbers are moved without asking whether a body could have them.
 _IMPOSSIBLE = (ValueError, ArithmeticError, np.linalg.LinAlgError)
 
@@ -81,6 +82,8 @@ def explain(
         if not np.isfinite(square) or np.sqrt(square) <= _NOTHING * largest:
             continue
         found.append(_refined(number, effect, moved, base, apart, whole))
+    if not any(one.left <= left for one in found):
+        found = [_mistaken(number, moved, base, apart, whole) for number, moved, _ in effects]
     # Of what does the same, first what is there once or not at all.
     found.sort(key=lambda one: (round(one.left, 6), one.number.unlikely(one.factor)))
     return [one for one in found if one.left <= left and one.left <= 2.0 * found[0].left + _ALIKE]
@@ -109,6 +112,19 @@ def _refined(
         slope = moved / change
         if not float(slope @ slope) > 0.0:
             break
+    return best
+
+
+def _mistaken(number: Number, answer: Callable[[float], Array], base: Array, apart: Array, whole: float) -> Explanation:
+    """The best of what mistakes make of a number, which may do more than its slope says: forgotten, halved, doubled."""
+    best = Explanation(number, 1.0, 1.0)
+    for factor in MISTAKES if number.place.get("value") in VANISHES else MISTAKES[1:]:
+        try:
+            share = float(np.linalg.norm(apart - (answer(factor) - base))) / whole
+        except _IMPOSSIBLE:
+            continue
+        if np.isfinite(share) and share < best.left:
+            best = Explanation(number, factor, share)
     return best
 
 

@@ -13,6 +13,12 @@ from harness.system.description import Array, constant
 from harness.system.flexible_link import flexible_link
 from harness.system.inertia import point_inertia
 
+#: Numbers that may be zero.
+VANISHES = (
+    "armature", "damping", "stiffness", "payload", "payload_inertia", "material_damping", "modal_damping", "gravity",
+    "geometric_stiffening",
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Number:
@@ -35,7 +41,7 @@ class Number:
 
     def said(self, factor: float) -> str:
         named = f"{self.what}{' of ' + self.site if self.site else ''}"
-        if self.without is not None and abs(factor) < 1e-6:
+        if abs(factor) < 1e-6:
             return f"no {named}"
         return f"{named} {factor:.6g} times as large"
 

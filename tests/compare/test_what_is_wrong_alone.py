@@ -128,3 +128,17 @@ def test_what_is_wrong_at_every_joint_alike_is_told_of_all():
     found = explain(system, forces, forces(damped) - forces(system))
     assert place_of(found) == {"value": "damping"}
     assert "damping of every joint 1.1 times" in sentence(found, "other")
+
+
+def test_a_rotor_that_is_forgotten_is_told_however_much_it_does():
+    system = two_strips(2)
+    system = system.replace_joint(replace(system.joint("elbow"), armature=3e-4))
+    start = (np.array([0.5, 0.2, 0.0, 0.0, 0.0, 0.0]), np.zeros(6), np.linspace(0.0, 0.1, 41))
+
+    def motion(of):
+        return Denoc(of).simulate(*start).position[:, :2].ravel()
+
+    without = system.replace_joint(replace(system.joint("elbow"), armature=0.0))
+    found = explain(system, motion, motion(without) - motion(system))
+    assert place_of(found) == {"joint": "elbow", "value": "armature"}
+    assert sentence(found, "other") == "other answers as with no armature of joint 'elbow'"
