@@ -141,8 +141,40 @@ def explain(build: Build, system: System, other: EngineModel, q: Array, qd: Arra
         explained = _fit(group, residual, whole)
         if explained is not None and not (larger and explained.directions > found[0].directions):
             found.append(explained)
+    if not found:
+        found = [
+            Explanation(group, by, left, group.size)
+            for group in groups(system)
+            for by in _mistakes(system, group)
+            if (left := _left(group, by, residual, whole)) <= LEFT
+        ]
     best = min((one.left for one in found), default=0.0)
     return sorted((one for one in found if one.left <= 100.0 * max(best, 1e-9)), key=lambda one: one.left)
+
+
+def _mistakes(system: System, group: Group) -> list[Array]:
+    """By how much a group is off where it is turned round or forgotten, which is too far for a linear step to find."""
+    if group.member not in ("axis", "xyz", "com", "rotation"):
+        return []
+    owner = system.joint(group.name) if group.owner == "joint" else system.link(group.name)
+    value = np.asarray(getattr(owner, group.member))
+    if group.member == "rotation":
+        from scipy.spatial.transform import Rotation
+
+        # From a rotation to its inverse, and to none.
+        return [Rotation.from_matrix(turn).as_rotvec() for turn in (value.T @ value.T, value.T)]
+    return [-2.0 * value] if group.member == "axis" else [-2.0 * value, -value]
+
+
+def _left(group: Group, by: Array, residual: Callable[[Group, Array], Array], whole: float) -> float:
+    """The share of the difference that a group leaves where it is off by so much; infinite where nothing can be so."""
+    if not by.any():
+        return np.inf
+    try:
+        left = float(np.linalg.norm(residual(group, by))) / whole
+    except (InputError, np.linalg.LinAlgError, ValueError, RuntimeError):
+        return np.inf
+    return left if np.isfinite(left) else np.inf
 
 
 def _turn_together(system: System, one: Group, other: Group) -> bool:

@@ -118,3 +118,19 @@ def test_the_engine_that_does_not_solve_its_own_equation_is_named():
     found = attribute(right, Sloppy(), *states(4), called=("pinocchio", "denoc"))
     assert found.culprit.term == "solution"
     assert "forward dynamics of denoc" in found.sentence()
+
+
+@pytest.mark.parametrize(
+    ("group", "times"),
+    [
+        (Group("joint", "joint2", "axis", 3), -2.0),
+        (Group("joint", "joint3", "xyz", 3), -2.0),
+        (Group("joint", "joint3", "xyz", 3), -1.0),
+        (Group("link", "link2", "com", 3), -2.0),
+    ],
+)
+def test_what_is_turned_round_or_forgotten_is_found_though_no_small_step_leads_there(group, times):
+    owner = CHAIN.joint(group.name) if group.owner == "joint" else CHAIN.link(group.name)
+    wrong = BUILD(moved(CHAIN, group, times * np.asarray(getattr(owner, group.member))))
+    found = explain(BUILD, CHAIN, wrong, *states(3))
+    assert group in [one.group for one in found]
