@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
+from traceback import extract_tb
 from typing import Any
 
 from harness.cases.case import NATIVE, Bench, Case, Doubt, Row, Series
@@ -28,6 +29,11 @@ from harness.system.suggest import did_you_mean
 
 # Engines for a special kind of mechanism: that they refuse all others is no news.
 SPECIAL = ("analytic", "exudyn_ancf", "exudyn_ffrf")
+
+# Answers of engines, one of which was asked for where a check breaks.
+ANSWERS = (
+    "forward_dynamics", "inverse_dynamics", "mass_matrix", "bias", "gravity", "energy", "frequencies", "simulate",
+)  # fmt: skip
 
 Progress = Callable[[int, int, str], None]
 
@@ -316,7 +322,10 @@ def run_case(case: Case, engines: Mapping[str, Engine]) -> Outcome:
 
 def _broken(bench: Bench, quantity: str, engines: tuple[str, ...], error: Exception) -> Row:
     text = " ".join(str(error).split()) or "no message"
-    return replace(bench.skipped(quantity, engines, f"{type(error).__name__}: {text}"), verdict="fail")
+    asked = [frame.name for frame in extract_tb(error.__traceback__) if frame.name in ANSWERS]
+    place = {"term": asked[0]} if asked else None
+    row = bench.skipped(quantity, engines, f"{type(error).__name__}: {text}")
+    return replace(row, verdict="fail", first_divergence=place)
 
 
 def _owner(said: str) -> dict[str, object]:

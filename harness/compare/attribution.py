@@ -169,11 +169,14 @@ def _counted(ours: Parts, theirs: Parts, allowed: float) -> float | None:
     factor = float(np.sum(ours.mass * theirs.mass) / np.sum(ours.mass**2))
     if not (abs(factor - 1.0) > allowed and factor > 0.0):
         return None
-    for name in ("mass", "coriolis", "gravity", "damping"):
-        a, b = getattr(ours, name), getattr(theirs, name)
-        if not np.abs(b - factor * a).max() <= max(allowed, 1e-6) * np.abs(a).max():
-            return None
-    return 1.0 / factor
+    tolerance = max(allowed, 1e-6)
+    # Forces against all of them: one that is none is rounding.
+    largest = max(float(np.abs(getattr(ours, name)).max()) for name in TERMS[1:])
+    # Springs are taken as the other has them; what acts at rest has them in it.
+    pairs = [(parts.coriolis, parts.damping, parts.gravity - parts.stiffness) for parts in (ours, theirs)]
+    apart = [float(np.abs(b - factor * a).max()) for a, b in zip(*pairs, strict=True)]
+    masses = float(np.abs(theirs.mass - factor * ours.mass).max() / np.abs(ours.mass).max())
+    return 1.0 / factor if max(masses, *(x / largest for x in apart)) <= tolerance else None
 
 
 def _bias(model: EngineModel, q: Array, qd: Array) -> Array:

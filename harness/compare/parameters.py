@@ -22,6 +22,7 @@ from harness.system import Joint, Link, System
 from harness.system.description import JointType, constant
 
 Array = NDArray[np.float64]
+BODY = "body"
 Build = Callable[[System], EngineModel]
 
 # What may be left of a difference that a group of numbers explains, and how often it is linearized anew.
@@ -58,6 +59,8 @@ class Explanation:
         return {self.group.owner: self.group.name, "value": self.group.member}
 
     def sentence(self) -> str:
+        if self.group.member == BODY:
+            return f"as if mass, centre of mass and inertia of link {self.group.name!r} were off together"
         amounts = ", ".join(f"{value:+.3g}" for value in self.off)
         return f"as if the {self.group.said()} were off by {amounts if len(self.off) == 1 else f'({amounts})'}"
 
@@ -82,6 +85,13 @@ def groups(system: System) -> Iterator[Group]:
         yield Group("link", link.name, "inertia", 6)
 
 
+def bodies(system: System) -> Iterator[Group]:
+    """All ten numbers of a link's inertia as one group, for what mistakes of packing make of them together."""
+    for link in system.links:
+        if link.mass > 0.0:
+            yield Group("link", link.name, BODY, 10)
+
+
 def moved(system: System, group: Group, by: Array) -> System:
     """The system with a group of its numbers off by ``by``."""
     if group.owner == "base":
@@ -96,6 +106,8 @@ def _moved_link(link: Link, member: str, by: Array) -> Link:
         return replace(link, mass=link.mass + float(by[0]))
     if member == "com":
         return replace(link, com=constant(np.asarray(link.com) + by))
+    if member == BODY:
+        return _moved_link(_moved_link(_moved_link(link, "mass", by[:1]), "com", by[1:4]), "inertia", by[4:])
     full = np.array([[by[0], by[3], by[4]], [by[3], by[1], by[5]], [by[4], by[5], by[2]]])
     return replace(link, inertia=constant(np.asarray(link.inertia) + full))
 
@@ -148,6 +160,8 @@ def explain(build: Build, system: System, other: EngineModel, q: Array, qd: Arra
             for by in _mistakes(system, group)
             if (left := _left(group, by, residual, whole)) <= LEFT
         ]
+    if not found:
+        found = [one for group in bodies(system) if (one := _fit(group, residual, whole)) is not None]
     best = min((one.left for one in found), default=0.0)
     return sorted((one for one in found if one.left <= 100.0 * max(best, 1e-9)), key=lambda one: one.left)
 

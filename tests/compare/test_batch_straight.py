@@ -48,3 +48,16 @@ def test_a_body_is_named_by_the_joint_that_carries_it_in_every_answer():
     spoilt = RIGHT.replace_link(replace(link, mass=1.1 * link.mass))
     for of in BATCHES:
         assert told(of, spoilt)[1] == {"term": "mass_matrix", "at": RIGHT.carrier(link.name).name}
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "mujoco"])
+def test_forces_that_count_half_are_told_though_nothing_is_damped(engine, monkeypatch):
+    whole = Denoc.forward_dynamics_batch
+    monkeypatch.setattr(Denoc, "forward_dynamics_batch", lambda self, q, qd, tau: whole(self, q, qd, 0.5 * tau))
+    plain = alternating_chain(3, 2)
+    rigid = plain.rigid()
+    where = np.array([plain.coordinate_names.index(name) for name in rigid.coordinate_names])
+    q, qd, tau = np.random.default_rng(5).standard_normal((3, 4, len(where)))
+    row = straight_row("acceleration", Denoc(plain), where, 11)
+    said, place = of_row("acceleration", row, engine, registry.engine(engine).build(rigid), q, qd, tau)
+    assert place["term"] == "applied_force" and "0.5 times" in said

@@ -134,3 +134,11 @@ def test_what_is_turned_round_or_forgotten_is_found_though_no_small_step_leads_t
     wrong = BUILD(moved(CHAIN, group, times * np.asarray(getattr(owner, group.member))))
     found = explain(BUILD, CHAIN, wrong, *states(3))
     assert group in [one.group for one in found]
+
+
+def test_ten_numbers_of_a_body_that_are_off_together_are_one_body_s():
+    wrong = BUILD(
+        moved(CHAIN, Group("link", "link2", "body", 10), 1e-3 * np.array([5, 3, -4, 6, 1, 2, 1.5, 0.1, -0.2, 0.3]))
+    )
+    found = explain(BUILD, CHAIN, wrong, *states(3, 14))
+    assert [one.place for one in found] == [{"link": "link2", "value": "body"}]

@@ -142,8 +142,8 @@ def explained_by(
     from harness.engines.registry import engine
 
     rng = np.random.default_rng(seed)
-    # As many states as four times the largest group has numbers.
-    count = max(3, -(-24 // qd.shape[1]))
+    # As many forces as four times the largest group has numbers.
+    count = max(3, -(-40 // qd.shape[1]))
     q, qd = q[:count], qd[:count]
     # Accelerations that have nothing to do with the forces, and velocities too where all are at rest.
     accelerations = rng.standard_normal(qd.shape)

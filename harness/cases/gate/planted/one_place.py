@@ -52,7 +52,7 @@ OF_ROWS = (
         ("damping of a slider a hundredth too large", "= joint.armature, joint.damping", f'= joint.armature, {_if("joint", "joint2", "1.01")} * joint.damping',
          "acceleration; damping @ joint2"),
         ("one first moment a thousandth too large", "row[MOMENT : MOMENT + 3] += link.mass * com",
-         f'row[MOMENT : MOMENT + 3] += {_if("link", "link5", "1.001")} * link.mass * com', "acceleration; mass_matrix @ joint5"),
+         f'row[MOMENT : MOMENT + 3] += {_if("link", "link5", "1.001")} * link.mass * com', "acceleration; body @ link5"),
     ),
     *of_file(
         "tree.py", "joint_springs",
@@ -64,7 +64,7 @@ OF_ROWS = (
         ("one joint a millimetre off", "row[at : at + 3] = joint.xyz", 'row[at : at + 3] = joint.xyz + 1e-3 * (joint.name == "joint3")',
          "lanes_adaptive; xyz @ joint3"),
         ("one rigid part a thousandth too heavy", "row[at + 6 : at + 16] = _rigid_part(link)",
-         f'row[at + 6 : at + 16] = {_if("link", "link2", "1.001")} * _rigid_part(link)', "lanes_adaptive; mass_matrix @ joint2"),
+         f'row[at + 6 : at + 16] = {_if("link", "link2", "1.001")} * _rigid_part(link)', "lanes_adaptive; body @ link2"),
         ("one armature forgotten", "row[places] = joint.armature, joint.damping", f'row[places] = {_if("joint", "joint4", "0.0")} * joint.armature, joint.damping',
          "lanes_adaptive; armature @ joint4"),
         ("damping of one joint a hundredth too strong", "row[places] = joint.armature, joint.damping",
