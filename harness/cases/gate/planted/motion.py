@@ -124,8 +124,12 @@ FILTERS = of_file(
      "return signal * (1.0 + signal * (0.5 * params[:, :1] + signal * params[:, 1:2]))", "sensor_nonlinearity; sensor_nonlinearity @ -"),
     ("a filter that takes samples for steps", "coefficients = (x0, s0, 3.0 * (x1 - x0) - 2.0 * s0 - s1,", "coefficients = (x0, 0.0 * s0, 3.0 * (x1 - x0) - 2.0 * s0 - s1,",
      "sensor_lowpass; sensor_lowpass @ -"),
-    ("interpolation by the samples beside", 'first = np.clip(np.searchsorted(time, query, side="right") - 2, 0, count - 4)',
-     'first = np.clip(np.searchsorted(time, query, side="right") - 2, 0, count - 4) * 0', "sensor_delay; sensor_delay @ -"),
 )  # fmt: skip
 
-MOTION = (*STEPPERS, *LANE_RECURSIONS, *IN_SPACE, *LOOPS, *FILTERS)
+RESAMPLING = of_file(
+    "effects/resampling.py", "sensor_models",
+    ("interpolation by the first samples of all", "first = min(max(k - 2, 0), last - POINTS)", "first = min(max(k - 2, 0), last - POINTS) * 0",
+     "sensor_delay; sensor_delay @ -"),
+)  # fmt: skip
+
+MOTION = (*STEPPERS, *LANE_RECURSIONS, *IN_SPACE, *LOOPS, *FILTERS, *RESAMPLING)
