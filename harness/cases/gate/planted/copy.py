@@ -24,12 +24,7 @@ def spoiled_copy(patch: Patch, folder: Path) -> Path:
     models = PACKAGE.parent / "models"
     if models.exists():
         (folder / "models").symlink_to(models)
-    hits = [path for path in target.rglob(patch.file) if patch.old in path.read_text("utf-8")]
-    if len(hits) != 1 or hits[0].read_text("utf-8").count(patch.old) != 1:
-        raise InputError(
-            f"{patch.name}: its text does not stand in {patch.file} once", mend="bring the patch up to date"
-        )
-    (path,) = hits
+    path = file_of(patch, target)
     before = path.read_text("utf-8")
     text = before.replace(patch.old, patch.new)
     path.unlink()
@@ -39,6 +34,16 @@ def spoiled_copy(patch: Patch, folder: Path) -> Path:
         _forget(target, path)
     _stamp(target)
     return folder
+
+
+def file_of(patch: Patch, package: Path = PACKAGE) -> Path:
+    """The file that a patch changes; raises InputError if its text does not stand there once."""
+    hits = [path for path in package.rglob(patch.file) if patch.old in path.read_text("utf-8")]
+    if len(hits) != 1 or hits[0].read_text("utf-8").count(patch.old) != 1:
+        raise InputError(
+            f"{patch.name}: its text does not stand in {patch.file} once", mend="bring the patch up to date"
+        )
+    return hits[0]
 
 
 def _stamp(package: Path) -> None:

@@ -20,7 +20,7 @@ from harness.cases.checks import StateAgreement
 from harness.cases.gate.accepted import DEFAULT
 from harness.cases.gate.defects import Defect, SpoiledEngine
 from harness.cases.gate.planted.blamed import Blamed
-from harness.cases.gate.planted.copy import PACKAGE, spoiled_copy
+from harness.cases.gate.planted.copy import PACKAGE, file_of, spoiled_copy
 from harness.cases.gate.planted.patch import Patch
 from harness.cases.gate.planted.patches import PATCHES
 from harness.cases.run import Progress, run_case
@@ -103,6 +103,9 @@ def full_trials(
         raise InputError("the accepted figures of the suite are not here", mend="run in a checkout of the repository")
     registry.engine("pinocchio").version()
     planted = [fault for fault in faults() if only in fault.name]
+    for fault in planted:
+        if fault.patch is not None:
+            file_of(fault.patch)  # not hours later
     clean = [] if only else [Fault(f"clean {seed}", seed=seed) for seed in range(CLEAN)]
     known = {} if journal is None else journal.found
     ended = {fault.name: Fate(**known[key]) for fault in (*planted, *clean) if (key := f"fault {fault.name}") in known}
