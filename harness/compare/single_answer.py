@@ -53,6 +53,8 @@ def blame_answer(
             and term == "gravity"
             and _sprung(reference, q[:STATES], ours, allowed)
         ):
+            if _of_springs(q[:STATES], ours, theirs, allowed):
+                return blame_force("stiffness", names, *_as_springs(ours, theirs), allowed, differs, 1.0)
             return weight_or_spring(blame)
         asked = _inverse_dynamics if quantity == "inverse_dynamics" else _bias
         return at_joint(blame, reference, other, q[0], asked) if term == "coriolis" else blame
@@ -88,6 +90,29 @@ def _sprung(model: EngineModel, q: Array, parts: Parts, allowed: float) -> bool:
     """Whether springs hold the mechanism beside its weight."""
     weight = np.array([model.gravity(x) for x in q])
     return bool(np.abs(weight - parts.gravity).max() > allowed * np.abs(parts.gravity).max())
+
+
+def _of_springs(q: Array, ours: Parts, theirs: Parts, allowed: float) -> bool:
+    """Whether what differs at rest is in proportion to the position of the coordinate it is at, or constant where weight is not.
+
+    So do springs; a weight hangs on the positions of others too.
+    """
+    apart = theirs.gravity - ours.gravity
+    if q.shape != apart.shape or len(q) < STATES:
+        return False
+    for k in np.flatnonzero(np.abs(apart).max(axis=0) > allowed * np.abs(ours.gravity).max()):
+        course = np.column_stack([np.ones(len(q)), q[:, k]])
+        left = apart[:, k] - course @ np.linalg.lstsq(course, apart[:, k], rcond=None)[0]
+        weight = ours.gravity[:, k]
+        if np.abs(left).max() > 1e-6 * np.abs(apart[:, k]).max() or np.ptp(weight) <= 1e-3 * np.abs(weight).max():
+            return False
+    return True
+
+
+def _as_springs(ours: Parts, theirs: Parts) -> tuple[Parts, Parts]:
+    """What acts at rest put where springs stand, on the right-hand side."""
+    one, other = (replace(parts, stiffness=-parts.gravity) for parts in (ours, theirs))
+    return one, other
 
 
 def _inverse_dynamics(model: EngineModel, q: Array, qd: Array, qdd: Array | None = None) -> Array:

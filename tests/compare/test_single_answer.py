@@ -74,15 +74,20 @@ def test_weight_of_another_place_is_told_with_its_factor(answer: str) -> None:
     assert found.words == f"gravity is {9.80665 / 9.81:.6g} times the reference's"
 
 
-def test_beside_springs_weight_and_springs_are_not_told_apart_by_what_holds_them() -> None:
-    sprung = joint(4, stiffness=2.0, rest_position=0.3)
-    assert blamed("inverse_dynamics", joint(4, stiffness=2.0, rest_position=0.5), sprung).term == "gravity_or_stiffness"
+@pytest.mark.parametrize("answer", ["inverse_dynamics", "energy"])
+@pytest.mark.parametrize("wrong", [{"stiffness": 2.0, "rest_position": 0.5}, {"stiffness": 2.1, "rest_position": 0.3}])
+def test_a_spring_is_told_from_weight_by_the_one_position_that_it_hangs_on(
+    answer: str, wrong: dict[str, float]
+) -> None:
+    found = blamed(answer, joint(4, **wrong), joint(4, stiffness=2.0, rest_position=0.3))
+    assert (found.term, found.coordinate) == ("stiffness", "joint5")
 
 
-def test_energy_of_a_spring_with_another_rest_is_not_taken_for_weight_alone() -> None:
+@pytest.mark.parametrize("answer", ["inverse_dynamics", "energy"])
+def test_weight_beside_springs_is_one_of_both(answer: str) -> None:
     sprung = joint(4, stiffness=2.0, rest_position=0.3)
-    found = blamed("energy", joint(4, stiffness=2.0, rest_position=0.5), sprung)
-    assert (found.term, found.coordinate) == ("gravity_or_stiffness", "joint5")
+    found = blamed(answer, replace(sprung, gravity=1.01 * sprung.gravity), sprung)
+    assert found.term == "gravity_or_stiffness"
 
 
 @pytest.mark.parametrize(("k", "part", "changes"), [(2, "linear", {"mass": 1.01}), (1, "angular", {"inertia": 1.01})])

@@ -95,7 +95,7 @@ FLEXIBLE_KERNELS = of_file(
      "e[k_at + k * m + l] * q[first + l] + 0.0 * e[c_at + k * m + l] * qd[first + l]", "acceleration_bent; damping @ upper|lower"),
     ("inverse dynamics without armature beside beams", "tau[own] = along + d[i, ARMATURE] * qdd[own]", "tau[own] = along",
      "inverse_dynamics_bent; armature @ shoulder|wrist"),
-    ("beams of less elastic energy", "potential += 0.5 * e[k_at + k * m + l]", "potential += 0.4 * e[k_at + k * m + l]", "energy_bent; gravity_or_stiffness @ upper|lower"),
+    ("beams of less elastic energy", "potential += 0.5 * e[k_at + k * m + l]", "potential += 0.4 * e[k_at + k * m + l]", "energy_bent; stiffness @ upper|lower"),
     ("springs slack at zero beside beams", "out[own] += d[i, DAMPING] * qd[own] + d[i, STIFFNESS] * (q[own] - d[i, REST])",
      "out[own] += d[i, DAMPING] * qd[own] + d[i, STIFFNESS] * q[own]", "bent; stiffness @ rail"),
     ("a column of the mass matrix without a moment", "value = nx * e[o] + ny * e[o + 1] + nz * e[o + 2] + fx",
