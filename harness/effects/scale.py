@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.effects.measured import Measured
 from harness.system import Gimbal, Link, System
-from harness.system.closure import close, opening, stated_position
+from harness.system.closure import close, closed_position, opening
 from harness.system.closure import size as size_of
 from harness.system.description import Array
 from harness.system.inertia import about_origin, point_inertia
@@ -246,7 +246,7 @@ def _closed(system: System) -> dict[str, tuple[float, float, float, float, float
     names, gravity = system.coordinate_names, float(np.linalg.norm(system.gravity))
     if system.flexible or not system.simple:
         return {}
-    q = close(system, stated_position(system))[0]
+    q = closed_position(system)
     ways, pulls, inertias = list[Array](), list[float](), list[float]()
     for _ in range(POSITIONS):
         _, sizes, rows = np.linalg.svd(opening(system, q).jacobian)

@@ -185,10 +185,10 @@ def closed_position(system: System, q: Array | None = None, *, held: Collection[
     start = stated_position(system) if q is None else q
     best, found = close(system, start, held=held)
     if worst(system, found) <= CLOSED:
-        return best
+        return _unwound(system, best, start)
     other = _from_elsewhere(system, start, held, None)
     if isinstance(other, np.ndarray):
-        return other
+        return _unwound(system, other, start)
     left = min(worst(system, found), other)
     if held:
         raise InputError(
@@ -197,6 +197,18 @@ def closed_position(system: System, q: Array | None = None, *, held: Collection[
             source=system.source,
         )
     _blame(system, start, left)
+
+
+def _unwound(system: System, q: Array, start: Array) -> Array:
+    """The same place without whole turns away from ``start`` (nq,): where it stood stretched, a way out may lead round and round."""
+    names = system.position_names
+    turning = [names.index(joint.name) for joint in system.movable_joints if joint.name in names and not joint.prismatic]
+    turns = np.zeros(len(q))
+    turns[turning] = np.round((q - start)[turning] / (2.0 * np.pi))
+    if not turns.any():
+        return q
+    back = q - 2.0 * np.pi * turns
+    return back if worst(system, opening(system, back)) <= CLOSED else q
 
 
 def _from_elsewhere(

@@ -116,6 +116,58 @@ def test_dry_friction_of_several_joints_holds_the_mechanism_together(leading: st
     np.testing.assert_allclose(found[:, 0], truth, atol=1e-8)
 
 
+def beside_itself(system: System) -> System:
+    """The mechanism and the same once more, two degrees of freedom together."""
+
+    def again(one: System) -> System:
+        links = {link.name: f"other_{link.name}" for link in one.links} | {one.base: one.base}
+        joints = tuple(
+            replace(joint, name=f"other_{joint.name}", parent=links[joint.parent], child=links[joint.child])
+            for joint in one.joints
+        )
+        loops = tuple(
+            replace(
+                loop,
+                name=f"other_{loop.name}",
+                first=replace(loop.first, link=links[loop.first.link]),
+                second=replace(loop.second, link=links[loop.second.link]),
+            )
+            for loop in one.loops
+        )
+        return replace(one, joints=joints, links=tuple(replace(l, name=links[l.name]) for l in one.links), loops=loops)
+
+    other = again(system)
+    return replace(
+        system,
+        joints=system.joints + other.joints,
+        links=system.links + other.links,
+        loops=system.loops + other.loops,
+    )
+
+
+def test_joints_of_two_degrees_of_freedom_come_to_rest_each_in_its_time() -> None:
+    """Three joints rub in each of two pendulums, which are one mechanism to the computer and know nothing of each other."""
+    time = np.linspace(0.0, 8.0, 401)
+    torques = {"left": 0.05, "pin": 0.1, "right": 0.03, "other_left": 0.02, "other_pin": 0.03, "other_right": 0.04}
+    model = LaneModel(replace(beside_itself(parallelogram()), leading=("left", "other_left")))
+    row = model.row()
+    for joint, torque in torques.items():
+        row[model.slot(joint, "coulomb_torque")] = torque
+    start = np.zeros(model.n)
+    places = [model.names.index(name) for name in ("left", "other_left")]
+    start[places] = 1.0, 0.7
+    # Beside lanes that go on swinging.
+    rows = np.stack([row, model.row(), row])
+    found = model.simulate(rows, start, np.zeros(model.n), time)
+    first, second = pendulum(time, 1.0, dry=0.18), pendulum(time, 0.7, dry=0.09)
+    assert np.ptp(first[-50:]) == np.ptp(second[-50:]) == 0.0
+    for lane in (0, 2):
+        np.testing.assert_allclose(found[0][lane][:, places], np.stack([first, second], axis=1), atol=1e-8)
+    np.testing.assert_array_equal(found[1][0][-50:], 0.0)
+    free = np.stack([pendulum(time, 1.0), pendulum(time, 0.7)], axis=1)
+    np.testing.assert_allclose(found[0][1][:, places], free, atol=5e-9)
+
+
 def test_friction_holds_from_the_beginning_what_it_can_hold() -> None:
     time = np.linspace(0.0, 1.0, 11)
     angle = 0.9 * np.arcsin(0.3 / MOMENT)

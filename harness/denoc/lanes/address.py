@@ -87,7 +87,9 @@ def _closed() -> Any:
         loaded: int,
     ) -> None:  # fmt: skip
         plan = carray(integers_at(carray(integers_at(tree), (nodes, COLUMNS))[0, PLAN]), 1)
-        dry, w = carray(integers_at(flags), n), carray(numbers_at(ws), 1)
-        closed_lanes.accelerations(plan, tree, nodes, flags, constants, beams, laws, ws, dry, w, user, shaken, loaded)
+        dry, l, w = carray(integers_at(flags), n), carray(numbers_at(laws), 1), carray(numbers_at(ws), 1)
+        closed_lanes.accelerations(
+            plan, tree, nodes, flags, constants, beams, laws, ws, dry, l, w, user, shaken, loaded
+        )
 
     return closed_at

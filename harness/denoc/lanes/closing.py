@@ -14,10 +14,10 @@ from harness.system import Coupling, Loop, System
 from harness.system.closure import (
     CLOSED,
     close,
+    closed_position,
     independent_conditions,
     opening,
     size,
-    stated_position,
     usual_rank,
     worst,
 )
@@ -143,7 +143,7 @@ def beyond(system: System) -> Beyond | None:
         + closed.CONDITION_NUMBERS * m
         + closed.LOOP_NUMBERS * len(names_of_loops)
     )
-    room = count + closed.MOTION * len(bodies) + 3 * m + 2 * m * n + m * (m + 1) + 6 * n + 8
+    room = count + closed.MOTION * len(bodies) + 3 * m + 2 * m * n + m * (m + 1) + 8 * n + 2 * n * n + 8
     return Beyond(np.array(plan, dtype=np.int64), count, room, conditions, dependent, stated, length)
 
 
@@ -157,7 +157,8 @@ def contact(system: System) -> tuple[float, float]:
 
 def _independent(system: System) -> tuple[tuple[tuple[Loop | Coupling, str], ...], Array, Integers]:
     """Conditions of which none says what others do, a position that closes them, and which coordinates then follow."""
-    stated, _ = close(system, stated_position(system))
+    # Stretched or folded, a mechanism may be open where its file places it and know no way from there.
+    stated = closed_position(system)
     rank = usual_rank(system, stated)
     at = stated
     rng = np.random.default_rng(3)

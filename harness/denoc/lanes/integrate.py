@@ -31,6 +31,7 @@ from harness.denoc.lanes.nodes import (
     QDD,
     REACTION,
     REACTION_START,
+    RESTS,
     SHAKE,
     SLIPS,
     SLIPS_END,
@@ -450,6 +451,14 @@ def run_group(
                                     ledger[GRIPPED * 8 + lane] += 1.0
                                     changed = 1
                                     break
+                        # What cannot move beside joints that stick, as a mechanism is closed, comes to rest with them.
+                        for i in range(n):
+                            j = i * JOINT * 8 + lane
+                            if flags[i] & law.HAS_DRY and ws[j + FREE * 8] != 0.0 and ws[j + HOLD * 8] == RESTS:
+                                ws[j + FREE * 8] = 0.0
+                                ws[j + DIRECTION * 8] = 0.0
+                                state[(n + i) * 8 + lane] = 0.0
+                                changed = 1
                 if changed == 0:
                     break
             if kinked:

@@ -6,6 +6,7 @@ offset below counts such vectors.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from harness.denoc.joint_laws import laws as law
@@ -51,6 +52,8 @@ Q, QD, QDD, TAU, DIRECTION, FREE, CONTACT, ANCHOR, GRIP, REACTION, HOLD, LIMIT, 
 # Which way soft friction slips where a step begins, and where it ends.
 SLIPS_START, SLIPS_END = 15, 16
 JOINT = 17
+# In HOLD, of a joint that is taken to slide and cannot move beside those that stick.
+RESTS = math.inf
 
 # What the group shares: time, start of the effort's segment, base acceleration parameters, scratch.
 # (SHAKE: gravity x, y, z, angular frequency, phase, amplitude along x, y, z)

@@ -27,7 +27,6 @@ from harness.diagnose.estimation.linearisation import Linearisation, eliminated,
 from harness.diagnose.estimation.objective import Objective, Residuals, States
 from harness.diagnose.estimation.window_states import (
     best_states,
-    following_by_loops,
     loosely_held,
     settled,
     suspects,
@@ -170,7 +169,7 @@ def _descend(
     weights[: objective.nominal] = louder
     lower, upper = objective.bounds()
     predictor, hypothesis = objective.predictor, objective.hypothesis
-    stiff, stay = loosely_held(predictor, hypothesis), following_by_loops(predictor, hypothesis)
+    stiff, stay = loosely_held(predictor, hypothesis), predictor.following(hypothesis)
     stepping = Stepping(windows, weights, lower, upper, held, stiff, stay)
     current = dict(states)
     here = linearise(objective, x, current, upper=upper, fixed=held)

@@ -81,10 +81,12 @@ def linearise(
     # Stiff runs choose their steps together: only what has run beside the others may be subtracted from them.
     beside = known is None or predictor.shortened(hypothesis)
     first = 0 if beside else 1
+    # What follows by loops is where the others ask for it, however it is moved.
+    own = np.flatnonzero(~predictor.following(hypothesis)).tolist()
     for window in windows:
         s = states[window]
         lanes += [(row, window, s) for row in range(first, len(vectors))]
-        for j in range(len(s)):
+        for j in own:
             moved = s.copy()
             moved[j] += DIFFERENCE * max(1.0, abs(s[j]))
             lanes.append((0, window, moved))
@@ -105,8 +107,8 @@ def linearise(
         both = np.zeros((len(r), n + size), order="F")
         for row, k in enumerate(moves):
             np.divide(white[row] - r, steps[row], out=both[:, n + k])
-        for j in range(n):
-            np.divide(white[len(moves) + j] - r, DIFFERENCE * max(1.0, abs(s[j])), out=both[:, j])
+        for row, j in enumerate(own, start=len(moves)):
+            np.divide(white[row] - r, DIFFERENCE * max(1.0, abs(s[j])), out=both[:, j])
         # A moved run that has gone so far says nothing of a slope, and squares of it would leave the numbers.
         both[:, ~(np.abs(both).max(axis=0, initial=0.0) < STEEPEST_SLOPE)] = 0.0
         residuals.append(here)

@@ -50,15 +50,6 @@ def loosely_held(predictor: Predictor, hypothesis: Hypothesis) -> Array:
     return np.concatenate([loose, loose / rate])
 
 
-def following_by_loops(predictor: Predictor, hypothesis: Hypothesis) -> NDArray[np.bool_]:
-    """Which initial positions and velocities follow others by loops, (S,): steps of the others tell them.
-
-    A step of theirs would do nothing, but from zero loops would close in another way.
-    """
-    mechanism = predictor.mechanism(hypothesis)
-    return np.tile(np.array([name in mechanism.model.dependent for name in mechanism.names], dtype=bool), 2)
-
-
 def best_states(objective: Objective, x: Array, options: Sequence[States]) -> tuple[dict[Window, Array], Residuals]:
     """Of several initial states of every window the one that costs least under the parameters ``x``, and the residuals there."""
     windows = objective.windows

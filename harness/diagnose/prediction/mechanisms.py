@@ -55,6 +55,14 @@ class Mechanisms:
         found = model.closed(lane_row(model, self.system)[None], state[None])[0]
         return found if np.isfinite(found).all() else state
 
+    def following(self, hypothesis: Hypothesis) -> NDArray[np.bool_]:
+        """Which initial positions and velocities follow others by loops, (2n,): steps of the others tell them.
+
+        A step of theirs would do nothing, but from zero loops would close in another way.
+        """
+        mechanism = self.mechanism(hypothesis)
+        return np.tile(np.array([name in mechanism.model.dependent for name in mechanism.names], dtype=bool), 2)
+
     def with_followers(self, hypothesis: Hypothesis, x: Array, states: Mapping[Window, Array]) -> dict[Window, Array]:
         """States (2n,) of windows with what follows by loops where the others have moved to, as far as it can be."""
         model = self.mechanism(hypothesis).model
