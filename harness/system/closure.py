@@ -200,9 +200,11 @@ def closed_position(system: System, q: Array | None = None, *, held: Collection[
 
 
 def _unwound(system: System, q: Array, start: Array) -> Array:
-    """The same place without whole turns away from ``start`` (nq,): where it stood stretched, a way out may lead round and round."""
+    """The same place without whole turns away from ``start`` (nq,): from where it stood stretched the way may go round."""
     names = system.position_names
-    turning = [names.index(joint.name) for joint in system.movable_joints if joint.name in names and not joint.prismatic]
+    turning = [
+        names.index(joint.name) for joint in system.movable_joints if joint.name in names and not joint.prismatic
+    ]
     turns = np.zeros(len(q))
     turns[turning] = np.round((q - start)[turning] / (2.0 * np.pi))
     if not turns.any():

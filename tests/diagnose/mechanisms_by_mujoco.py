@@ -51,6 +51,27 @@ SLIDER_CRANK = """<mujoco><option timestep="0.0002" integrator="RK4" gravity="{g
 <body name="piston" pos="0.7 0 0"><joint name="slide" type="slide" axis="1 0 0" damping="{slide}"/>
  <geom type="box" size="0.03 0.03 0.03" mass="0.4"/><site name="b"/></body></worldbody>
 <equality><connect name="wrist" site1="a" site2="b" solref="0.001 1" solimp="0.9999 0.9999 0.001"/></equality></mujoco>"""
+# Two cranks of 0.2 m on a base of 0.4 m, and two rods of 0.3 m from them to where they meet, below. Where the file places it the
+# rods are stretched and do not meet.
+FIVE_BAR = """<mujoco><option timestep="0.0001" integrator="RK4" gravity="0 -9.81 0"><flag contact="disable"/></option>
+<compiler angle="radian"/><worldbody>
+<body name="one"><joint name="left" axis="0 0 1"/><geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.01" mass="0.25"/>
+ <body name="two" pos="0.2 0 0"><joint name="elbow" axis="0 0 1" damping="{elbow}" frictionloss="{dry}"
+  solreffriction="0.0002 1" solimpfriction="0.9999 0.9999 0.001"/>
+  <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.01" mass="0.35"/><site name="a" pos="0.3 0 0"/></body></body>
+<body name="three" pos="0.4 0 0"><joint name="right" axis="0 0 1"/>
+ <geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.01" mass="0.25"/>
+ <body name="four" pos="0.2 0 0"><joint name="other" axis="0 0 1"/>
+  <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.01" mass="0.35"/><site name="b" pos="0.3 0 0"/></body></body></worldbody>
+<equality><connect name="tip" site1="a" site2="b" solref="0.001 1" solimp="0.9999 0.9999 0.001"/></equality></mujoco>"""
+# A trunk that flies, and a leg with springs at both its joints.
+LEGGED = """<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disable"/></option>
+<compiler angle="radian"/><worldbody>
+<body name="trunk" pos="0 0 1"><joint name="root" type="free"/><geom type="box" size="0.15 0.1 0.04" mass="2.5"/>
+ <body name="thigh" pos="0.15 0.1 0"><joint name="hip" axis="0 1 0" stiffness="3"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02" mass="0.4"/>
+  <body name="shank" pos="0 0 -0.2"><joint name="knee" axis="0 1 0" stiffness="2" springref="0.3" damping="{knee}"/>
+   <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.015" mass="0.25"/></body></body></body></worldbody></mujoco>"""
 NOTHING = {"crank": 0.0, "pin": 0.0, "rocker": 0.0, "dry": 0.0, "spring": 0.0}
 # Where the loop is closed: crank, pin, rocker [rad], by the law of cosines.
 STARTS = (-0.9, -2.3)
@@ -72,6 +93,45 @@ def mounted(crank: float) -> tuple[float, float, float]:
     """Crank, pin and slide of the slider-crank, the crank that far below its stretched place [rad]."""
     rod = -np.arcsin(0.2 * np.sin(crank) / 0.5)
     return crank, float(rod - crank), float(0.2 * np.cos(crank) + 0.5 * np.cos(rod) - 0.7)
+
+
+def met(left: float, right: float) -> tuple[float, float, float, float]:
+    """Angles of the five-bar's joints where its rods meet below its cranks [rad], by the law of cosines."""
+    elbows = np.array([[0.2 * np.cos(q) + x, 0.2 * np.sin(q)] for q, x in ((left, 0.0), (right, 0.4))])
+    between = elbows[1] - elbows[0]
+    half = 0.5 * float(np.hypot(*between))
+    down = np.array([between[1], -between[0]]) / (2.0 * half)
+    end = elbows.mean(axis=0) + np.sqrt(0.3**2 - half**2) * down
+    first, second = (float(np.arctan2(y, x)) for x, y in end - elbows)
+    one, other = (float(np.mod(a + np.pi, 2.0 * np.pi) - np.pi) for a in (first - left, second - right))
+    return left, one, right, other
+
+
+def five_bar(seconds: float = 4.0, **hidden: float) -> list[Recording]:
+    """Three recordings of the five-bar's cranks, let go."""
+    text = FIVE_BAR.format(**{"elbow": 0.0, "dry": 0.0} | hidden)
+    out = []
+    for k, cranks in enumerate(((-1.9, -1.2), (-1.2, -0.8), (-2.1, -1.6))):
+        time, q = motion(text, met(*cranks), np.zeros(4), seconds)
+        out.append(recording(f"run{k}", time, {("left", "position"): q[:, 0], ("right", "position"): q[:, 2]}, 5e-4, k))
+    return out
+
+
+def legged(seconds: float = 2.0, knee: float = 0.0) -> list[Recording]:
+    """Three recordings of the trunk's pose and the leg's joints, thrown."""
+    thrown = (
+        ((0.5, 1.0, 6.0), (1.0, 2.0, 1.0), (0.3, -0.5), (1.5, -1.0)),
+        ((-1.0, 0.4, 7.0), (2.0, -1.0, 1.5), (-0.4, 0.5), (-1.0, 2.0)),
+        ((0.2, -0.4, 6.5), (-1.0, 1.5, 2.0), (0.5, 0.2), (0.5, -1.5)),
+    )
+    out = []
+    for k, (v, w, joints, rates) in enumerate(thrown):
+        time, q = motion(LEGGED.format(knee=knee), (0, 0, 1, 1, 0, 0, 0, *joints), (*v, *w, *rates), seconds)
+        pose = ("x", "y", "z", "qw", "qx", "qy", "qz")
+        columns = {("root", f"pose.{name}"): q[:, j] for j, name in enumerate(pose)}
+        columns |= {(name, "position"): q[:, 7 + j] for j, name in enumerate(("hip", "knee"))}
+        out.append(recording(f"run{k}", time, columns, 5e-4, k))
+    return out
 
 
 def model_file(folder: Path, text: str) -> Path:

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from mechanisms_by_mujoco import (
     CLOSED,
+    FIVE_BAR,
     FOUR_BAR,
     NOTHING,
     ROPE,
     SLIDER_CRANK,
     STARTS,
+    five_bar,
     four_bar,
     model_file,
     motion,
@@ -88,3 +90,18 @@ def test_a_gap_is_found_where_the_loop_is_closed(model) -> None:
     assert "loop_clearance@knee" in [f"{f['effect']}@{f['site']}" for f in found.findings]
     told = next(f for f in found.findings if f["effect"] == "loop_clearance")["parameters"]["gap"]
     assert told["value"] == pytest.approx(gap, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("hidden", "key", "parameter"),
+    [({"elbow": 0.01}, "viscous_damping@elbow", "coefficient"), ({"dry": 0.02}, "coulomb_friction@elbow", "torque")],
+)
+def test_a_five_bar_that_hangs_on_its_cranks_tells_which_elbow_rubs(tmp_path, hidden, key, parameter) -> None:
+    """The whole catalogue, at four joints of which two are recorded."""
+    found = diagnose(five_bar(**hidden), load(model_file(tmp_path, FIVE_BAR.format(elbow=0.0, dry=0.0))))
+    assert found.verdict == "explained"
+    assert [f"{f['effect']}@{f['site']}" for f in found.findings] == [key]
+    (value,) = hidden.values()
+    told = found.findings[0]["parameters"][parameter]
+    assert told["ci95"][0] <= value <= told["ci95"][1]

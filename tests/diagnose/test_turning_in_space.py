@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mechanisms_by_mujoco import BALL, BOX, model_file, motion, recording
+from mechanisms_by_mujoco import BALL, BOX, LEGGED, legged, model_file, motion, recording
 
 from harness import diagnose
 from harness.diagnose.conditioning.poses import in_charts
@@ -55,6 +55,16 @@ def test_a_thrown_body_is_damped_in_both_its_motions(tmp_path: Path) -> None:
     for site, unit in (("root.turn", "N*m*s/rad"), ("root.shift", "N*s/m")):
         assert told[site]["ci95"][0] <= 0.03 <= told[site]["ci95"][1]
         assert told[site]["unit"] == unit
+
+
+@pytest.mark.slow
+def test_a_leg_of_a_body_that_flies_tells_which_of_its_joints_is_damped(tmp_path: Path) -> None:
+    """The whole catalogue, at a trunk whose pose is recorded and two joints."""
+    found = diagnose(legged(knee=0.01), load(model_file(tmp_path, LEGGED.format(knee=0.0))))
+    assert found.verdict == "explained"
+    assert [f"{f['effect']}@{f['site']}" for f in found.findings] == ["viscous_damping@knee"]
+    told = found.findings[0]["parameters"]["coefficient"]
+    assert told["ci95"][0] <= 0.01 <= told["ci95"][1]
 
 
 @pytest.mark.slow

@@ -15,25 +15,40 @@ from harness.denoc.simd.vector import allocating, inner
 @allocating
 def prepare_group(
     rows: Any, first: int, lanes: int, links: Any, tree: Any, axes: Any, nominal: Any, plane: Any, constants: Any,
-    beams: Any, laws: Any, shake: Any, flags: Any, present: Any,
+    beams: Any, laws: Any, shake: Any, flags: Any, present: Any, made: Any,
 ) -> int:  # fmt: skip
     """Write the constants of ``lanes`` rows from ``first`` on into a group, the last again in the lanes beyond.
 
-    flags: terms in use of each coordinate's law, in any lane, (n,); present: the tree without sections that carry nothing; the
-    other arrays as in ``prepare_lane``. Returns whether the base is shaken in any lane.
+    flags: terms in use of each coordinate's law, in any lane, (n,); present: the tree without sections that carry nothing; made:
+    which row each lane's constants were made of last, −1 of none, (8,), so that those of an equal row stay; the other arrays as in
+    ``prepare_lane``. Returns whether the base is shaken in any lane.
     """
     shaken: Any = np.int64(0)  # not the literal 0, which would be compiled for separately
     for i in range(len(flags)):
         flags[i] = 0
     for lane in range(8):
         source = first + min(lane, lanes - 1)
-        prepare_lane(rows[source], lane, links, tree, axes, nominal, plane, constants, beams, laws, shake)
+        if not _alike(rows, source, made[lane]):
+            # A short run costs less than the constants of its row, and many in turn may have one row.
+            prepare_lane(rows[source], lane, links, tree, axes, nominal, plane, constants, beams, laws, shake)
+        made[lane] = source
         for i in range(len(flags)):
             flags[i] |= law.terms_in_use(laws, i * law.WIDTH * 8 + lane, 8)
         if rows[source, 3] != 0.0:
             shaken = np.int64(1)
     present_nodes(tree, constants, present)
     return shaken
+
+
+@inner
+def _alike(rows: Any, one: int, other: int) -> bool:
+    """Whether two rows, of which the other may be none (−1), are equal."""
+    if other < 0:
+        return False
+    for k in range(rows.shape[1]):  # noqa: SIM110 - a generator is not compiled
+        if rows[one, k] != rows[other, k]:
+            return False
+    return True
 
 
 @inner

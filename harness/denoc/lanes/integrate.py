@@ -877,10 +877,11 @@ def run_groups(
     flags = np.zeros(n, dtype=np.int64)
     shake = ws[(n * JOINT + SHAKE) * 8 :]
     present = tree.copy()
+    made = np.full(8, -1)
     for g in range(first, last):
         lanes = min(8, copies - 8 * g)
         shaken = prepare_group(
-            rows, 8 * g, lanes, links, tree, axes, nominal, plane, constants, beams, laws, shake, flags, present
+            rows, 8 * g, lanes, links, tree, axes, nominal, plane, constants, beams, laws, shake, flags, present, made
         )
         copy_numbers(rows, 8 * g, lanes, sizes, ws)
         for lane in range(8):

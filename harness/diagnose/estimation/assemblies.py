@@ -4,7 +4,7 @@ Of a four-bar's rocker two places of the crank are left, of its crank two of the
 from one to the other. They are found by Newton's method from many places of the joints that follow. At every beginning the nominal
 model then runs freely from each, and the one that follows the recording clearly better is taken: accelerations differ at once, and
 what the model leaves out takes time to lead away, so that the shortest stretch that decides is judged. Where none decides, it is
-where the model places itself.
+where the model places itself, if its file places it with its loops closed.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.denoc.lanes.closed import NEAR
 from harness.diagnose.estimation.constants import (
     ASSEMBLY_STARTS,
     ASSEMBLY_SWINGS,
@@ -29,7 +30,7 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import Run
 from harness.diagnose.problem.windows import Window
 from harness.effects.scale import swings
-from harness.system.closure import size
+from harness.system.closure import opening, size, stated_position, worst
 from harness.system.kinematics import poses
 from harness.system.lowering import lower
 
@@ -119,13 +120,21 @@ def _begun(predictor: Predictor, window: Window, state: Array) -> Assembly:
         return Assembly(stated, stated)
     costs = _misfits(predictor, window, found)
     best = int(np.argmin(costs))
-    if costs[0] <= WORSE_ASSEMBLY_RATIO * costs[best]:
+    if not _placed(predictor):
+        stated = found[best]
+    elif costs[0] <= WORSE_ASSEMBLY_RATIO * costs[best]:
         best = 0
     alike = int((costs <= WORSE_ASSEMBLY_RATIO * costs[best]).sum())
     if predictor.closed(state) is state:
         # The model's place leads to none of them.
         stated, best = found[best], 0
     return Assembly(stated if best == 0 else found[best], stated, len(found), max(alike, 1))
+
+
+def _placed(predictor: Predictor) -> bool:
+    """Whether the model itself says how its loops close: one that stands open where its file places it does not."""
+    system = predictor.system
+    return worst(system, opening(system, stated_position(system))) < NEAR
 
 
 def _misfits(predictor: Predictor, window: Window, states: Array) -> Array:

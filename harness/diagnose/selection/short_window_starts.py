@@ -14,7 +14,8 @@ import numpy as np
 
 from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.problem.windows import equal_parts
+from harness.diagnose.estimation.scatter import crude_colours
+from harness.diagnose.problem.windows import Window, equal_parts
 from harness.diagnose.selection.beam_search import Effort, grow, transfer
 from harness.diagnose.selection.constants.starts import EXPLAINS_NOTHING_SHARE, ON_COURSE_SHARE, SHORT_WINDOW_PARTS
 from harness.diagnose.selection.dissipation_starts import everywhere
@@ -46,23 +47,55 @@ def far_off(study: Study, fitted: Fit) -> bool:
     return any(float(np.median(shares)) > EXPLAINS_NOTHING_SHARE for shares in left.values())
 
 
+def branching(study: Study) -> bool:
+    """Whether short windows are long for a mechanism: closed ones and bodies in space have motions far quicker than their slowest.
+
+    Small errors grow manifold there within a swing, of the initial states, too.
+    """
+    return bool(study.problem.system.loops or study.problem.system.gimbals)
+
+
 def very_short(study: Study) -> Study:
     """A study of pieces of a study's windows, with the nominal model fitted there."""
-    cuts = tuple(
-        piece
-        for window in study.windows
-        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_WINDOW_SAMPLES, 1, SHORT_WINDOW_PARTS)))
-    )
-    fine = Study(study.problem, study.predictor, study.likelihood, study.candidates, cuts, swing=study.swing)
+    likelihood = study.likelihood
+    if branching(study):
+        # What the nominal model leaves of a longer window is little of noise, beside which nothing would show here.
+        likelihood = replace(likelihood, colours=crude_colours(study.problem))
+    fine = Study(
+        study.problem, study.predictor, likelihood, study.candidates, _pieces(study, SHORT_WINDOW_PARTS), swing=study.swing
+    )  # fmt: skip
     fine.empty()
     return fine
+
+
+def _pieces(study: Study, parts: int) -> tuple[Window, ...]:
+    """Every window of a study in so many parts, as far as samples allow."""
+    return tuple(
+        piece
+        for window in study.windows
+        for piece in equal_parts(window, int(np.clip(window.size // FEWEST_WINDOW_SAMPLES, 1, parts)))
+    )
+
+
+def lengthened(study: Study, fine: Study, fitted: Fit) -> Fit:
+    """The fit on a study's windows of a set that was fitted on very short ones, by way of windows twice as long each time."""
+    near, parts = fitted, SHORT_WINDOW_PARTS // 2
+    while parts > 1:
+        cuts = _pieces(study, parts)
+        middle = Study(study.problem, study.predictor, fine.likelihood, study.candidates, cuts, swing=study.swing)
+        near, parts = middle.fit(near.hypothesis, [near.x], near.beginning(cuts)), parts // 2
+    return study.fit(near.hypothesis, [near.x], near.beginning(study.windows))
 
 
 def begun(study: Study, fine: Study, effort: Effort, progress: Callable[[str], None]) -> list[Fit]:
     """Fits on a study's windows of the sets that very short windows (``very_short``) ask for, best first."""
     progress("very short windows")
     ordered = grow(fine, [fine.empty()], effort, progress, to_begin_with=True)
-    found = transfer(study, [f for f in ordered if f.hypothesis.members], 2 * effort.beam, progress)
+    sets = [f for f in ordered if f.hypothesis.members]
+    if branching(study):
+        found = [lengthened(study, fine, one) for one in sets[: effort.beam]]
+    else:
+        found = transfer(study, sets, 2 * effort.beam, progress)
     return sorted(found, key=study.criterion)
 
 
@@ -73,7 +106,9 @@ def ordinary_by_way_of_shorter(study: Study, fine: Study) -> Fit | None:
     """
     apart = replace(fine.unfitted(fine.likelihood), fits=dict(fine.fits))
     found = everywhere(apart, apart.empty())
-    return None if found is None else everywhere(study, found)
+    if found is None:
+        return None
+    return lengthened(study, apart, found) if branching(study) else everywhere(study, found)
 
 
 def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[str], None]) -> bool:

@@ -10,12 +10,17 @@ from functools import partial
 from harness.diagnose.selection.effort_hold import either_way
 from harness.diagnose.selection.model_error import begun_ordinary
 from harness.diagnose.selection.opening import Opened, Opening
-from harness.diagnose.selection.short_window_starts import few_suffice, ordinary_by_way_of_shorter
+from harness.diagnose.selection.short_window_starts import begun, branching, few_suffice, ordinary_by_way_of_shorter
 
 
 def _go(opened: Opened) -> None:
     if not opened.lost:
         return
+    if branching(opened.short):
+        # Few effects show over few samples, where everything at once goes many ways over many.
+        opened.shorter = begun(opened.short, opened.fine, opened.effort, opened.progress)
+        if any(map(opened.short.only_noise, opened.shorter)):
+            return
     usual = ordinary_by_way_of_shorter(opened.short, opened.fine)
     if usual is None:
         return

@@ -7,9 +7,10 @@ from harness.diagnose.selection.short_window_starts import begun, far_off
 
 
 def _go(opened: Opened) -> None:
-    if not far_off(opened.short, opened.first):
-        return
-    opened.shorter = begun(opened.short, opened.fine, opened.effort, opened.progress)
+    if not opened.shorter:
+        if not far_off(opened.short, opened.first):
+            return
+        opened.shorter = begun(opened.short, opened.fine, opened.effort, opened.progress)
     if opened.groups == opened.short.windows:
         opened.seeds += opened.shorter
 
