@@ -16,7 +16,7 @@ from harness.diagnose.estimation.constants import FEWEST_WINDOW_SAMPLES
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.windows import Window, equal_parts
-from harness.diagnose.selection.beam_search import Effort, grow, transfer
+from harness.diagnose.selection.beam_search import Effort, grow, tell, transfer
 from harness.diagnose.selection.constants.starts import EXPLAINS_NOTHING_SHARE, ON_COURSE_SHARE, SHORT_WINDOW_PARTS
 from harness.diagnose.selection.dissipation_starts import everywhere
 from harness.diagnose.selection.score_tests import Score
@@ -93,7 +93,13 @@ def begun(study: Study, fine: Study, effort: Effort, progress: Callable[[str], N
     ordered = grow(fine, [fine.empty()], effort, progress, to_begin_with=True)
     sets = [f for f in ordered if f.hypothesis.members]
     if branching(study):
-        found = [lengthened(study, fine, one) for one in sets[: effort.beam]]
+        found = []
+        for one in sets[: effort.beam]:
+            found.append(lengthened(study, fine, one))
+            tell(study, "short windows of " + " + ".join(one.hypothesis.keys), progress)
+            if study.only_noise(found[-1]):
+                # What could stand in its place has its turn where whole runs tell them apart.
+                break
     else:
         found = transfer(study, sets, 2 * effort.beam, progress)
     return sorted(found, key=study.criterion)
