@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from simulated_recordings import Rig, nominal, recording, swing
 
 from harness.diagnose.problem.commands import are_commands
+from harness.diagnose.problem.problem import pose
 
 TIME = np.arange(0.0, 10.0, 0.005)
 
@@ -56,3 +58,16 @@ def test_what_jumps_is_a_command(values: np.ndarray) -> None:
 )
 def test_what_passes_through_several_samples_is_measured(values: np.ndarray) -> None:
     assert not are_commands([values])
+
+
+def test_what_is_held_out_has_no_say() -> None:
+    system = nominal()
+    swung = swing(Rig(), 0.5, TIME)
+    smooth, stepped = (
+        recording(name, TIME, {"pivot.position": swung, "pivot.effort": 0.01 * effort})
+        for name, effort in (("smooth", WAVES), ("stepped", STEPS))
+    )
+    assert not pose(system, [smooth, stepped]).held
+    assert not pose(system, [smooth], heldout=stepped).held
+    assert pose(system, [stepped, smooth]).held
+    assert pose(system, [stepped]).held

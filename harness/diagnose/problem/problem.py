@@ -175,7 +175,9 @@ def pose(
     ]
     steps = tuple(_resolution([run.values[c] for run in runs]) for c in range(len(infos)))
     every = [*recordings, *([heldout] if heldout is not None else [])]
-    held = are_commands(effort.values for recording in every for effort in recording.efforts)
+    # The data held out have no say in how they are predicted.
+    learned = recordings if heldout is not None or len(recordings) == 1 else recordings[:-1]
+    held = are_commands(effort.values for recording in learned for effort in recording.efforts)
     finest_rate = min(finest_rate, _affordable_rate(system, every))
     runs = [_thin(run, finest_rate) for run in runs]
     if heldout is not None:
