@@ -14,7 +14,7 @@ from harness.diagnose.prediction.coordinates import from_internal, start_vector,
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled, tolerances
 from harness.diagnose.problem.windows import Window
 from harness.effects.directions import sideways
-from harness.effects.effect import UserLaw
+from harness.effects.effect import SiteKind, UserLaw
 from harness.effects.lanes import lane_model, lane_row, write_attachment
 from harness.effects.room import STATED
 from harness.system import Attachment, System
@@ -58,9 +58,12 @@ class Mechanisms:
     def following(self, hypothesis: Hypothesis) -> NDArray[np.bool_]:
         """Which initial positions and velocities follow others by loops, (2n,): steps of the others tell them.
 
-        A step of theirs would do nothing, but from zero loops would close in another way.
+        A step of theirs would do nothing, but from zero loops would close in another way. Within the clearance of a loop nothing
+        follows.
         """
         mechanism = self.mechanism(hypothesis)
+        if any(member.effect.site is SiteKind.LOOP for member in hypothesis.members):
+            return np.zeros(2 * len(mechanism.names), dtype=bool)
         return np.tile(np.array([name in mechanism.model.dependent for name in mechanism.names], dtype=bool), 2)
 
     def with_followers(self, hypothesis: Hypothesis, x: Array, states: Mapping[Window, Array]) -> dict[Window, Array]:
