@@ -150,7 +150,7 @@ def test_a_long_self_test_goes_on_behind_the_last_fault_it_tried(
     ]
     assert status == 0
     assert not (out / "unfinished.jsonl").exists()
-    assert "- b: said to be said of b" in (out / "gate.md").read_text()
+    assert "- b: caught, but said to be: said of b" in (out / "gate.md").read_text()
 
 
 def test_what_another_version_of_the_code_has_left_is_begun_anew(
