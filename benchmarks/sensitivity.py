@@ -21,12 +21,12 @@ import multiprocessing
 import time
 import tomllib
 from collections.abc import Sequence
-from hashlib import sha256
 from itertools import zip_longest
 from pathlib import Path
 from queue import Empty
 from typing import Any
 
+from harness.journal import code_digest
 from harness.whole_files import write_whole
 
 from changed_numbers import ROOT, before_import, numbers, short, values  # isort: skip
@@ -130,14 +130,6 @@ def warmed() -> None:
         importlib.import_module(name)
 
 
-def source() -> str:
-    """Digest of the code of the package: with other code a case is diagnosed unchanged again, before anything is compared."""
-    code = sha256()
-    for file in sorted(ROOT.rglob("*.py")):
-        code.update(file.read_bytes())
-    return code.hexdigest()[:16]
-
-
 def _put_values(answers: Any) -> None:
     answers.put(values())
 
@@ -166,7 +158,7 @@ class Run:
 
     def __init__(self, options: argparse.Namespace, data: dict[str, Any], end: float) -> None:
         self.options, self.data, self.end = options, data, end
-        self.source = source()
+        self.source = code_digest()
 
     def go(self) -> None:
         """Conceal; of one case after the other, diagnose it unchanged and then with every number changed that it reads."""

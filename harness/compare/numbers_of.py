@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -79,13 +79,9 @@ def _of_rigid(system: System, link: Link) -> Iterator[Number]:
     def heavier(s: float) -> System:
         return system.replace_link(replace(link, mass=s * link.mass, inertia=constant(s * np.asarray(link.inertia))))
 
-    def wider(s: float) -> System:
-        return system.replace_link(replace(link, inertia=constant(s * np.asarray(link.inertia))))
-
     site = f"link {link.name!r}"
     yield Number("mass and inertia", site, {"link": link.name, "value": "mass"}, heavier)
-    # What is forgotten of an inertia about the joint can be more than all that it is about the centre of mass.
-    yield Number("inertia", site, {"link": link.name, "value": "inertia"}, wider, None, -5.0)
+    yield _turning(system, [link], site, {"link": link.name, "value": "inertia"})
 
 
 def _of_all(system: System) -> Iterator[Number]:
@@ -115,14 +111,19 @@ def _of_all(system: System) -> Iterator[Number]:
             yield Number(key.replace("_", " "), "every beam", {"value": key}, scaled)
     rigid = [link for link in system.links if link.beam is None and link.mass > 0.0]
     if len(rigid) > 1:
+        yield _turning(system, rigid, "every rigid link", {"value": "inertia"})
 
-        def wider(s: float) -> System:
-            whole = system
-            for link in rigid:
-                whole = whole.replace_link(replace(link, inertia=constant(s * np.asarray(link.inertia))))
-            return whole
 
-        yield Number("inertia", "every rigid link", {"value": "inertia"}, wider, None, -5.0)
+def _turning(system: System, links: Sequence[Link], site: str, place: dict[str, object]) -> Number:
+    """The inertia of rigid links about their centres of mass; what is forgotten about the joint can be more than all of that."""
+
+    def wider(s: float) -> System:
+        whole = system
+        for link in links:
+            whole = whole.replace_link(replace(link, inertia=constant(s * np.asarray(link.inertia))))
+        return whole
+
+    return Number("inertia", site, place, wider, None, -5.0)
 
 
 def _of_joint(system: System, joint: Joint) -> Iterator[Number]:

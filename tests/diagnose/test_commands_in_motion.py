@@ -7,27 +7,19 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from driven_arm import STEP, URDF, arm
 
 from harness.diagnose.diagnose import diagnose
 from harness.recording import Recording
 from harness.recording.recording import Channel
 
-MASS, COM, INERTIA = 0.7, 0.4, 0.012  # kg, m, kg·m² about the centre of mass
-STEP, EVERY = 0.0005, 20  # s; steps between samples
+EVERY = 20  # steps between samples
 FRICTION = 0.15  # N·m, that the model does not have
-URDF = f"""<robot name="arm"><link name="base"/>
-<joint name="pivot" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
-<link name="arm"><inertial><origin xyz="0 0 {-COM}"/><mass value="{MASS}"/>
-<inertia ixx="{INERTIA}" iyy="{INERTIA}" izz="0.0001" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 
 
 def stepped(seed: int, held: bool, magnet: float) -> Recording:
     """Eight seconds at 100 Hz under steps of torque; magnet: size of a force over the angle that no law describes [N·m]."""
-    model = mujoco.MjModel.from_xml_string(
-        f"""<mujoco><option timestep="{STEP}" integrator="RK4"><flag contact="disable"/></option><worldbody><body>
-        <joint type="hinge" axis="0 1 0" frictionloss="{FRICTION}" solreffriction="0.001 1"/>
-        <inertial pos="0 0 {-COM}" mass="{MASS}" diaginertia="{INERTIA} {INERTIA} 0.0001"/></body></worldbody></mujoco>"""
-    )
+    model = arm(friction=FRICTION)
     data, random = mujoco.MjData(model), np.random.default_rng(seed)
     time = np.arange(800) * STEP * EVERY
     command = np.repeat(random.uniform(-1.5, 1.5, 20), 40)

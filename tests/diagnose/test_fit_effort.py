@@ -9,6 +9,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from driven_arm import COM, INERTIA, MASS, URDF, arm
 
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.inverse import effort
@@ -20,13 +21,7 @@ from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System, load
 
-MASS, COM, INERTIA = 0.7, 0.4, 0.012  # kg, m, kg·m² about the centre of mass
 RATE = 250.0
-
-URDF = f"""<robot name="arm"><link name="base"/>
-<joint name="pivot" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
-<link name="arm"><inertial><origin xyz="0 0 {-COM}"/><mass value="{MASS}"/>
-<inertia ixx="{INERTIA}" iyy="{INERTIA}" izz="0.0001" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 
 
 @pytest.fixture(scope="module")
@@ -56,11 +51,7 @@ def recorded(
     effort_noise: float = 0.02,
 ) -> Recording:
     """An arm driven in MuJoCo; factor: recorded over applied torque; push: from, to [s] and torque [N·m] that nobody records."""
-    model = mujoco.MjModel.from_xml_string(
-        f"""<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disable"/></option><worldbody><body>
-        <joint type="hinge" axis="0 1 0" damping="{damping}" frictionloss="{friction}" solreffriction="0.001 1"/>
-        <inertial pos="0 0 {-COM}" mass="{MASS}" diaginertia="{INERTIA} {INERTIA} 0.0001"/></body></worldbody></mujoco>"""
-    )
+    model = arm(friction=friction, damping=damping)
     data = mujoco.MjData(model)
     torque = drive(seed)
     every = round(1.0 / (RATE * model.opt.timestep))

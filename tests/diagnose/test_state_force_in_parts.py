@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from simulated_recordings import Rig, nominal, recording, swing
 
-from harness.diagnose.estimation.discrepancy import orthonormal, responses
+from harness.diagnose.estimation.discrepancy import Responses, orthonormal, responses
 from harness.diagnose.estimation.least_squares import fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise
 from harness.diagnose.estimation.noise_colour import Colour
-from harness.diagnose.estimation.state_force import over_the_state
+from harness.diagnose.estimation.state_force import StateForce, over_the_state
 from harness.diagnose.estimation.state_force_in_parts import in_parts
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.problem import pose
@@ -31,12 +31,22 @@ def study() -> Study:
     return Study(problem, Predictor(problem), likelihood, (), whole(problem.runs, [0]))
 
 
-def test_a_part_answers_as_if_it_had_been_looked_at_alone(study: Study) -> None:
+@pytest.fixture(scope="module")
+def found(study: Study) -> Responses:
+    answers = responses(study.predictor, study.likelihood, study.empty(), 1.0, 1.0)
+    assert answers is not None
+    return answers
+
+
+@pytest.fixture(scope="module")
+def force(found: Responses) -> StateForce:
+    over = over_the_state(found)
+    assert over is not None
+    return over
+
+
+def test_a_part_answers_as_if_it_had_been_looked_at_alone(study: Study, found: Responses, force: StateForce) -> None:
     empty = study.empty()
-    found = responses(study.predictor, study.likelihood, empty, 1.0, 1.0)
-    assert found is not None
-    force = over_the_state(found)
-    assert force is not None
     inside = in_parts(force, study.problem.runs, [PART])
 
     # The same nodes along the same motion, in a free run from where it is at the part's first sample.
@@ -64,12 +74,7 @@ def test_a_part_answers_as_if_it_had_been_looked_at_alone(study: Study) -> None:
     assert np.linalg.norm(seen(inside.answers[PART]) - expected) < 2e-3 * np.linalg.norm(expected)
 
 
-def test_what_pushes_in_a_part_is_what_pushes_there_in_the_whole(study: Study) -> None:
-    empty = study.empty()
-    found = responses(study.predictor, study.likelihood, empty, 1.0, 1.0)
-    assert found is not None
-    force = over_the_state(found)
-    assert force is not None
+def test_what_pushes_in_a_part_is_what_pushes_there_in_the_whole(study: Study, force: StateForce) -> None:
     nodes = np.random.default_rng(3).normal(size=len(force.joint))
     (every,) = force.pushes(nodes).values()
     (part,) = in_parts(force, study.problem.runs, [PART]).pushes(nodes).values()
@@ -79,12 +84,7 @@ def test_what_pushes_in_a_part_is_what_pushes_there_in_the_whole(study: Study) -
     )
 
 
-def test_a_whole_window_stays_as_it_is(study: Study) -> None:
-    empty = study.empty()
-    found = responses(study.predictor, study.likelihood, empty, 1.0, 1.0)
-    assert found is not None
-    force = over_the_state(found)
-    assert force is not None
-    again = in_parts(force, study.problem.runs, empty.windows)
-    np.testing.assert_array_equal(again.answers[empty.windows[0]], force.answers[empty.windows[0]])
-    np.testing.assert_array_equal(again.shares[empty.windows[0]], force.shares[empty.windows[0]])
+def test_a_whole_window_stays_as_it_is(study: Study, force: StateForce) -> None:
+    again = in_parts(force, study.problem.runs, study.windows)
+    np.testing.assert_array_equal(again.answers[study.windows[0]], force.answers[study.windows[0]])
+    np.testing.assert_array_equal(again.shares[study.windows[0]], force.shares[study.windows[0]])

@@ -34,7 +34,7 @@ def test_a_free_run_held_out_is_judged_from_the_state_that_is_read(astray: tuple
     study = Study(problem, Predictor(problem), likelihood, (), whole(problem.runs, [0, 1]))
     own = study.empty()
     (held,) = (w for w in study.windows if w.run == 1)
-    led = SimpleNamespace(hypothesis=own.hypothesis, states={held: np.array(astray)})
+    led: Any = SimpleNamespace(hypothesis=own.hypothesis, states={held: np.array(astray)})
     outcome: Any = SimpleNamespace(judged={}, study=study, held_windows=(held,))
-    found = judged(outcome, led, own)  # type: ignore[arg-type]
+    found = judged(outcome, led, own)
     assert found.cost / held.size == pytest.approx(1.0, abs=0.2)

@@ -147,15 +147,7 @@ def _beside_a_force(
     """Sentences where the model leaves a force out that is more than noise: what is explained, what is left, where that lies."""
     size = f"by {times(severity)} times the sensors' noise"
     if findings:
-        hold = "hold" if len(findings) > 1 else "holds"
-        share = (
-            f" and remove {percent(explained)} of the mismatch there"
-            if explained is not None and explained > 0.0
-            else ""
-        )
-        if len(findings) == 1:
-            share = share.replace("remove", "removes", 1)
-        text = f"The nominal model leaves the recordings {size}; {' and '.join(findings)} {hold} up on data held out{share}."
+        text = f"The nominal model leaves the recordings {size}; {holding_up(findings, explained)}."
     else:
         text = NONE_FOR_CERTAIN.format(severity=size)
         if possible and explained is not None and explained > POSSIBLY_EXPLAINED_SHARE:
@@ -169,6 +161,15 @@ def _beside_a_force(
     if conclusion.doubted:
         sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
     return sentences
+
+
+def holding_up(findings: Sequence[str], explained: float | None) -> str:
+    """Findings, and what share of the mismatch on data held out they remove, as half a sentence."""
+    several = len(findings) > 1
+    share = ""
+    if explained is not None and explained > 0.0:
+        share = f" and {'remove' if several else 'removes'} {percent(explained)} of the mismatch there"
+    return f"{' and '.join(findings)} {'hold' if several else 'holds'} up on data held out{share}"
 
 
 def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:

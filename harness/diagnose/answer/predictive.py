@@ -24,9 +24,9 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.estimation.intervals import estimates
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector
-from harness.diagnose.problem.hypothesis import Hypothesis, compatible
+from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
-from harness.diagnose.selection.dissipation_starts import RUBBING, ZEROS, plain_set
+from harness.diagnose.selection.dissipation_starts import PLAIN, RUBBING, ZEROS, plain_set
 from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.wald_test import carried
 from harness.effects.force_table import NAME, ForceTable
@@ -108,25 +108,17 @@ def _ordinary(outcome: Outcome) -> list[Hypothesis]:
     """Sets of ordinary laws at every joint, as a plain least-squares fit has them: friction and a zero, and all that there is of
     dissipation with a rotor's inertia and a drive's gain as well.
 
-    The zero of an angle shows as what gravity then does, or where there is none as a constant force.
+    The zero of an angle shows as what gravity then does, or where there is none as a constant force. Of inertia, weight and torque
+    two show where a torque is known.
     """
-    study = outcome.study
     if len(outcome.problem.system.movable_joints) > MOST_ORDINARY_JOINTS:
         return []
     found: dict[frozenset[str], Hypothesis] = {}
     for zero in ZEROS:
-        whole = plain_set(study.candidates, zero)
-        for hypothesis in (plain_set(study.candidates, zero, RUBBING), whole, _with_gain(outcome, whole)):
+        for laws in (RUBBING, PLAIN, (*PLAIN, GAIN)):
+            hypothesis = plain_set(outcome.study.candidates, zero, laws)
             found.setdefault(hypothesis.identity, hypothesis)
     return list(found.values())
-
-
-def _with_gain(outcome: Outcome, hypothesis: Hypothesis) -> Hypothesis:
-    """A set with the drives' gains: of inertia, weight and torque two show where a torque is known."""
-    for candidate in outcome.study.candidates:
-        if candidate.effect.name == GAIN and compatible(hypothesis, candidate):
-            hypothesis = hypothesis.with_(candidate)
-    return hypothesis
 
 
 def _fitted(outcome: Outcome, sets: Sequence[tuple[Hypothesis, Array]]) -> list[Fit]:

@@ -146,13 +146,33 @@ def grade(
             return POSSIBLE
         if not conclusion.remains.significant:
             return ESTABLISHED
-        return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim, values) else LIKELY
-    effect = claim.candidate.effect
+        return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim.candidate, values) else LIKELY
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
-    if claim.gain < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO) * conclusion.remains.excess:
+    itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
+    return beside_a_remainder(
+        claim.candidate, values, rows, gain=claim.gain, excess=conclusion.remains.excess, itself=itself
+    )
+
+
+def beside_a_remainder(
+    member: Candidate,
+    values: Mapping[str, Estimate],
+    rows: Sequence[Mapping[str, Any]],
+    *,
+    gain: float,
+    excess: float,
+    itself: bool,
+) -> str:
+    """How firmly an effect stands where more than noise is left, by its own numbers.
+
+    gain: what it explains (squares); excess: what is left beyond the noise, in the same unit; itself: whether nothing else may be
+    in its place.
+    """
+    effect = member.effect
+    if gain < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO) * excess:
         return POSSIBLE
-    if placed(claim.candidate) or _may_be_absent(claim, values):
+    if placed(member) or _may_be_absent(member, values):
         return POSSIBLE
     first = next(iter(effect.parameters), None)
     stands = [
@@ -161,8 +181,7 @@ def grade(
         or not _holds(first.neutral, *row["parameters"][first.name]["ci95"])
         for row in rows
     ]
-    unknown = first is not None and vague(first, values[first.name])
-    itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
+    unknown = first is not None and _vague(first, values[first.name])
     return ESTABLISHED if stands and all(stands) and not unknown and itself else LIKELY
 
 
@@ -183,18 +202,18 @@ def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:
     return False
 
 
-def _may_be_absent(claim: Claim, values: Mapping[str, Estimate]) -> bool:
+def _may_be_absent(member: Candidate, values: Mapping[str, Estimate]) -> bool:
     """Whether the interval of how strongly an effect acts holds that it does not."""
-    first = next(iter(claim.candidate.effect.parameters), None)
+    first = next(iter(member.effect.parameters), None)
     return first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
 
 
 def effect_says_not_what(member: Candidate, values: Mapping[str, Estimate]) -> bool:
     """Whether none of an effect's numbers is known to a factor of ten: recordings say that something is there, not what."""
-    return bool(values) and all(vague(p, values[p.name]) for p in member.effect.parameters)
+    return bool(values) and all(_vague(p, values[p.name]) for p in member.effect.parameters)
 
 
-def vague(parameter: Parameter, value: Estimate) -> bool:
+def _vague(parameter: Parameter, value: Estimate) -> bool:
     """Whether an interval reaches ten times as far from the effect's absence as the estimate is; of what is absent where it is
     infinite, as stiffness is, in reciprocals."""
     ends = np.array([value.low, value.high, value.value])

@@ -14,8 +14,9 @@ from harness.diagnose.answer.constants import SHOWN_HYPOTHESES
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import Foretold
 from harness.diagnose.answer.left_out import explained_share
-from harness.diagnose.inverse.effort_findings import effort_findings, estimates
+from harness.diagnose.inverse.effort_findings import effort_findings
 from harness.diagnose.inverse.effort_fit import EffortFit, fit_effort
+from harness.diagnose.inverse.effort_grades import estimates
 from harness.diagnose.inverse.effort_left import effort_left
 from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_next import next_experiment
@@ -61,7 +62,7 @@ class EffortAnswer:
             verdict = "unexplained" if incomplete else "consistent"
         else:
             verdict = "partly_explained" if incomplete else "explained"
-        values = [estimates(study, best, k) for k in range(len(best.hypothesis.members))]
+        values = [estimates(best, study.nominal, k) for k in range(len(best.hypothesis.members))]
         explained = explained_share(rows)
         left = effort_left(self.system, (study.data, study.held), best) if incomplete else None
         return Diagnosis(

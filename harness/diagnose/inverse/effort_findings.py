@@ -12,10 +12,8 @@ import numpy as np
 from harness.diagnose.answer.explain import finding_words, untold
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.claims.grades import POSSIBLE
-from harness.diagnose.estimation.constants import NORMAL_95
-from harness.diagnose.estimation.intervals import Estimate
-from harness.diagnose.inverse.effort_fit import EffortFit, spread
-from harness.diagnose.inverse.effort_grades import grade, repeatability, without_each
+from harness.diagnose.inverse.effort_fit import EffortFit
+from harness.diagnose.inverse.effort_grades import estimates, grade, repeatability, without_each
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.effects.effect import SiteKind
@@ -51,7 +49,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
         *UNREPEATED, lambda: without_each((study.data, study.held), best), lambda: []
     )
     for k, member in enumerate(best.hypothesis.members):
-        values, units = estimates(study, best, k), _units(system, member)
+        values, units = estimates(best, study.nominal, k), _units(system, member)
         smaller = study.reduce(best, k)
         alike: list[tuple[Candidate, EffortFit]] = deadline.attempt(
             *UNRIVALLED, partial(study.rivals, best, k), lambda: []
@@ -59,9 +57,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
         others = [c for c, _ in alike]
         names = [c.effect.name if c.site == member.site else c.key for c in others]
         repeats = repeatability(again, study.nominal, k)
-        how = grade(
-            member, values, repeats, share=_share(study, best, smaller), rivals=bool(names), remainder=remainder
-        )
+        how = grade(study, best, k, smaller, repeats, rivals=bool(names), remainder=remainder)
         probability = sum(s for key, s in share.items() if member.key in key) / total
         findings.append(
             {
@@ -88,21 +84,6 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
     return EffortFindings(findings, titles, rivals, pairs)
 
 
-def estimates(study: EffortStudy, best: EffortFit, k: int) -> dict[str, Estimate]:
-    """The parameters of member ``k``."""
-    member = best.hypothesis.members[k]
-    first = study.nominal + best.hypothesis.span(k).start
-    sigma = spread(best, study.nominal)
-    out = {}
-    for j, parameter in enumerate(member.effect.parameters):
-        value, s = float(best.x[first + j]), float(sigma[first + j])
-        span = 1e-6 * float(member.scales[j])
-        bound = value <= parameter.lower + span or value >= parameter.upper - span
-        low, high = max(value - NORMAL_95 * s, parameter.lower), min(value + NORMAL_95 * s, parameter.upper)
-        out[parameter.name] = Estimate(value, None if bound else s, low, high)
-    return out
-
-
 def _units(system: System, member: Candidate) -> dict[str, str]:
     """Units of a member's parameters."""
     joint = (
@@ -112,11 +93,3 @@ def _units(system: System, member: Candidate) -> dict[str, str]:
         prismatic=joint is not None and joint.prismatic, channel_unit=joint.position_unit if joint else "rad"
     )
     return dict(zip(member.effect.parameter_names, units, strict=True))
-
-
-def _share(study: EffortStudy, best: EffortFit, smaller: EffortFit) -> float:
-    """What a member explains that is missing in a smaller set, in units of what is left beyond the noise (squares)."""
-    data = study.data
-    own, other = (float(np.sum(data.rows(f.hypothesis, f.x) ** 2)) for f in (best, smaller))
-    left = own - data.samples
-    return (other - own) / left if left > 0.0 else np.inf

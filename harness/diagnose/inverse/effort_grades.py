@@ -5,21 +5,18 @@ The same grades as those of free runs (``claims.grades``), by fits of efforts: w
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.claims.constants import PLAIN_LAW_RATIO
-from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, vague
-from harness.diagnose.criticism.constants import FAKED_RATIO
+from harness.diagnose.claims.grades import ESTABLISHED, beside_a_remainder
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_model import EffortModel
-from harness.diagnose.problem.hypothesis import Candidate
-from harness.diagnose.selection.state_evidence import placed
+from harness.diagnose.inverse.effort_search import EffortStudy
 
 Array = NDArray[np.float64]
 
@@ -47,50 +44,41 @@ def repeatability(others: Sequence[tuple[str, EffortFit]], nominal: int, k: int)
     """The parameters of member ``k`` as they are without each of the recordings."""
     rows: Rows = []
     for name, fitted in others:
-        member = fitted.hypothesis.members[k]
-        first, sigma = nominal + fitted.hypothesis.span(k).start, spread(fitted, nominal)
-        parameters = {}
-        for j, parameter in enumerate(member.effect.parameters):
-            value, std = float(fitted.x[first + j]), float(sigma[first + j])
-            if np.isfinite(std):
-                ends = np.clip([value - NORMAL_95 * std, value + NORMAL_95 * std], parameter.lower, parameter.upper)
-                parameters[parameter.name] = {"value": value, "ci95": [float(end) for end in ends]}
+        parameters = {
+            key: {"value": e.value, "ci95": [e.low, e.high]}
+            for key, e in estimates(fitted, nominal, k).items()
+            if np.isfinite(e.low + e.high)
+        }
         rows.append({"recording": name, "left_out": True, "parameters": parameters})
     return rows
 
 
-def grade(
-    member: Candidate,
-    values: Mapping[str, Estimate],
-    rows: Rows,
-    *,
-    share: float,
-    rivals: bool,
-    remainder: bool,
-) -> str:
-    """How firmly a finding stands.
+def estimates(fitted: EffortFit, nominal: int, k: int) -> dict[str, Estimate]:
+    """The parameters of member ``k``; nominal: how many nominal quantities stand before them."""
+    member = fitted.hypothesis.members[k]
+    first, sigma = nominal + fitted.hypothesis.span(k).start, spread(fitted, nominal)
+    out = {}
+    for j, parameter in enumerate(member.effect.parameters):
+        value, s = float(fitted.x[first + j]), float(sigma[first + j])
+        span = 1e-6 * float(member.scales[j])
+        bound = value <= parameter.lower + span or value >= parameter.upper - span
+        low, high = max(value - NORMAL_95 * s, parameter.lower), min(value + NORMAL_95 * s, parameter.upper)
+        out[parameter.name] = Estimate(value, None if bound else s, low, high)
+    return out
 
-    share: what it explains (squares of the training efforts), in units of what is left beyond the noise; rivals: whether
-    something else may be in its place; remainder: whether more than noise is left. Possible: chosen among many places, as well
-    absent, or less than what is left (a law that can be bent, not far more). Established: nothing left but noise, or else the
-    same in at least three recordings whichever is left out, its size known, and nothing else in its place. Likely: all others.
+
+def grade(
+    study: EffortStudy, best: EffortFit, k: int, smaller: EffortFit, rows: Rows, *, rivals: bool, remainder: bool
+) -> str:
+    """How firmly member ``k`` of a set stands.
+
+    smaller: the set without it; rows: see ``repeatability``; rivals: whether something else may be in its place; remainder:
+    whether more than noise is left. Where nothing but noise is, it is established.
     """
-    effect = member.effect
-    first = next(iter(effect.parameters), None)
     if not remainder:
         return ESTABLISHED
-    absent = first is not None and _holds(first.neutral, values[first.name].low, values[first.name].high)
-    if placed(member) or absent or share < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO):
-        return POSSIBLE
-    unknown = first is not None and vague(first, values[first.name])
-    stands = [
-        first is None
-        or first.name not in row["parameters"]
-        or not _holds(first.neutral, *row["parameters"][first.name]["ci95"])
-        for row in rows
-    ]
-    return ESTABLISHED if stands and all(stands) and not unknown and not rivals else LIKELY
-
-
-def _holds(neutral: float, low: float, high: float) -> bool:
-    return low <= neutral <= high
+    data, values = study.data, estimates(best, study.nominal, k)
+    own, other = (float(np.sum(data.rows(f.hypothesis, f.x) ** 2)) for f in (best, smaller))
+    return beside_a_remainder(
+        best.hypothesis.members[k], values, rows, gain=other - own, excess=own - data.samples, itself=not rivals
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.diagnose.answer.explain import Foretold, left_in_words, percent, times
+from harness.diagnose.answer.explain import Foretold, holding_up, left_in_words, times
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.inverse.pushes import Push
 from harness.recording.recording import Recording
@@ -27,15 +27,12 @@ def summary(
     band = f"below {cutoff:.2g} Hz, where accelerations can be read off the recorded angle"
     if verdict == "consistent":
         return f"The effort that the model needs for the recorded motion agrees with the recorded one ({band})."
-    names, hold = " and ".join(firm), "hold" if len(firm) > 1 else "holds"
-    removing = "remove" if len(firm) > 1 else "removes"
-    share = f" and {removing} {percent(explained)} of the mismatch there" if explained and explained > 0.0 else ""
     if verdict == "explained":
-        text = f"{off} ({band}); with {names} the residual is at the noise, also on data held out."
+        text = f"{off} ({band}); with {' and '.join(firm)} the residual is at the noise, also on data held out."
     elif verdict == "unexplained":
         text = f"{off} ({band}), and nothing in the catalogue earns its place."
     elif firm:
-        text = f"{off} ({band}); {names} {hold} up on data held out{share}."
+        text = f"{off} ({band}); {holding_up(firm, explained)}."
     else:
         text = f"{off} ({band}), and nothing in the catalogue earns its place for certain."
     sentences = [text]

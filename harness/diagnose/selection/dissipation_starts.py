@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 RUBBING = ("viscous_damping", "coulomb_friction")
 DISSIPATION = (*RUBBING, "quadratic_drag")
-SETS = (RUBBING, DISSIPATION)
 ROTOR = "added_inertia"
+PLAIN = (*DISSIPATION, ROTOR)
 ZEROS = ("constant_torque", "sensor_offset")
 CHANGES = ("payload_mass", "com_offset", "added_inertia", "com_side_offset")
 
@@ -32,7 +32,7 @@ def ordinary(study: Study, near: Fit) -> list[Fit]:
 
     near: a fit whose initial states are begun from.
     """
-    found = [_fitted(study, members, near) for names in SETS for members in _by_site(study, names)]
+    found = [_fitted(study, members, near) for names in (RUBBING, DISSIPATION) for members in _by_site(study, names)]
     return sorted(found, key=study.criterion)
 
 
@@ -41,7 +41,7 @@ def with_one_change(study: Study, near: Fit) -> list[Fit]:
 
     A weight, a centre of mass, a rotor: what a bench is changed by first. near: a fit whose initial states are begun from.
     """
-    rubbing = _together(study.candidates, SETS[0])
+    rubbing = _together(study.candidates, RUBBING)
     changes = [c for c in study.candidates if c.effect.name in CHANGES and compatible(rubbing, c)]
     found = [_fitted(study, rubbing.members, near)] if rubbing.members else []
     for change in changes:
@@ -72,12 +72,12 @@ def everywhere(study: Study, near: Fit) -> Fit | None:
     found = []
     for zero in ZEROS:
         hypothesis = plain_set(study.candidates, zero)
-        if any(m.effect.name in SETS[0] for m in hypothesis.members):
+        if any(m.effect.name in RUBBING for m in hypothesis.members):
             found.append(_fitted(study, hypothesis.members, near))
     return min(found, key=lambda f: f.score, default=None)
 
 
-def plain_set(candidates: Sequence[Candidate], zero: str, laws: Sequence[str] = (*DISSIPATION, ROTOR)) -> Hypothesis:
+def plain_set(candidates: Sequence[Candidate], zero: str, laws: Sequence[str] = PLAIN) -> Hypothesis:
     """Ordinary laws at every joint and a zero, as far as they are among candidates and go together; usually all dissipation and a
     rotor's inertia."""
     return _together(candidates, (*laws, zero))

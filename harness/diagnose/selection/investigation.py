@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.diagnose.estimation.horizon import Horizon
-from harness.diagnose.estimation.least_squares import Fit, fit
+from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.deadline import Deadline, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
@@ -23,7 +23,7 @@ from harness.diagnose.selection.model_error import Structure, under_model_error
 from harness.diagnose.selection.noise_behind import under_its_own_noise
 from harness.diagnose.selection.opening import Opened
 from harness.diagnose.selection.openings.catalogue import openings
-from harness.diagnose.selection.outcome import Outcome
+from harness.diagnose.selection.outcome import Outcome, as_stated
 from harness.diagnose.selection.study import Study
 
 
@@ -60,15 +60,7 @@ def investigate(
         own = tuple(w for w in final.windows if w.run < len(problem.train))
         held = tuple(w for w in final.windows if w.run >= len(problem.train))
         training = final.unfitted(final.likelihood, own)
-        frozen = np.ones(len(final.predictor.nominal), dtype=bool)
-        states = {w: empty.states[w] for w in own}
-        nominal = fit(
-            training.objective(Hypothesis()),
-            np.zeros(len(frozen)),
-            states,
-            fixed=frozen,
-            others=training.others(Hypothesis()),
-        )
+        nominal = as_stated(training, {w: empty.states[w] for w in own})
     return Outcome(
         final.problem, final.predictor, final, training, nominal, empty, ordered[0], ordered, held,
         MOTION_HARMONICS * frequency, period,

@@ -9,6 +9,7 @@ import numpy as np
 from harness.diagnose.estimation.discrepancy import Discrepancy
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.misfit import Misfit
+from harness.diagnose.estimation.objective import States
 from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -83,10 +84,15 @@ class Outcome:
         self.ordered = sorted((after.fit(f.hypothesis, [f.x], f) for f in kept), key=after.criterion)
         self.empty = after.known(Hypothesis()) or after.empty()
         self.best = after.fit(best.hypothesis, [best.x], best)
-        frozen = np.ones(len(self.nominal.x), dtype=bool)
-        objective, others = self.training.objective(Hypothesis()), self.training.others(Hypothesis())
-        self.nominal = fit(objective, self.nominal.x, self.nominal.states, fixed=frozen, others=others)
+        self.nominal = as_stated(self.training, self.nominal.states)
         return self.best
+
+
+def as_stated(training: Study, states: States) -> Fit:
+    """The nominal model as it is stated, in the windows of a study: no more than initial states fitted, from these or as read."""
+    x, nothing = np.zeros(len(training.predictor.nominal)), Hypothesis()
+    every = np.ones(len(x), dtype=bool)
+    return fit(training.objective(nothing), x, states, fixed=every, others=training.others(nothing))
 
 
 def trained(outcome: Outcome, fitted: Fit) -> Fit:
