@@ -224,6 +224,11 @@ def untold(title: str, site: str, others: Sequence[str]) -> str:
     return f"{title[:1].upper()}{title[1:]} at {site} cannot be told here from {', '.join(others)}."
 
 
+def listed(words: Sequence[str]) -> str:
+    """Words in a row: a, b and c."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
 def percent(share: float) -> str:
     if share < 0.995 or share >= 1.0:
         return f"{100.0 * share:.2g} %" if share < 0.995 else "100 %"

@@ -81,6 +81,13 @@ STRETCHES_A_PARAMETER = 3
 MOST_EVALUATIONS = 25
 # rounds; of noise and parameters in turn; chosen
 NOISE_ROUNDS = 3
+# of the sum of squares; by which a further step changes nothing: a hundredth of what evidence counts in, of a thousand samples;
+# chosen
+SETTLED_COST = 1e-5
+# of the size of a joint's noise; by which a further round changes nothing; chosen
+SETTLED_SIZE = 0.01
+# samples; that the noise expected of a joint counts for, beside those it has; chosen: about the numbers of its memory
+SIZE_SAMPLES = 4.0
 # of a nominal quantity's σ; by which its slope is read off; chosen between rounding and curvature
 NOMINAL_DIFFERENCE = 1e-3
 # of a parameter's typical size; by which its slope is read off; chosen between rounding and curvature
@@ -105,16 +112,20 @@ REVERSING_SHARE = 0.1
 BEAM_WIDTH = 2
 # candidates; that are fitted beside each of them; chosen
 MOST_CANDIDATES = 5
-# effects; of a set at most; chosen
+# candidates; that are asked whether they could stand in the place of another; chosen
+MOST_RIVALS = 10
+# effects; of a set at most, of a mechanism of one joint; chosen
 MOST_EFFECTS = 5
+# effects a driven joint; of a set at most: viscous and dry friction, which every geared joint has, and one more; chosen
+EFFECTS_A_JOINT = 3
 # starts; of one candidate; chosen
 MOST_STARTS = 6
 # times what its trace explains; that a fit may bring: traces are of few starts, and of small effects; chosen
 TRACE_RATIO = 2.0
 # times what its trace explains; that a rival may bring at most; chosen
 RIVAL_TRACE_RATIO = 4.0
-# evaluations; that show whether a rival comes anywhere near; chosen
-RIVAL_EVALUATIONS = 5
+# evaluations; that show how far another effect leads; chosen
+GLANCE_EVALUATIONS = 5
 # chance; of a stretch of the nominal quantities under their tolerance, below which it is evidence; chosen
 STRETCHED_CHANCE = 1e-7
 # standard deviations; by which an effect must improve data held out; chosen

@@ -25,7 +25,8 @@ from harness.diagnose.inverse.effort_hold import held_runs, search_either_way
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run, pace
 from harness.diagnose.inverse.effort_noise import Grid, effort_noise, grid_of
-from harness.diagnose.inverse.effort_search import EffortStudy, settle
+from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.inverse.effort_settle import settle
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes
 from harness.diagnose.problem.candidates import candidates

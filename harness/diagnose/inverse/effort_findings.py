@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.diagnose.answer.explain import finding_words, untold
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.claims.grades import POSSIBLE
 from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_grades import estimates, grade, repeatability, without_each
 from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.inverse.effort_words import InWords, gathered, untold_together
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.effects.effect import SiteKind
 from harness.system import System
@@ -44,7 +44,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
     lowest = min(weights.values())
     share = {key: float(np.exp(-0.5 * (w - lowest))) for key, w in weights.items()}
     total = sum(share.values())
-    findings, titles, rivals, pairs = [], [], [], []
+    findings, firm, pairs = [], list[InWords](), []
     again: list[tuple[str, EffortFit]] = deadline.attempt(
         *UNREPEATED, lambda: without_each((study.data, study.held), best), lambda: []
     )
@@ -77,11 +77,9 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
             }
         )  # fmt: skip
         if how != POSSIBLE:
-            titles.append(finding_words(member.effect.title, member.site, values, units))
-        if names and how != POSSIBLE:
-            rivals.append(untold(member.effect.title, member.site, list(map(in_words, names))))
+            firm.append(InWords(member.effect.title, member.site, values, units, tuple(map(in_words, names))))
         pairs += [(member.effect.name, c.effect.name) for c in others]
-    return EffortFindings(findings, titles, rivals, pairs)
+    return EffortFindings(findings, gathered(firm), untold_together(firm), pairs)
 
 
 def _units(system: System, member: Candidate) -> dict[str, str]:

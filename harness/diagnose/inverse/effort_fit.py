@@ -2,7 +2,8 @@
 
 Residuals are taken as often as the low-pass lets them be independent, whitened by an autoregression that is estimated from
 what a generous regression leaves (so that a misfit is not taken for noise), and weighed by a Gaussian likelihood with the
-noise profiled out: cost = N log(S/N) + the nominal quantities' prior.
+size of each joint's noise marginalised: cost = Σ (N + ν) log((S + ν)/(N + ν)) over joints + the nominal quantities' prior. What a
+set does not explain at one joint so says nothing of the others.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from harness.diagnose.inverse.constants import (
     NOISE_ROUNDS,
     NOMINAL_DIFFERENCE,
     PARAMETER_DIFFERENCE,
+    SETTLED_COST,
+    SETTLED_SIZE,
+    SIZE_SAMPLES,
     STALE_RATIO_ON_THE_WAY,
     STALE_SHARE,
     STALE_SIGMAS,
@@ -30,6 +34,8 @@ from harness.diagnose.inverse.effort_motion import EffortRun
 from harness.diagnose.inverse.effort_noise import EffortNoise, Grid
 from harness.diagnose.inverse.whitened import Whitened
 from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.effects.room import STATED
+from harness.system import Attachment
 
 Array = NDArray[np.float64]
 
@@ -38,8 +44,8 @@ Array = NDArray[np.float64]
 class EffortFit:
     """One hypothesis fitted. x: nominal deviations [σ], then effect parameters [SI].
 
-    rows: whitened residuals; clusters: of which stretch each row is; jacobian: of the rows; prior: of the nominal quantities.
-    cost: N log(S/N) + prior, S with the size of noise profiled out.
+    rows: whitened residuals in units of what each joint's leave; clusters: of which stretch each row is; jacobian: of the rows;
+    prior: of the nominal quantities; cost: see the module.
     """
 
     hypothesis: Hypothesis
@@ -91,6 +97,26 @@ class EffortData:
         self._slopes[key] = at, slopes
         return slopes
 
+    def slope(self, hypothesis: Hypothesis, x: Array, k: int, step: float, here: Array) -> Array:
+        """Slope of the whitened rows over the effect parameter at ``k`` in x, by a step; here: the rows at x, (rows,)."""
+        there = x.copy()
+        there[k] += step
+        spans = self.model.spans(hypothesis)
+        which = next(m for m, span in enumerate(spans) if span.start <= k < span.stop)
+        law, span = hypothesis.members[which], spans[which]
+        if law.effect.name not in LAWS or (law.effect.name in STATED and min(x[span][0], there[span][0]) < 0.0):
+            return (self.rows(hypothesis, there) - here) / step
+        # A law adds to the torque, so that the other members need not be asked again.
+        beside = [
+            (m, Attachment(m.effect.name, m.site, m.effect.named(x[s])))
+            for m, s in zip(hypothesis.members, spans, strict=True)
+            if m.effect.name not in LAWS
+        ]
+        inputs = [one for m, one in beside if m.effect.input is not None]
+        others = [one for m, one in beside if m.effect.input is None]
+        own, moved = (Attachment(law.effect.name, law.site, law.effect.named(y[span])) for y in (x, there))
+        return self.whitened.law_change(own, moved, inputs, others) / step
+
     @property
     def joints(self) -> list[int]:
         return [int(j) for j in np.flatnonzero(np.any([run.driven for run in self.model.runs], axis=0))]
@@ -100,13 +126,26 @@ class EffortData:
         """Independent samples, each counted for as much as it tells."""
         return float(np.sum(self.whitened.weights**2))
 
-    def misfit(self, rows: Array) -> float:
-        """Twice the negative logarithm of the likelihood of whitened rows, their size profiled out."""
-        return self.samples * float(np.log(self.size(rows) ** 2))
+    @cached_property
+    def counts(self) -> Array:
+        """Independent samples of each joint, each counted for as much as it tells, (n,)."""
+        return self.of_each(self.whitened.weights)
 
-    def size(self, rows: Array) -> float:
-        """Standard deviation of whitened rows."""
-        return float(np.sqrt(rows @ rows / self.samples))
+    def of_each(self, rows: Array) -> Array:
+        """Sum of squares of each joint's rows, (n,)."""
+        return np.asarray(np.bincount(self.whitened.which, rows**2, len(self.noises)), dtype=np.float64)
+
+    def misfit(self, rows: Array) -> float:
+        """Twice the negative logarithm of the likelihood of whitened rows, the size of each joint's marginalised."""
+        return float((self.counts + SIZE_SAMPLES) @ np.log(self.size_of_each(rows) ** 2))
+
+    def size_of_each(self, rows: Array) -> Array:
+        """Standard deviation of each joint's whitened rows, (n,): one was expected, which counts as a few samples."""
+        return np.sqrt((self.of_each(rows) + SIZE_SAMPLES) / (self.counts + SIZE_SAMPLES))
+
+    def size(self, rows: Array) -> Array:
+        """The same at every row, (rows,)."""
+        return np.asarray(self.size_of_each(rows)[self.whitened.which])
 
     @cached_property
     def whitened(self) -> Whitened:
@@ -148,7 +187,8 @@ def fit_effort(
     scale = np.concatenate([np.ones(nominal), *(m.scales for m in hypothesis.members)])
     free = np.ones(len(start), dtype=bool) if frozen is None else ~frozen.astype(bool)
     x = np.clip(start, lower, upper)
-    size = 1.0
+    # With what a bad start leaves, the nominal quantities' prior would hold them there.
+    size = data.size(data.rows(hypothesis, x)) if calls else np.ones(data.whitened.count)
     # On the way to the least value slopes need not be as near as at it.
     far = STALE_RATIO_ON_THE_WAY
 
@@ -167,7 +207,7 @@ def fit_effort(
         here = data.rows(hypothesis, whole)
         out = np.zeros((len(here) + nominal, len(whole)))
         if free[:nominal].any():
-            out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole, far=far) / size
+            out[: len(here), :nominal] = data.nominal_slopes(hypothesis, whole, far=far) / size[:, None]
         out[len(here) :, :nominal] = np.eye(nominal)
         for k in np.flatnonzero(free[nominal:]) + nominal:
             step = (
@@ -175,12 +215,10 @@ def fit_effort(
                 * scale[k]
                 * (1.0 if whole[k] + PARAMETER_DIFFERENCE * scale[k] <= upper[k] else -1.0)
             )
-            there = whole.copy()
-            there[k] += step
-            out[: len(here), k] = (data.rows(hypothesis, there) - here) / (step * size)
+            out[: len(here), k] = data.slope(hypothesis, whole, int(k), step, here) / size
         return out[:, free]
 
-    jacobian = np.zeros((0, len(start)))
+    jacobian = np.zeros((len(size), len(start)))
     for _ in range(NOISE_ROUNDS + 1):
         if free.any():
             inside = np.clip(x[free], lower[free] + 1e-9 * scale[free], upper[free] - 1e-9 * scale[free])
@@ -191,19 +229,35 @@ def fit_effort(
                 bounds=(lower[free], upper[free]),
                 x_scale=scale[free],
                 max_nfev=calls or MOST_EVALUATIONS,
+                ftol=SETTLED_COST,
             )
             x = full(found.x)
             jacobian = np.zeros((len(found.fun), len(start)))
             jacobian[:, free] = found.jac
         rows, clusters = data.rows(hypothesis, x), data.whitened.clusters
         before, size = size, data.size(rows)
-        if calls or not free.any() or (far == 1.0 and abs(size - before) < 0.01 * size):
+        jacobian[: len(rows)] *= (before / size)[:, None]
+        if calls or not free.any() or (far == 1.0 and np.all(np.abs(size - before) < SETTLED_SIZE * size)):
             break
         far = 1.0
     prior = float(x[:nominal] @ x[:nominal])
     cost = data.misfit(rows) + prior
     return EffortFit(
         hypothesis, x, rows / size, clusters, jacobian[: len(rows)] if free.any() else jacobian, prior, cost
+    )
+
+
+def unfitted(data: EffortData, hypothesis: Hypothesis, x: Array) -> EffortFit:
+    """A hypothesis with numbers that were not fitted, within their bounds; without slopes."""
+    nominal = len(data.model.nominal)
+    lower = np.concatenate([np.full(nominal, -np.inf), *(m.effect.lower for m in hypothesis.members)])
+    upper = np.concatenate([np.full(nominal, np.inf), *(m.effect.upper for m in hypothesis.members)])
+    x = np.clip(x, lower, upper)
+    rows = data.rows(hypothesis, x)
+    prior = float(x[:nominal] @ x[:nominal])
+    none = np.zeros((len(rows), len(x)))
+    return EffortFit(
+        hypothesis, x, rows / data.size(rows), data.whitened.clusters, none, prior, data.misfit(rows) + prior
     )
 
 

@@ -78,7 +78,15 @@ def grade(
     if not remainder:
         return ESTABLISHED
     data, values = study.data, estimates(best, study.nominal, k)
-    own, other = (float(np.sum(data.rows(f.hypothesis, f.x) ** 2)) for f in (best, smaller))
+    own, other = (data.of_each(data.rows(f.hypothesis, f.x)) for f in (best, smaller))
+    gains = np.maximum(other - own, 0.0)
+    # What is left at joints that an effect does nothing at says nothing of it.
+    beside = gains / max(float(gains.max()), 1e-300)
     return beside_a_remainder(
-        best.hypothesis.members[k], values, rows, gain=other - own, excess=own - data.samples, itself=not rivals
+        best.hypothesis.members[k],
+        values,
+        rows,
+        gain=float(np.sum(other - own)),
+        excess=float(beside @ (own - data.counts)),
+        itself=not rivals,
     )

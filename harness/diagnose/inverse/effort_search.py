@@ -8,21 +8,20 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from harness.diagnose.inverse.constants import (
     BEAM_WIDTH,
-    FROM_NOTHING_SIGMAS,
-    HELD_OUT_SIGMAS,
+    EFFECTS_A_JOINT,
+    GLANCE_EVALUATIONS,
     MOST_CANDIDATES,
     MOST_EFFECTS,
+    MOST_RIVALS,
     MOST_STARTS,
-    RIVAL_EVALUATIONS,
     RIVAL_TRACE_RATIO,
-    STRETCHED_CHANCE,
     TRACE_RATIO,
 )
-from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
+from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread, unfitted
+from harness.diagnose.inverse.effort_model import LAWS
 from harness.diagnose.inverse.heldout_gain import heldout_gain
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
@@ -51,8 +50,13 @@ class EffortStudy:
         return len(self.data.model.nominal)
 
     def criterion(self, fitted: EffortFit) -> float:
-        """Extended Bayesian information criterion (Chen and Chen, Biometrika 95 (2008) 759, γ = 1)."""
-        return fitted.cost + self.price(fitted.hypothesis)
+        """Extended Bayesian information criterion (Chen and Chen, Biometrika 95 (2008) 759, γ = 1), and how plausible sizes are."""
+        return fitted.cost + self.price(fitted.hypothesis) + self.surprise(fitted)
+
+    def surprise(self, fitted: EffortFit) -> float:
+        """−2 log of how plausible the sizes of a fit's effects are: of what efforts cannot part, the usual comes first."""
+        spans = self.data.model.spans(fitted.hypothesis)
+        return sum(m.surprise(fitted.x[span]) for m, span in zip(fitted.hypothesis.members, spans, strict=True))
 
     def price(self, hypothesis: Hypothesis) -> float:
         """What a set of effects has to bring to be as good as none."""
@@ -78,7 +82,7 @@ class EffortStudy:
         """Whitened residuals of the data held out, nothing fitted to them, in units of the noise that the fit left."""
         rows = self.held.rows(fitted.hypothesis, fitted.x)
         raw = self.data.rows(fitted.hypothesis, fitted.x)
-        return np.asarray(rows / self.data.size(raw))
+        return np.asarray(rows / self.data.size_of_each(raw)[self.held.whitened.which])
 
     def heldout_z(self, smaller: EffortFit, larger: EffortFit) -> float:
         """How much better the larger hypothesis predicts data held out, in standard deviations."""
@@ -101,7 +105,7 @@ class EffortStudy:
         return self.criterion(fitted) + self.held.misfit(rows)
 
     def ranked(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
-        """Candidates by the share of the residual that their trace explains beside what is fitted, with a start each."""
+        """Candidates by how much smaller their trace would make the cost beside what is fitted, with a start each."""
         here = self.data.rows(base.hypothesis, base.x)
         size = self.data.size(here)
         # What the nominal quantities may still take is limited by their prior, so those columns carry it.
@@ -117,15 +121,23 @@ class EffortStudy:
                 continue
             starts, traces = self.traces_of(candidate)
             # Beside the basis, whose rows of the prior a trace has nothing in.
+            traces = traces / size
             inside = traces @ seen
             length = np.einsum("ij,ij->i", traces, traces) - np.einsum("ij,ij->i", inside, inside)
             along = traces @ rest[: len(here)] - inside @ (basis.T @ rest)
-            there = length > 1e-12 * size**2
+            there = length > 1e-12
             gain = np.where(there, along**2 / np.where(there, length, 1.0), 0.0)
             k = int(np.argmax(np.where(np.isfinite(gain), gain, -1.0)))
-            times = -float(along[k] / length[k]) * size if there[k] else 1.0
-            out.append((float(gain[k]), candidate, _begun(candidate, starts[k], times)))
+            times = -float(along[k] / length[k]) if there[k] else 1.0
+            told = self._told(float(gain[k]), traces[k])
+            out.append((told, candidate, _begun(candidate, starts[k], times)))
         return sorted(out, key=lambda item: -item[0])
+
+    def _told(self, gain: float, trace: Array) -> float:
+        """What a gain in squares takes off the cost where joints' sizes follow: N log(N / (N − gain)), N of the joints it is at."""
+        at = self.data.of_each(trace)
+        count = float(at @ self.data.counts) / max(float(at.sum()), 1e-300)
+        return -count * float(np.log1p(-min(gain / max(count, 1e-300), 1.0 - 1e-9)))
 
     def traces_of(self, candidate: Candidate) -> tuple[list[Array], Array]:
         """Starts of a candidate and what each changes in the rows of the nominal model, (starts, rows).
@@ -143,19 +155,41 @@ class EffortStudy:
             self.traces[candidate.key] = starts, np.array(rows)
         return self.traces[candidate.key]
 
-    def promising(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
+    def promising(self, base: EffortFit) -> list[tuple[Candidate, Array]]:
         """The candidates that come first beside a fit, without those that would not pay if their trace brought twice as much."""
-        out = []
-        for gain, candidate, start in self.ranked(base)[:MOST_CANDIDATES]:
-            price = self.price(base.hypothesis.with_(candidate)) - self.price(base.hypothesis)
-            if TRACE_RATIO * gain >= price:
-                out.append((gain, candidate, start))
-        return out
+        first = self.ranked(base)[:MOST_CANDIDATES]
+        return [(c, start) for gain, c, start in first if TRACE_RATIO * gain >= self.asks(base, c)]
+
+    def asks(self, base: EffortFit, candidate: Candidate) -> float:
+        """What one more effect has to bring."""
+        return self.price(base.hypothesis.with_(candidate)) - self.price(base.hypothesis)
+
+    def at_every_joint(self, base: EffortFit, most: int) -> EffortFit | None:
+        """A fit with the law that pays most at each joint, of all joints at once; None where fewer than two have one.
+
+        Laws of one joint say nothing of another's effort, so that who adds them one by one asks the same again and again.
+        """
+        hypothesis, starts, sites = base.hypothesis, [base.x], set[str]()
+        for gain, candidate, start in self.ranked(base):
+            if candidate.effect.name not in LAWS or candidate.site in sites or gain < self.asks(base, candidate):
+                continue
+            if len(hypothesis.members) < most:
+                sites.add(candidate.site)
+                hypothesis, starts = hypothesis.with_(candidate), [*starts, start]
+        if len(sites) < 2:
+            return None
+        return self.fits.get(hypothesis.identity) or self.fit(hypothesis, [np.concatenate(starts)])
 
     def extend(self, base: EffortFit, candidate: Candidate, start: Array) -> EffortFit:
         hypothesis = base.hypothesis.with_(candidate)
         known = self.fits.get(hypothesis.identity)
         return known or self.fit(hypothesis, [np.concatenate([base.x, start])])
+
+    def glance(self, base: EffortFit, candidate: Candidate, start: Array) -> EffortFit:
+        """Where a few evaluations take ``base`` with one more effect; the fit where it is known."""
+        hypothesis = base.hypothesis.with_(candidate)
+        known = self.fits.get(hypothesis.identity)
+        return known or fit_effort(self.data, hypothesis, np.concatenate([base.x, start]), calls=GLANCE_EVALUATIONS)
 
     def reduce(self, base: EffortFit, k: int) -> EffortFit:
         """The best fit known of anything within ``base`` less member ``k``."""
@@ -164,32 +198,69 @@ class EffortStudy:
             span = base.hypothesis.span(k)
             keep = np.ones(len(base.x), dtype=bool)
             keep[self.nominal + span.start : self.nominal + span.stop] = False
-            self.fit(hypothesis, [base.x[keep], np.zeros(self.nominal) if not hypothesis.members else base.x[keep]])
+            self.fit(hypothesis, [base.x[keep]] if hypothesis.members else [base.x[keep], np.zeros(self.nominal)])
         return min((f for key, f in self.fits.items() if key <= hypothesis.identity), key=lambda f: f.cost)
+
+    def seen_without(self, base: EffortFit, k: int) -> EffortFit:
+        """Where ``base`` less member ``k`` would end were all linear, with its cost there: no less than that of its fit."""
+        hypothesis, span = base.hypothesis.without(k), base.hypothesis.span(k)
+        if hypothesis.identity in self.fits:
+            return self.reduce(base, k)
+        keep = np.ones(len(base.x), dtype=bool)
+        keep[self.nominal + span.start : self.nominal + span.stop] = False
+        others = base.x[keep]
+        # What the member did in the rows has to be made up for by the others, whose prior pulls the nominal ones.
+        size = self.data.size(self.data.rows(base.hypothesis, base.x))
+        missing = base.rows - self.data.rows(hypothesis, others) / size
+        held = np.vstack([base.jacobian[:, keep], np.eye(self.nominal, len(others))])
+        step = np.linalg.lstsq(held, np.concatenate([missing, np.zeros(self.nominal)]), rcond=None)[0]
+        return unfitted(self.data, hypothesis, others + step)
+
+    def plainer(self, base: EffortFit, k: int) -> EffortFit:
+        """The better of ``base`` less member ``k`` and of what has a special case of it in its place."""
+        without, member = self.reduce(base, k), base.hypothesis.members[k]
+        special = [c for c in self.candidates if c.site == member.site and c.effect.name in member.effect.simpler]
+        options = [
+            without,
+            *(self.extend(without, c, starts_of(c)[0]) for c in special if compatible(without.hypothesis, c)),
+        ]
+        return min(options, key=self.criterion)
 
     def rivals(self, best: EffortFit, k: int) -> list[tuple[Candidate, EffortFit]]:
         """Candidates that could stand in the place of member ``k``, likeliest first, with their fits."""
         without = self.reduce(best, k)
         limit = self.weight(best) + UNPARTED_EVIDENCE
         # What a few steps bring not half as near as the member came will not come near it.
-        brought = self.criterion(without) - self.criterion(best)
-        hopeless = max(10.0 * UNPARTED_EVIDENCE, 0.5 * brought)
+        hopeless = max(3.0 * UNPARTED_EVIDENCE, 0.5 * (self.criterion(without) - self.criterion(best)))
         out = []
-        for gain, candidate, start in self.ranked(without)[: 2 * MOST_CANDIDATES]:
-            # A trace that explains a share g of S takes N log(1 − g/S) off; where that is far off, so is the candidate.
-            told = -self.data.samples * float(np.log1p(-min(gain / self.data.samples, 1.0 - 1e-9)))
-            if candidate.key in best.hypothesis.keys or RIVAL_TRACE_RATIO * told + 10.0 * UNPARTED_EVIDENCE < brought:
+        for gain, candidate, start in self.ranked(without)[:MOST_RIVALS]:
+            if candidate.key in best.hypothesis.keys or _elsewhere(candidate, best.hypothesis.members[k]):
+                continue
+            # Where what a trace explains is far off, so is the candidate. A law of a single number explains no more than its trace.
+            most = gain if linear(candidate) else RIVAL_TRACE_RATIO * gain
+            asks = self.criterion(without) + self.asks(without, candidate)
+            if asks - most > self.criterion(best) + UNPARTED_EVIDENCE:
                 continue
             hypothesis = without.hypothesis.with_(candidate)
             if hypothesis.identity not in self.fits:
-                glance = fit_effort(self.data, hypothesis, np.concatenate([without.x, start]), calls=RIVAL_EVALUATIONS)
-                if self.criterion(glance) > self.criterion(best) + hopeless:
+                seen = self.glance(without, candidate, start)
+                if self.criterion(seen) > self.criterion(best) + hopeless:
                     continue
-                start = glance.x[self.nominal + without.hypothesis.size :]
+                start = seen.x[self.nominal + without.hypothesis.size :]
             found = self.extend(without, candidate, start)
             if self.criterion(found) < self.criterion(best) + UNPARTED_EVIDENCE and self.weight(found) < limit:
                 out.append((candidate, found))
         return sorted(out, key=lambda pair: self.weight(pair[1]))
+
+
+def linear(candidate: Candidate) -> bool:
+    """Whether the torque of a candidate is its only number times a shape."""
+    return candidate.effect.name in LAWS and candidate.size == 1
+
+
+def _elsewhere(candidate: Candidate, member: Candidate) -> bool:
+    """Whether two laws act on the efforts of different joints, so that neither can do what the other does."""
+    return candidate.effect.name in LAWS and member.effect.name in LAWS and candidate.site != member.site
 
 
 def _begun(candidate: Candidate, start: Array, times: float) -> Array:
@@ -232,7 +303,8 @@ def search(
     """
     best = study.fit(Hypothesis(), [np.zeros(study.nominal)])
     beam = [best]
-    for depth in range(MOST_EFFECTS):
+    most = max(MOST_EFFECTS, EFFECTS_A_JOINT * len(study.data.joints))
+    while len(best.hypothesis.members) < most:
         other = turned(best)
         if other is not None:
             study = other
@@ -240,46 +312,15 @@ def search(
             best = beam[0]
         grown: list[EffortFit] = []
         for base in beam:
-            for _, candidate, start in study.promising(base):
-                grown.append(study.extend(base, candidate, start))
-        progress(f"efforts, {depth + 1} effects")
+            together = study.at_every_joint(base, most)
+            grown += [study.glance(base, candidate, start) for candidate, start in study.promising(base)]
+            grown += [] if together is None else [together]
+        progress(f"efforts, {max((len(f.hypothesis.members) for f in grown), default=0)} effects")
         if not grown:
             break
-        beam = sorted({id(f): f for f in grown}.values(), key=study.criterion)[:BEAM_WIDTH]
+        first = sorted({f.hypothesis.identity: f for f in grown}.values(), key=study.criterion)[:BEAM_WIDTH]
+        beam = sorted((study.fit(f.hypothesis, [f.x]) for f in first), key=study.criterion)
         if study.criterion(beam[0]) >= study.criterion(best):
             break
         best = beam[0]
     return best
-
-
-def _needed(smaller: EffortFit, larger: EffortFit) -> float:
-    """Standard deviations by which data held out must improve.
-
-    What the nominal model had to be stretched far beyond its tolerance to imitate cannot show there: the stretched model predicts
-    them as well. The stretch is then the evidence.
-    """
-    stretched = chi2.sf(max(smaller.prior - larger.prior, 0.0), larger.hypothesis.size) < STRETCHED_CHANCE
-    return -HELD_OUT_SIGMAS if stretched else HELD_OUT_SIGMAS
-
-
-def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
-    """The set with every member dropped that does not plainly pay, or does not improve data held out, and rivals weighed."""
-    while fitted.hypothesis.members:
-        judged = []
-        for k in range(len(fitted.hypothesis.members)):
-            smaller = study.reduce(fitted, k)
-            pays = study.criterion(smaller) - study.criterion(fitted) - UNPARTED_EVIDENCE
-            carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
-            clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING_SIGMAS)
-            judged.append((min(pays, carries, clear), k, smaller))
-        worst, _, smaller = min(judged, key=lambda item: item[0])
-        if worst > 0.0:
-            break
-        fitted = smaller
-    for _ in range(len(fitted.hypothesis.members)):
-        options = [f for k in range(len(fitted.hypothesis.members)) for _, f in study.rivals(fitted, k)]
-        better = min(options, key=study.weight, default=fitted)
-        if study.weight(better) >= study.weight(fitted) - 1e-9:
-            break
-        fitted = better
-    return fitted

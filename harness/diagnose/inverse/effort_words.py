@@ -2,15 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from harness.diagnose.answer.explain import Foretold, holding_up, left_in_words, times
+from harness.diagnose.answer.explain import (
+    Foretold,
+    estimate,
+    finding_words,
+    holding_up,
+    left_in_words,
+    listed,
+    times,
+    untold,
+)
 from harness.diagnose.answer.left_out import LeftOut
+from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.pushes import Push
 from harness.recording.recording import Recording
+from harness.recording.units import written
 
 ONCE = "acts once"  # in the name of a test that tells a push from outside
+
+
+@dataclass(frozen=True, eq=False)
+class InWords:
+    """A finding to be told. others: titles of what it cannot be told from."""
+
+    title: str
+    site: str
+    values: Mapping[str, Estimate]
+    units: Mapping[str, str]
+    others: Sequence[str] = ()
+
+
+def gathered(found: Sequence[InWords]) -> list[str]:
+    """Findings in words; those of one number that are found at several joints are told together, with the number's name once."""
+    out = []
+    for title, alike in _by(found, lambda f: f.title).items():
+        names = {name for f in alike for name in f.values}
+        units = {written(unit) for f in alike for unit in f.units.values()}
+        if len(alike) == 1 or len(names) != 1 or len(units) != 1:
+            out += [finding_words(f.title, f.site, dict(f.values), dict(f.units)) for f in alike]
+            continue
+        (unit,) = units
+        each = [
+            f"{f.site} ({estimate(e.value, e.std, (e.low, e.high), unit)})" for f in alike for e in f.values.values()
+        ]
+        out.append(f"{title} at {listed(each)}")
+    return out
+
+
+def untold_together(found: Sequence[InWords]) -> list[str]:
+    """What findings cannot be told from, in a sentence for all of a kind that have the same."""
+    unsure = [f for f in found if f.others]
+    return [
+        untold(title, listed([f.site for f in alike]), others)
+        for (title, others), alike in _by(unsure, lambda f: (f.title, tuple(f.others))).items()
+    ]
+
+
+def _by(found: Sequence[InWords], key: Callable[[InWords], Hashable]) -> dict[Any, list[InWords]]:
+    out: dict[Any, list[InWords]] = {}
+    for one in found:
+        out.setdefault(key(one), []).append(one)
+    return out
 
 
 def summary(

@@ -60,8 +60,8 @@ class _Place:
 class Whitened:
     """Whitened rows of hypotheses about the efforts of a model's runs.
 
-    clusters: of which stretch each row is, (rows,). weights: by which rows are multiplied where dry friction's direction is unsure,
-    (rows,): the more it may be off beside the noise, the less a row tells.
+    clusters: of which stretch each row is, (rows,). which: of which joint, (rows,). weights: by which rows are multiplied where
+    dry friction's direction is unsure, (rows,): the more it may be off beside the noise, the less a row tells.
     """
 
     def __init__(self, model: EffortModel, grids: Sequence[Grid], noises: Sequence[EffortNoise]) -> None:
@@ -99,13 +99,13 @@ class Whitened:
             count += at * len(joints)
         self.clusters = np.concatenate(clusters) if clusters else np.zeros(0, dtype=np.intp)
         self.count = count
-        self._which = np.zeros(count, dtype=np.intp)  # of the joints, each row is of
+        self.which = np.zeros(count, dtype=np.intp)  # of the joints, each row is of
         for place in self._places:
             order_joints = np.tile(place.joints, len(place.samples))[place.order]
-            self._which[place.first : place.first + len(place.order)] = order_joints
+            self.which[place.first : place.first + len(place.order)] = order_joints
         self._kept: dict[Any, Any] = {}
         self._late = self._all([run.late * dry for run in model.runs], smoothed=True)
-        power = np.bincount(self._which, self._late**2, len(noises))
+        power = np.bincount(self.which, self._late**2, len(noises))
         # The inverse square root of 1 + u u', applied to rows: u (1 - (1 + u'u)^-½) / u'u is taken of u.
         self._taken = (1.0 - 1.0 / np.sqrt(1.0 + power)) / np.maximum(power, 1e-300)
         self.weights = np.concatenate(
@@ -163,10 +163,25 @@ class Whitened:
         rows = effort - torque
         return self._turning(rows if slope is None else rows / slope)
 
+    def law_change(
+        self, law: Attachment, other: Attachment, inputs: Sequence[Attachment], others: Sequence[Attachment]
+    ) -> Array:
+        """Whitened residuals with a law's other numbers less those with its first, (rows,).
+
+        law, other: the same effect at the same joint. inputs, others: what acts on the efforts, and beside laws and that.
+        """
+        change = np.zeros(self.count)
+        motion = self.model.motion_key(others)
+        for one, sign in ((law, 1.0), (other, -1.0)):
+            for name, share, given in law_shapes(one):
+                self._add(change, self._law(name, one.site, given, motion, others), sign * share)
+        _, slope = self._effort(inputs)
+        return self._turning(change if slope is None else change / slope)
+
     def _turning(self, rows: Array) -> Array:
         """Rows less what joints that turn late or early, every time alike, may have put into them."""
-        share = np.bincount(self._which, self._late * rows, len(self._taken)) * self._taken
-        return np.asarray(rows - share[self._which] * self._late)
+        share = np.bincount(self.which, self._late * rows, len(self._taken)) * self._taken
+        return np.asarray(rows - share[self.which] * self._late)
 
     def _torque(self, nominal: Array, others: Sequence[Attachment]) -> Array:
         """Whitened torque that the motions need without laws of the hypothesis; the caller's to write to."""
@@ -257,7 +272,7 @@ class Whitened:
                 for place, run in zip(self._places, model.runs, strict=True):
                     if run.driven[j]:
                         values, slope = arriving(chain, run, j)
-                        mine = np.flatnonzero(self._which[place.first : place.first + len(place.order)] == j)
+                        mine = np.flatnonzero(self.which[place.first : place.first + len(place.order)] == j)
                         out.append((place.first + mine, self._filtered(place, j, place.smooth(values)), slope))
                 self._keep(key, out)
             if slopes is None:

@@ -43,6 +43,16 @@ class Candidate:
     def size(self) -> int:
         return len(self.effect.parameters)
 
+    def surprise(self, values: Sequence[float] | Array) -> float:
+        """−2 log of how plausible values of the parameters [SI] are, less its greatest value."""
+        total = 0.0
+        for parameter, value in zip(self.effect.parameters, values, strict=True):
+            if parameter.plausible is not None:
+                total += parameter.plausible.surprise(float(value), parameter.neutral, self.references)
+        if self.effect.plausible is not None:
+            total += self.effect.plausible.surprise(self.effect.named(values), self.references)
+        return total
+
     def own_numbers(self, windows: Sequence[Window], runs: Sequence[Run]) -> int:
         """How many numbers it has that are every window's own: constants, what is remembered of the time before."""
         sensor = self.effect.sensor

@@ -142,15 +142,10 @@ class Study:
 
         It chooses which one is named; what else it could be is told by the recordings alone (``evidence``).
         """
-        total = 0.0
-        for k, member in enumerate(fitted.hypothesis.members):
-            values = self.predictor.effect_values(fitted.hypothesis, k, fitted.x)
-            for parameter, value in zip(member.effect.parameters, values, strict=True):
-                if parameter.plausible is not None:
-                    total += parameter.plausible.surprise(float(value), parameter.neutral, member.references)
-            if member.effect.plausible is not None:
-                total += member.effect.plausible.surprise(member.effect.named(values), member.references)
-        return total
+        return sum(
+            member.surprise(self.predictor.effect_values(fitted.hypothesis, k, fitted.x))
+            for k, member in enumerate(fitted.hypothesis.members)
+        )
 
     def evidence(self, fitted: Fit) -> float:
         """−2 log of the evidence (Laplace's method) up to a constant, to weigh rivals with equally many members.

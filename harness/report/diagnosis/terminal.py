@@ -13,6 +13,7 @@ from harness.diagnose.answer.significant_digits import estimate, rounded
 from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
+from harness.report.diagnosis.sets_in_words import sets_in_words
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
@@ -112,11 +113,11 @@ def _ranking(ranking: list[Mapping[str, Any]]) -> Shown:
     )
     lines: list[tuple[str, ...]] = []
     least = min((row["bic"] for row in ranking if row.get("bic") is not None), default=0.0)
-    for row in ranking:
+    for row, said in zip(ranking, sets_in_words(ranking), strict=True):
         bic = row.get("bic")
         lines.append(
             (
-                " + ".join(row["effects"]) or "nothing",
+                said,
                 "–" if bic is None else f"{bic - least:.0f}",
                 *(rounded(error) for error in held_out(row, channels)),
                 row.get("lost") or "",

@@ -9,6 +9,7 @@ from typing import Any
 from harness.diagnose.answer.significant_digits import rounded
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
 from harness.report.diagnosis.sections.figure import Document, points
+from harness.report.diagnosis.sets_in_words import sets_in_words
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,10 @@ class Rivals:
         reasons = any(row.get("lost") for row in ranking)
         channels = channels_of(ranking)
         return {
-            "ranking": [{**row, "errors": held_out(row, channels)} for row in ranking],
+            "ranking": [
+                {**row, "errors": held_out(row, channels), "said": said.replace("_", " ")}
+                for row, said in zip(ranking, sets_in_words(ranking), strict=True)
+            ],
             "heads": headings(channels, "held-out error"),
             "best": min(known) if known else 0.0,
             "reasons": reasons,

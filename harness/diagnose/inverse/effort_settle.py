@@ -1,0 +1,75 @@
+"""What of a set of effects stands: every member pays, improves data held out, and is not better told by something else."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import chi2
+
+from harness.diagnose.inverse.constants import FROM_NOTHING_SIGMAS, HELD_OUT_SIGMAS, STRETCHED_CHANCE
+from harness.diagnose.inverse.effort_fit import EffortFit
+from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
+
+
+def _needed(smaller: EffortFit, larger: EffortFit) -> float:
+    """Standard deviations by which data held out must improve.
+
+    What the nominal model had to be stretched far beyond its tolerance to imitate cannot show there: the stretched model predicts
+    them as well. The stretch is then the evidence.
+    """
+    stretched = chi2.sf(max(smaller.prior - larger.prior, 0.0), larger.hypothesis.size) < STRETCHED_CHANCE
+    return -HELD_OUT_SIGMAS if stretched else HELD_OUT_SIGMAS
+
+
+def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
+    """The set with every member dropped that does not plainly pay, or does not improve data held out, and rivals weighed.
+
+    What is left then grows again by what stands the same judgement beside it: a member may have been dropped for what others did.
+    """
+    fitted = _swapped(study, _shrunk(study, fitted))
+    while True:
+        grown = [study.extend(fitted, candidate, start) for candidate, start in study.promising(fitted)]
+        best = min(grown, key=study.criterion, default=fitted)
+        if study.criterion(best) >= study.criterion(fitted):
+            return fitted
+        judged = _shrunk(study, best)
+        if study.criterion(judged) >= study.criterion(fitted) - UNPARTED_EVIDENCE:
+            return fitted
+        fitted = judged
+
+
+def _shrunk(study: EffortStudy, fitted: EffortFit) -> EffortFit:
+    """The set less what does not plainly pay, or does not improve data held out, or may as well be absent."""
+    while fitted.hypothesis.members:
+        doubtful = [
+            k
+            for k in range(len(fitted.hypothesis.members))
+            if _stands(study, fitted, k, study.seen_without(fitted, k)) < UNPARTED_EVIDENCE
+        ]
+        judged = [
+            (_stands(study, fitted, k, smaller), k, smaller) for k in doubtful for smaller in [study.plainer(fitted, k)]
+        ]
+        worst, _, smaller = min(judged, key=lambda item: item[0], default=(np.inf, 0, fitted))
+        if worst > 0.0:
+            break
+        fitted = smaller
+    return fitted
+
+
+def _stands(study: EffortStudy, fitted: EffortFit, k: int, smaller: EffortFit) -> float:
+    """How firmly member ``k`` stands against a fit without it; not at all where this is negative."""
+    pays = study.criterion(smaller) - study.criterion(fitted) - UNPARTED_EVIDENCE
+    carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
+    clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING_SIGMAS)
+    return min(pays, carries, clear)
+
+
+def _swapped(study: EffortStudy, fitted: EffortFit) -> EffortFit:
+    """The set with rivals in the place of members that are less likely than they."""
+    for _ in range(len(fitted.hypothesis.members)):
+        options = [f for k in range(len(fitted.hypothesis.members)) for _, f in study.rivals(fitted, k)]
+        better = min(options, key=study.weight, default=fitted)
+        if study.weight(better) >= study.weight(fitted) - 1e-9:
+            break
+        fitted = better
+    return fitted

@@ -1,0 +1,27 @@
+"""Sets of effects in a ranking, in words: long ones by what they have more or less than the first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+SHORT = 3  # effects of a set that are listed one by one
+
+
+def sets_in_words(ranking: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Every row's set: its effects, of none "nothing", and where the first has many, what another has more or less than that."""
+    if not ranking:
+        return []
+    first = list(ranking[0]["effects"])
+    return [" + ".join(first) or "nothing", *(_against(first, list(row["effects"])) for row in ranking[1:])]
+
+
+def _against(first: Sequence[str], own: Sequence[str]) -> str:
+    whole = " + ".join(own) or "nothing"
+    less, more = [e for e in first if e not in own], [e for e in own if e not in first]
+    if len(first) <= SHORT or not own:
+        return whole
+    parts = [f"less {', '.join(less)}"] if less else []
+    parts += [f"with {', '.join(more)}"] if more else []
+    said = f"the first {' '.join(parts)}"
+    return said if len(said) < len(whole) else whole
