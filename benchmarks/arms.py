@@ -1,12 +1,13 @@
 """Arms of six and seven joints with one effect concealed at one of them: is it named, at the right joint, and how fast?
 
     python benchmarks/arms.py draw --seed N --out DIR        # conceal, seal, publish digests
-    python benchmarks/arms.py run DIR --way fit-effort       # or motion; one process a case, resumed where it was stopped
+    python benchmarks/arms.py run DIR --way fit-effort       # or unstated, motion; one process a case, resumed where it was stopped
     python benchmarks/arms.py grow --out DIR                 # time over joints, samples and recordings
     python benchmarks/arms.py table DIR                      # into reference/arms.json and docs/performance.md
 
 Recordings are MuJoCo's of published arms (package example-robot-data): positions and torques, 30 s at 250 Hz, two of them, dry
-and viscous friction at every joint, which the nominal model states. Torques are held between samples; both have noise.
+and viscous friction at every joint, which the nominal model states but for the way "unstated", where all of it is to be named as
+well. Torques are held between samples; both have noise.
 """
 
 from __future__ import annotations
@@ -56,7 +57,11 @@ EFFECTS = (
     "added_inertia", "actuator_gain",
 )  # fmt: skip
 LIMIT = 60.0  # s, for a diagnosis of the motion
-WAYS = {"fit-effort": ("--fit-effort", "--time-limit", "inf"), "motion": ("--time-limit", f"{LIMIT:g}")}
+WAYS = {
+    "fit-effort": ("--fit-effort", "--time-limit", "inf"),
+    "unstated": ("--fit-effort", "--time-limit", "inf"),
+    "motion": ("--time-limit", f"{LIMIT:g}"),
+}
 
 
 @dataclass(frozen=True)
@@ -246,7 +251,15 @@ def draw(out: Path, seed: int, count: int) -> None:
     (out / "digests.json").write_text(json.dumps({"seed": seed, "digests": digests}, indent=1), encoding="utf-8")
 
 
-def asked(folder: Path, options: tuple[str, ...], file: Path) -> dict[str, Any]:
+def without_friction(folder: Path) -> Path:
+    """The case's model as published: nothing rubs."""
+    system = load(folder / "model.urdf", physical=False)
+    bare = [replace(joint, damping=0.0, friction=0.0) for joint in system.joints]
+    write(replace(system, joints=tuple(bare)), folder / "bare.urdf")
+    return folder / "bare.urdf"
+
+
+def asked(folder: Path, options: tuple[str, ...], file: Path, model: Path) -> dict[str, Any]:
     """A diagnosis in a process of its own, as a user runs it; wall-clock and processor seconds."""
     runs = sorted(map(str, folder.glob("run*.csv")))
     command = [
@@ -256,7 +269,7 @@ def asked(folder: Path, options: tuple[str, ...], file: Path) -> dict[str, Any]:
         "diagnose",
         *runs,
         "--model",
-        str(folder / "model.urdf"),
+        str(model),
         *options,
         "--json",
         str(file),
@@ -280,7 +293,9 @@ def run_all(out: Path, way: str, most: int) -> None:
         kept = place / f"{case}.json"
         if kept.exists():
             continue
-        told = asked(out / "cases" / case, WAYS[way], place / f".{case}.partial")
+        folder = out / "cases" / case
+        model = without_friction(folder) if way == "unstated" else folder / "model.urdf"
+        told = asked(folder, WAYS[way], place / f".{case}.partial", model)
         kept.write_text(json.dumps(told), encoding="utf-8")
         said = [(f["effect"], f["site"], f.get("grade")) for f in told.get("found", {}).get("findings", [])]
         print(case, f"{told['seconds']:.1f} s, processor {told['cpu']:.1f} s", told.get("error") or said, flush=True)
@@ -301,9 +316,14 @@ def scored(out: Path, way: str) -> list[dict[str, Any]]:
         rivals = [f for f in findings if (key[0] in f["indistinguishable_from"] and f["site"] == key[1])
                   or "@".join(key) in f["indistinguishable_from"]]  # fmt: skip
         first = next(iter(answer["parameters"]))
+        joints = load(out / "cases" / case / "model.urdf", physical=False).joint_names if way == "unstated" else ()
+        rubs = {(effect, joint) for effect in ("viscous_damping", "coulomb_friction") for joint in joints}
+        rubbing = {(f["effect"], f["site"]) for f in findings} & rubs
         rows.append({
             "case": case, "effect": key[0], "site": key[1], "named": bool(mine), "as_rival": bool(rivals and not mine),
-            "beside": [f"{f['effect']}@{f['site']}" for f in findings if f not in mine and f not in rivals],
+            "beside": [f"{f['effect']}@{f['site']}" for f in findings
+                       if f not in mine and f not in rivals and (f["effect"], f["site"]) not in rubs],
+            "friction": [len(rubbing), len(rubs)],
             "value": answer["parameters"][first], "found": mine[0]["parameters"][first]["value"] if mine else None,
             "verdict": told.get("found", {}).get("verdict", told.get("error")),
             "seconds": round(told["seconds"], 1), "cpu": round(told["cpu"], 1),
@@ -324,7 +344,7 @@ def grow(out: Path) -> None:
             options: dict[str, Any] = {**common, what: value}
             folder = out / f"grow-{what}-{value:g}"
             record(folder, "panda", np.random.default_rng(5), "viscous_damping", **options)
-            told = asked(folder, WAYS["fit-effort"], out / ".grow.partial")
+            told = asked(folder, WAYS["fit-effort"], out / ".grow.partial", folder / "model.urdf")
             rows.append(
                 {
                     "what": what,
@@ -348,7 +368,8 @@ def table(out: Path) -> None:
     """Scores and times into reference/ and onto the page."""
     seed = json.loads((out / "digests.json").read_text(encoding="utf-8"))["seed"]
     found = {way: scored(out, way) for way in WAYS}
-    growth = json.loads((out / "grow.json").read_text(encoding="utf-8")) if (out / "grow.json").exists() else []
+    kept = json.loads(REFERENCE.read_text(encoding="utf-8"))["growth"] if REFERENCE.exists() else []
+    growth = json.loads((out / "grow.json").read_text(encoding="utf-8")) if (out / "grow.json").exists() else kept
     slopes = {what: exponent(growth, what) for what in dict.fromkeys(row["what"] for row in growth)}
     digests = json.loads((out / "digests.json").read_text(encoding="utf-8"))["digests"]
     document = {"seed": seed, "digests": digests, "cases": found, "growth": growth, "exponents": slopes}
@@ -358,9 +379,14 @@ def table(out: Path) -> None:
 
 def lines(document: dict[str, Any]) -> list[str]:
     """The tables in Markdown."""
-    words = {"fit-effort": "`--fit-effort`", "motion": f"motion, `--time-limit {LIMIT:g}`"}
+    words = {
+        "fit-effort": "`--fit-effort`",
+        "unstated": "`--fit-effort`, the model without any friction",
+        "motion": f"motion, `--time-limit {LIMIT:g}`",
+    }
     out = ["| way | right effect at the right joint | only among what it cannot be told from | claimed beside it "
-           "| wall clock, median (longest) [s] | processor, median (longest) [s] |", "| -- | -- | -- | -- | -- | -- |"]  # fmt: skip
+           "| friction of the joints | wall clock, median (longest) [s] | processor, median (longest) [s] |",
+           "| -- | -- | -- | -- | -- | -- | -- |"]  # fmt: skip
     for way, rows in document["cases"].items():
         if not rows:
             continue
@@ -370,7 +396,9 @@ def lines(document: dict[str, Any]) -> list[str]:
             sum(row["as_rival"] for row in rows),
             sum(bool(row["beside"]) for row in rows),
         ]
+        rubs, of = (sum(row.get("friction", (0, 0))[k] for row in rows) for k in (0, 1))
         out.append(f"| {words[way]} | " + " | ".join(f"{count} of {len(rows)}" for count in counts)
+                   + f" | {f'{rubs} of {of} named' if of else 'stated'}"
                    + "".join(f" | {np.median(x):.1f} ({max(x):.1f})" for x in (wall, cpu)) + " |")  # fmt: skip
     if document["growth"]:
         out += ["", "| `--fit-effort`, processor [s] over | exponent | measured |", "| -- | -- | -- |"]
