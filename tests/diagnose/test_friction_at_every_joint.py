@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.diagnose import diagnose
+from harness.diagnose.inverse import effort
+from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.problem.deadline import TimeUp
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System, load
@@ -100,3 +103,18 @@ def test_what_one_joint_leaves_says_nothing_of_the_others(system: System) -> Non
         assert {f["grade"] for f in own.values()} == {"established"}
         assert own["viscous_damping"]["parameters"]["coefficient"]["value"] == pytest.approx(viscous, rel=0.1)
         assert own["coulomb_friction"]["parameters"]["torque"]["value"] == pytest.approx(dry, rel=0.1)
+
+
+def test_what_stands_is_told_where_there_was_no_time_to_weigh_rivals(
+    system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def late(*_: object) -> None:
+        raise TimeUp
+
+    monkeypatch.setattr(effort, "settle", late)
+    monkeypatch.setattr(EffortStudy, "rivals", late)
+    found = diagnose([recorded(1), recorded(2), recorded(3)], system, fit_effort=True)
+    assert set(numbers(found, "viscous_damping")) == set(JOINTS)
+    assert {f["grade"] for f in found.findings} <= {"likely", "possible"}
+    assert not found.complete
+    assert "another effect may be as likely as one of those told" in found.summary

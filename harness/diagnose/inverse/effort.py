@@ -26,7 +26,7 @@ from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run, pace
 from harness.diagnose.inverse.effort_noise import Grid, effort_noise, grid_of
 from harness.diagnose.inverse.effort_search import EffortStudy
-from harness.diagnose.inverse.effort_settle import settle
+from harness.diagnose.inverse.effort_settle import settle, standing
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes
 from harness.diagnose.problem.candidates import candidates
@@ -45,6 +45,10 @@ UNSEARCHED = ("all sets of effects", "another set of effects may explain the rec
 UNJUDGED = (
     "the judgement on data held out, and of what else it could be",
     "what was found may not hold up, so that nothing is claimed",
+)
+UNWEIGHED = (
+    "other effects in the place of those that stand on data held out",
+    "another effect may be as likely as one of those told",
 )
 
 
@@ -114,7 +118,8 @@ def diagnose_effort(
             *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
         )
         deadline.begin(Stage.CRITICISM)
-        settled = deadline.attempt(*UNJUDGED, lambda: settle(study, best), lambda: None)
+        stands = deadline.attempt(*UNJUDGED, lambda: standing(study, best), lambda: None)
+        settled = stands and deadline.attempt(*UNWEIGHED, lambda: settle(study, stands), lambda: stands)
         tell("telling")
         deadline.begin(Stage.TELLING)
         claimed = settled or study.fits[frozenset()]

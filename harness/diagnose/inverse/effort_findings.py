@@ -51,13 +51,15 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
     for k, member in enumerate(best.hypothesis.members):
         values, units = estimates(best, study.nominal, k), _units(system, member)
         smaller = study.reduce(best, k)
-        alike: list[tuple[Candidate, EffortFit]] = deadline.attempt(
-            *UNRIVALLED, partial(study.rivals, best, k), lambda: []
+        alike: list[tuple[Candidate, EffortFit]] | None = deadline.attempt(
+            *UNRIVALLED, partial(study.rivals, best, k), lambda: None
         )
-        others = [c for c, _ in alike]
+        others = [c for c, _ in alike or ()]
         names = [c.effect.name if c.site == member.site else c.key for c in others]
         repeats = repeatability(again, study.nominal, k)
-        how = grade(study, best, k, smaller, repeats, rivals=bool(names), remainder=remainder)
+        how = grade(
+            study, best, k, smaller, repeats, rivals=None if alike is None else bool(names), remainder=remainder
+        )
         probability = sum(s for key, s in share.items() if member.key in key) / total
         findings.append(
             {

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.claims.grades import ESTABLISHED, beside_a_remainder
+from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, beside_a_remainder
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
@@ -68,15 +68,15 @@ def estimates(fitted: EffortFit, nominal: int, k: int) -> dict[str, Estimate]:
 
 
 def grade(
-    study: EffortStudy, best: EffortFit, k: int, smaller: EffortFit, rows: Rows, *, rivals: bool, remainder: bool
+    study: EffortStudy, best: EffortFit, k: int, smaller: EffortFit, rows: Rows, *, rivals: bool | None, remainder: bool
 ) -> str:
     """How firmly member ``k`` of a set stands.
 
-    smaller: the set without it; rows: see ``repeatability``; rivals: whether something else may be in its place; remainder:
-    whether more than noise is left. Where nothing but noise is, it is established.
+    smaller: the set without it; rows: see ``repeatability``; rivals: whether something else may be in its place, None where
+    there was no time to ask; remainder: whether more than noise is left. Where nothing but noise is, it is established.
     """
     if not remainder:
-        return ESTABLISHED
+        return LIKELY if rivals is None else ESTABLISHED
     data, values = study.data, estimates(best, study.nominal, k)
     own, other = (data.of_each(data.rows(f.hypothesis, f.x)) for f in (best, smaller))
     gains = np.maximum(other - own, 0.0)
@@ -88,5 +88,5 @@ def grade(
         rows,
         gain=float(np.sum(other - own)),
         excess=float(beside @ (own - data.counts)),
-        itself=not rivals,
+        itself=rivals is False,
     )

@@ -22,23 +22,23 @@ def _needed(smaller: EffortFit, larger: EffortFit) -> float:
 
 
 def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
-    """The set with every member dropped that does not plainly pay, or does not improve data held out, and rivals weighed.
+    """What stands of a set (``standing``) with rivals weighed, grown again by what stands the same judgement beside it.
 
-    What is left then grows again by what stands the same judgement beside it: a member may have been dropped for what others did.
+    A member may have been dropped for what others did.
     """
-    fitted = _swapped(study, _shrunk(study, fitted))
+    fitted = _swapped(study, fitted)
     while True:
         grown = [study.extend(fitted, candidate, start) for candidate, start in study.promising(fitted)]
         best = min(grown, key=study.criterion, default=fitted)
         if study.criterion(best) >= study.criterion(fitted):
             return fitted
-        judged = _shrunk(study, best)
+        judged = standing(study, best)
         if study.criterion(judged) >= study.criterion(fitted) - UNPARTED_EVIDENCE:
             return fitted
         fitted = judged
 
 
-def _shrunk(study: EffortStudy, fitted: EffortFit) -> EffortFit:
+def standing(study: EffortStudy, fitted: EffortFit) -> EffortFit:
     """The set less what does not plainly pay, or does not improve data held out, or may as well be absent."""
     while fitted.hypothesis.members:
         doubtful = [
