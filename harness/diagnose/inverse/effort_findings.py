@@ -81,6 +81,8 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
         if how != POSSIBLE:
             firm.append(InWords(member.effect.title, member.site, values, units, tuple(map(in_words, names))))
         pairs += [(member.effect.name, c.effect.name) for c in others]
+    order = {name: k for k, name in enumerate(system.joint_names)}
+    firm.sort(key=lambda f: order.get(f.site.split(".")[0], len(order)))
     return EffortFindings(findings, gathered(firm), untold_together(firm), pairs)
 
 
