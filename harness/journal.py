@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import zlib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,8 @@ SCHEMA = "denoc.journal/1"
 class Journal:
     """Results by key in a file of JSON lines; the first line says of what run they are.
 
-    A line that was cut off, as by a kill or a full disk, counts for nothing. Raises InputError where the file is of another run,
+    A line that was cut off, as by a kill or a full disk, or whose check sum is not what it was written with, counts for
+    nothing, and neither does what stands behind it. Raises InputError where the file is of another run,
     or of another version of the code, or cannot be written.
     """
 
@@ -39,7 +41,7 @@ class Journal:
                 raise InputError(
                     "is of a run with other options", source=self.path, mend="give the same ones, or another folder"
                 )
-            self.found = {line["key"]: line["value"] for line in lines[1:] if isinstance(line, dict) and "key" in line}
+            self.found = {line["key"]: line["value"] for line in lines[1:]}
             # What stands behind the last whole line would spoil the next one.
             self._write(lines)
         else:
@@ -50,7 +52,7 @@ class Journal:
         self.found[key] = value
         try:
             with self.path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({"key": key, "value": value}) + "\n")
+                file.write(json.dumps({"key": key, "value": value, "sum": _sum(key, value)}) + "\n")
                 file.flush()
                 os.fsync(file.fileno())
         except OSError as error:
@@ -62,6 +64,18 @@ class Journal:
 
     def _write(self, lines: list[Any]) -> None:
         write_whole(self.path, "".join(json.dumps(line) + "\n" for line in lines))
+
+
+def _sum(key: str, value: Any) -> int:
+    as_read = json.loads(json.dumps([key, value]))  # keys that are numbers become text, which is sorted otherwise
+    return zlib.crc32(json.dumps(as_read, sort_keys=True).encode())
+
+
+def _is_result(line: Any) -> bool:
+    """Whether a line is as it was written."""
+    if not isinstance(line, dict) or not isinstance(line.get("key"), str):
+        return False
+    return "value" in line and line.get("sum") == _sum(line["key"], line["value"])
 
 
 def results_kept(path: Path) -> int:
@@ -81,9 +95,12 @@ def _whole_lines(path: Path) -> list[Any]:
     lines: list[Any] = []
     for line in text.split("\n")[:-1]:
         try:
-            lines.append(json.loads(line))
+            read = json.loads(line)
         except (ValueError, RecursionError):
             break
+        if lines and not _is_result(read):
+            break
+        lines.append(read)
     return lines
 
 

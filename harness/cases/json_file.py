@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any, TypeVar
@@ -13,12 +14,19 @@ from harness.errors import InputError
 
 T = TypeVar("T")
 _HALVES = re.compile(r"\\u[dD][89a-fA-F]")
+# Control characters but tab, line feed and return, as they stand in a string and as they are escaped.
+_RAW = re.compile("[\x7f-\x9f]")
+_ESCAPED = re.compile(r"(?<!\\)((?:\\\\)*)\\(?:[bf]|u00(?:0[0-8bcefBCEF]|1[0-9a-fA-F]|7[fF]|[89][0-9a-fA-F]))")
 
 
-def read_json(path: str | Path, *, missing: str = "there is no such file", mend: str, restore: str = "") -> Any:
+def read_json(
+    path: str | Path, *, missing: str = "there is no such file", mend: str, restore: str = "", finite: bool = True
+) -> Any:
     """The document in a JSON file.
 
     missing, mend: what is said, and advised, where there is no file. restore: advised where it is damaged.
+    finite: refuse numbers that are not finite.
+    Control characters become �: what is read is printed, and a terminal takes some of them for commands.
     Raises InputError for a missing, unreadable or damaged file, and where an object has two members of one name: only
     the last would count, and hide the first.
     """
@@ -34,7 +42,9 @@ def read_json(path: str | Path, *, missing: str = "there is no such file", mend:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError("is not a text file", source=path, line=line, mend=restore) from error
     try:
-        document = json.loads(text, object_pairs_hook=_once)
+        text = _ESCAPED.sub("\\1\ufffd", _RAW.sub("\ufffd", text))
+        numbers: dict[str, Any] = {"parse_constant": _refused, "parse_float": _finite} if finite else {}
+        document = json.loads(text, object_pairs_hook=_once, **numbers)
         if _HALVES.search(text):
             # Half of a pair of code units alone is no letter, and cannot be written anywhere.
             json.dumps(document, ensure_ascii=False).encode()
@@ -47,8 +57,19 @@ def read_json(path: str | Path, *, missing: str = "there is no such file", mend:
         raise InputError("is nested too deep", source=path, mend=restore) from None
     except UnicodeEncodeError:
         raise InputError("is damaged: it holds half a letter", source=path, mend=restore) from None
-    except ValueError as error:  # two members of one name, or a whole number of thousands of digits
+    except ValueError as error:  # two members of one name, no finite number, or one of thousands of digits
         raise InputError(f"is damaged: {error}", source=path, mend=restore) from error
+
+
+def _refused(constant: str) -> Any:
+    raise ValueError(f"{constant} is no finite number")
+
+
+def _finite(digits: str) -> float:
+    value = float(digits)
+    if math.isinf(value):
+        raise ValueError(f"{digits[:40]} is no finite number")
+    return value
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

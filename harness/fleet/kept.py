@@ -17,6 +17,7 @@ from harness.whole_files import nothing_in, write_whole
 SCHEMA = "denoc.unit/1"
 PLAN = "plan.json"
 UNITS = "units"
+_MEMBERS = {"unit", "files", "failed", "again", "diagnosis"}
 
 
 def begin(folder: Path, question: Question) -> None:
@@ -75,7 +76,8 @@ def read(folder: Path, name: str) -> dict[str, Any] | None:
         found = json.loads(answer_file(folder, name).read_bytes())
     except (OSError, ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) and found.get("schema") == SCHEMA else None
+    whole = isinstance(found, dict) and found.get("schema") == SCHEMA and found.keys() >= _MEMBERS
+    return found if whole and isinstance(found["diagnosis"], dict | None) else None
 
 
 def done(folder: Path, unit: Unit) -> bool:

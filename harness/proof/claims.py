@@ -67,6 +67,10 @@ def read_claims(path: Path) -> Claims:
         raise InputError(
             f"is no JSON: {error.msg}", source=path, line=error.lineno, mend="write it with a JSON library"
         ) from None
+    except InputError:
+        raise
+    except ValueError as error:  # a whole number of thousands of digits
+        raise wrong(f"cannot be read: {error}", "write it with a JSON library") from None
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise wrong(f'does not say "schema": "{SCHEMA}"')
     cases = data.get("cases")

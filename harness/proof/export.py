@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import InputError
+from harness.proof.kept import read_digests, texts_by_name
 from harness.proof.seal import unseal
 from harness.whole_files import write_whole
 
@@ -63,7 +64,7 @@ def answers(proof: Path) -> tuple[dict[str, dict[str, Any]], dict[str, str]]:
     """Sealed answers by case, held against their digests; and the exported name of each case that has one."""
     digests = _digests(proof)
     file = proof / NAMES
-    names = _table(file) if file.exists() else {}
+    names = texts_by_name(file) if file.exists() else {}
     return {name: unseal(name, proof / "sealed", published) for name, published in digests.items()}, {
         name: shown for shown, name in names.items()
     }
@@ -80,24 +81,13 @@ def _digests(proof: Path) -> dict[str, str]:
             source=proof,
             mend="give the folder that `denoc prove --export` kept (its --out)",
         )
-    return _table(proof / "digests.json")
-
-
-def _table(file: Path) -> dict[str, str]:
-    """A file of text by name; InputError where it is none."""
-    try:
-        read = json.loads(file.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError):
-        read = None
-    if not isinstance(read, dict) or not all(isinstance(value, str) for value in read.values()):
-        raise InputError("is damaged: no object of texts", source=file, mend="restore it from a copy of the folder")
-    return read
+    return read_digests(proof)
 
 
 def _names(proof: Path, digests: Mapping[str, str]) -> dict[str, str]:
     file = proof / NAMES
     if file.exists():
-        return _table(file)
+        return texts_by_name(file)
     order = list(digests)
     secrets.SystemRandom().shuffle(order)
     width = max(3, len(str(len(order))))

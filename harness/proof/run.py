@@ -20,6 +20,7 @@ from harness.proof.apart import predictions
 from harness.proof.concealments import CONCEALMENTS
 from harness.proof.draw import Case, UnseenError, draw_case
 from harness.proof.flexible import EFFECTS, draw_flexible
+from harness.proof.kept import found_file, of_found, read_digests, read_found, read_plan
 from harness.proof.outside import OUTSIDE
 from harness.proof.score import CaseScore, Summary, score_case, summarise
 from harness.proof.seal import digest, seal, unseal
@@ -210,15 +211,14 @@ def conceal_all(
     """
     plan_file = out / "plan.json"
     if plan_file.exists():
-        plan = json.loads(plan_file.read_text(encoding="utf-8"))
-        if seed is not None and seed != plan["seed"]:
+        plan = read_plan(out)
+        if seed is not None and seed != plan.seed:
             raise InputError(
-                f"holds a proof with seed {plan['seed']}, not {seed}",
+                f"holds a proof with seed {plan.seed}, not {seed}",
                 source=out,
                 mend="give another --out or no --seed",
             )
-        seed, counts, short = int(plan["seed"]), plan["counts"], bool(plan.get("short", False))
-        disguised = bool(plan.get("disguised", False))
+        seed, counts, short, disguised = plan.seed, plan.counts, plan.short, plan.disguised
     else:
         seed = secrets.randbelow(2**31) if seed is None else seed
         out.mkdir(parents=True, exist_ok=True)
@@ -235,8 +235,7 @@ def conceal_all(
             done=lambda i, r: ticks(),
         )
         _write(digests_file, dict(named))
-    digests = json.loads(digests_file.read_text(encoding="utf-8"))
-    return seed, digests
+    return seed, read_digests(out)
 
 
 def prove(
@@ -265,7 +264,7 @@ def prove(
     seed, digests = conceal_all(
         out, seed=seed, counts=counts, short=short, workers=workers, dask=dask, progress=progress
     )
-    short = bool(json.loads((out / "plan.json").read_text(encoding="utf-8")).get("short", False))
+    short = read_plan(out).short
     found_folder = out / "found"
     found_folder.mkdir(exist_ok=True)
     # What takes longest goes first, so that no worker is left with it at the end.
@@ -293,13 +292,12 @@ def score_so_far(out: Path) -> Proof:
 
     Raises InputError where nothing has been diagnosed, or if answers were tampered with.
     """
-    digests_file = out / "digests.json"
-    digests = json.loads(digests_file.read_text(encoding="utf-8")) if digests_file.exists() else {}
-    done = {name: published for name, published in digests.items() if (out / "found" / f"{name}.json").exists()}
+    digests = read_digests(out) if (out / "digests.json").exists() else {}
+    done = {name: published for name, published in digests.items() if found_file(out, name).exists()}
     if not done:
         raise InputError("holds no diagnosed case", source=out, mend=f"let it go on first: denoc prove --resume {out}")
     scores = _scored(out, done)
-    seed = int(json.loads((out / "plan.json").read_text(encoding="utf-8"))["seed"])
+    seed = read_plan(out).seed
     return Proof(seed, len(digests), tuple(scores), summarise(scores, DETECTION_LIMIT), {})
 
 
@@ -330,7 +328,7 @@ def score_of_claims(out: Path, file: Path) -> Proof:
         # What else stands there is the entrant's own; that a case was passed by is not for an entrant to say.
         said[cases[name]] = {key: what[key] for key in OWN if key in what}
     scores = score_claims(said, answers)
-    seed = int(json.loads((out / "plan.json").read_text(encoding="utf-8"))["seed"])
+    seed = read_plan(out).seed
     entry = {claims.entrant: tally(scores, said, answers)}
     return Proof(seed, len(answers), tuple(scores), summarise(scores, DETECTION_LIMIT), entry)
 
@@ -340,8 +338,8 @@ def _scored(out: Path, digests: Mapping[str, str]) -> list[CaseScore]:
     scores = []
     for name, published in digests.items():
         answer = unseal(name, out / "sealed", published)
-        found = json.loads((out / "found" / f"{name}.json").read_text(encoding="utf-8"))
-        scores.append(score_case(name, answer, found))
+        found = read_found(out, name)
+        scores.append(of_found(found_file(out, name), partial(score_case, name, answer, found)))
     return scores
 
 

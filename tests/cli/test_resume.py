@@ -40,6 +40,20 @@ def test_a_journal_cut_off_at_any_byte_keeps_what_was_whole(tmp_path: Path) -> N
         assert Journal(path, OF).found == {**found, "next": {"value": 9}}
 
 
+@pytest.mark.parametrize(
+    ("was", "now"),
+    [('"value": 7', '"value": 8'), ('"case 1"', '"case 2"'), ('"case 1"', "[1]"), ('"value": 7', '"x": 7')],
+)
+def test_a_result_that_was_changed_on_the_disk_counts_for_nothing(tmp_path: Path, was: str, now: str) -> None:
+    path = tmp_path / "unfinished.jsonl"
+    Journal(path, OF).add("case 0", {1: [0.1], 10: None, 2: ()})
+    Journal(path, OF).add("case 1", 7)
+    text = path.read_text()
+    assert Journal(path, OF).found == {"case 0": {"1": [0.1], "10": None, "2": []}, "case 1": 7}
+    path.write_text(text.replace(was, now))
+    assert list(Journal(path, OF).found) == ["case 0"]
+
+
 def test_a_journal_of_another_run_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "unfinished.jsonl"
     Journal(path, OF).add("case", 1)

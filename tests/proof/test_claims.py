@@ -410,6 +410,7 @@ def test_what_is_no_claims_file_is_told_in_one_line(cases: dict, told: str, tmp_
     ("text", "told"),
     [
         ("[" * 100_000 + "]" * 100_000, "nested too deep"),
+        ('{"schema": "denoc.claims/1", "seconds": 1' + 5000 * "0" + "}", "cannot be read"),
         ('{"schema": "denoc.claims/1", "cases": {"c": {"findings": []}, "c": {"findings": []}}}', '"c" more than once'),
         ('{"schema": "denoc.claims/1", "entrant": 5, "cases": {"c": {"findings": []}}}', "no text"),
     ],

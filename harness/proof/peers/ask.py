@@ -20,6 +20,7 @@ from harness.errors import missing_package
 from harness.parallel import parallel_map
 from harness.proof.claims import score_claims, tally
 from harness.proof.concealments import CONCEALMENTS
+from harness.proof.kept import read_claimed, read_digests, read_found
 from harness.proof.peers.figaroh import figaroh_claims
 from harness.proof.peers.greedy import greedy_claims
 from harness.proof.peers.practitioner import practitioner_claims
@@ -82,12 +83,12 @@ def compare_peers(
     most: cases asked of each peer, see ``to_ask``.
     """
     chosen = to_ask([s for s in scores if not _stated(out / "cases" / s.name)], most)
-    digests = json.loads((out / "digests.json").read_text(encoding="utf-8"))
+    digests = read_digests(out)
     result: dict[str, Any] = {}
     found = {s.name: own(out, s.name) for s in chosen}
     for peer in PEERS:
         saved = out / "peers" / f"{peer.replace(' ', '_')}.json"
-        said = json.loads(saved.read_text(encoding="utf-8"))["cases"] if saved.exists() else {}
+        said = read_claimed(saved) if saved.exists() else {}
         missing = [s.name for s in chosen if s.name not in said]
         if missing:
             count = len(chosen) - len(missing)
@@ -130,7 +131,7 @@ def _stated(folder: Path) -> bool:
 
 def own(out: Path, name: str) -> dict[str, Any]:
     """What was found of a case, as far as a tally asks for it beside its score: error held out [rad] and seconds."""
-    found = json.loads((out / "found" / f"{name}.json").read_text(encoding="utf-8"))
+    found = read_found(out, name)
     errors = [row["augmented"]["heldout_rmse"] for row in found.get("fit", ()) if row["channel"].endswith(".position")]
     known = [e for e in errors if e is not None]
     return {
