@@ -35,6 +35,7 @@ from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
 from harness.system.mjcf_loops import loops
 from harness.system.mjcf_trial import GROWING, try_apart
+from harness.system.names import check_names
 from harness.system.rotation import about_axis, from_quaternion
 from harness.system.soft_constraints import limit_law
 from harness.system.topology import arrange
@@ -91,6 +92,7 @@ def read_mjcf(
         notes=tuple(notes),
         loops=tuple(closed.values()),
     )
+    check_names(system, lines)
     system = replace(system, notes=(*system.notes, *check_loops(system, lines)))
     check_dynamics(system, lines=lines)
     return system

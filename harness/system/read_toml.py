@@ -25,6 +25,7 @@ from harness.system.description import (
 )
 from harness.system.flexible_link import read_flexible_link
 from harness.system.loop import Coupling, Loop
+from harness.system.names import check_names
 from harness.system.rotation import from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.table import TableReader, locate
@@ -161,6 +162,7 @@ def read_toml(
         loops=tuple(loops),
         gimbals=tuple(read_gimbal(table, joints) for table in gimbal_tables),
     )
+    check_names(system, lines)
     check_mimics(system, lines)
     system = replace(system, notes=(*system.notes, *check_loops(system, lines)))
     check_dynamics(system, lines=lines)

@@ -14,6 +14,7 @@ from harness.plain_numbers import plain_number
 from harness.system.check import check_bodies, check_dynamics, check_mimics
 from harness.system.description import Array, Joint, JointType, Link, Mimic, System, constant
 from harness.system.magnitudes import NUMBER
+from harness.system.names import check_names
 from harness.system.rotation import from_quaternion, from_rpy
 from harness.system.suggest import did_you_mean
 from harness.system.topology import arrange
@@ -90,6 +91,7 @@ def read_urdf(
         source=source,
         notes=tuple(notes),
     )
+    check_names(system, reader.lines)
     check_mimics(system, reader.lines)
     check_dynamics(system, lines=reader.lines)
     return system

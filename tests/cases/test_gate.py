@@ -16,6 +16,7 @@ from harness.cases.case import Row
 from harness.cases.discover import built_in
 from harness.cases.gate import Accepted, accept, judge, read_accepted, self_test
 from harness.cases.results import Results, read_results
+from harness.cli.main import status_of
 from harness.errors import InputError
 
 ROW = Row("swing", "period", ("denoc", "analytic"), 1e-9, 1e-8, "1", "RK4", "pass")
@@ -271,6 +272,20 @@ def test_figures_changed_by_hand_close_the_gate_until_they_are_accepted(tmp_path
     assert again.history[0]["edited"]
 
 
+def test_a_part_of_a_run_cannot_accept_what_was_edited_in_the_rest(tmp_path):
+    """Its new digest would make good what nobody looked at."""
+    document = json.loads(accepted(ROW, OTHER).to_json())
+    document["rows"][OTHER.key].update(allowed=1.0, difference=0.9)
+    file = tmp_path / "accepted.json"
+    file.write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(InputError, match="lacks 1 of its rows, the first is other"):
+        accept(results(ROW), read_accepted(file), "a part")
+    again = accept(results(ROW, OTHER), read_accepted(file), "the whole").accepted
+    assert again.rows[OTHER.key].allowed == OTHER.allowed
+    # By name a row may go, edited or not.
+    assert accept(results(ROW), read_accepted(file), "the case is gone", remove=["other"]).kept == ()
+
+
 def test_the_digest_does_not_hang_on_the_layout_of_the_file(tmp_path):
     file = tmp_path / "accepted.json"
     file.write_text(json.dumps(json.loads(accepted(ROW).to_json()), indent=7), encoding="utf-8")
@@ -337,6 +352,33 @@ def test_what_is_no_document_at_all_is_refused_in_one_line(tmp_path, text):
         with pytest.raises(InputError) as caught:
             read(file)
         assert "\n" not in str(caught.value) and len(str(caught.value)) < 600
+
+
+@pytest.mark.parametrize("number", ["NaN", "-Infinity", "1e999"])
+def test_a_number_that_is_not_finite_is_refused_wherever_it_stands(tmp_path, number):
+    """What a row says of where it left its line has any form; nothing that is written has such numbers."""
+    text = results(replace(ROW, difference=1.0, verdict="fail", first_divergence={"time": 0.25})).to_text()
+    file = tmp_path / "results.json"
+    file.write_text(text.replace("0.25", number), encoding="utf-8")
+    with pytest.raises(InputError, match="is no finite number"):
+        read_results(file)
+
+
+def test_results_of_others_give_neither_terminals_nor_servers_a_command(tmp_path, capsys):
+    """Control characters become signs, and a line break in a name begins no line, of which servers read commands."""
+    hostile = "swing\x1b[31m\n::error::all is well"
+    row = replace(ROW, difference=1.0, verdict="fail", note=hostile, first_divergence={"joint": hostile, "time": 0.5})
+    rows = (row, replace(row, case=hostile, unit="\x9b31m"), replace(SKIPPED, note=hostile))
+    file, reference = tmp_path / "results.json", tmp_path / "accepted.json"
+    file.write_text(results(*rows).to_text(), encoding="utf-8")
+    reference.write_text(accepted(ROW, OTHER, SKIPPED).to_json(), encoding="utf-8")
+    options = ["--results", str(file), "--reference", str(reference), "--no-self-test", "--annotate"]
+    assert status_of(["gate", *options, "--summary", str(tmp_path / "gate.md")]) == 1
+    said = capsys.readouterr().out
+    assert "all is well" in said
+    for text in (said, (tmp_path / "gate.md").read_text(encoding="utf-8")):
+        assert "\x1b" not in text and "\x9b" not in text
+        assert not any(line.strip().startswith("::error::all") for line in text.splitlines())
 
 
 def test_a_reference_with_nan_is_refused(tmp_path):

@@ -44,7 +44,8 @@ def accept(
     take the rest out of the file. remove: cases, ``case/quantity`` or whole keys (``*`` stands for anything) to be let go.
     robots: what is recorded of users' models, by case. Raises InputError if a row fails (that is no figure to accept),
     passes with a figure that cannot pass, is skipped though it was compared before, or stands there twice; if ``remove``
-    names nothing, or what the run still holds; and if no reason is given.
+    names nothing, or what the run still holds; if the file was changed by hand and has rows that the run lacks, for nobody
+    looked at these; and if no reason is given.
     """
     if not why.strip():
         raise InputError("accepting needs a reason", mend='add --why "what changed and why the new figures are right"')
@@ -66,6 +67,11 @@ def accept(
     # A row that only said why nothing was compared is no loss once these engines were compared on its case.
     idle = {key for key, e in old.items() if e.verdict == "skipped" and _compared_now(key, results)}
     kept = {key: e for key, e in old.items() if key not in rows and key not in gone and key not in idle}
+    if before is not None and before.edited and kept:
+        raise InputError(
+            f"the reference {before.edited}; this run lacks {len(kept)} of its rows, the first is {min(kept)}",
+            mend="restore the file, or accept a run that has all its rows, so that none is taken as it was edited",
+        )
     removed = sorted(old.keys() - rows.keys() - kept.keys())
     added, common = sorted(rows.keys() - old.keys()), sorted(rows.keys() & old.keys())
     changed = [key for key in common if rows[key] != old[key]]

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from harness.cases.case import NATIVE
 from harness.cases.gate import Judged, Judgement
 from harness.cases.gate.judge import LEFT
-from harness.cases.gate.robot import RECORDED
+from harness.cases.gate.robot import of_description
+from harness.errors import one_line
 from harness.report import words
 from harness.report.gate.places import line_in
 
@@ -35,14 +35,15 @@ class Line:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        return (
+        # Names out of somebody's results file: a line break in one would begin a line of its own, which servers read.
+        return tuple(one_line(text) for text in (
             self.what, self.case, self.quantity, self.engines, self.accepted, self.now, self.allowed, self.where, self.why,
-        )  # fmt: skip
+        ))  # fmt: skip
 
     @property
     def said(self) -> str:
         """What changed, where and when, and why, in one."""
-        return "; ".join(filter(None, (self.what, self.where, self.why)))
+        return one_line("; ".join(filter(None, (self.what, self.where, self.why))))
 
 
 def lines(judgement: Judgement, files: Mapping[str, Path] | None = None) -> list[Line]:
@@ -99,8 +100,7 @@ def line(judged: Judged, files: Mapping[str, Path] | None = None) -> Line:
 
 def is_description(judged: Judged) -> bool:
     """Whether a row says which number of a model's file is another than was recorded."""
-    row = judged.row
-    return row is not None and row.engines == (NATIVE, RECORDED) and "value" in (row.first_divergence or {})
+    return judged.row is not None and of_description(judged.row)
 
 
 def _file(judged: Judged, files: Mapping[str, Path]) -> str:
@@ -114,18 +114,18 @@ def _file(judged: Judged, files: Mapping[str, Path]) -> str:
     return f"{shown}:{at}" if at else str(shown)
 
 
-def _engines_together(together: Sequence[Line], rows: Sequence[Judged]) -> Line:
-    first = together[0]
-    if len(together) == 1:
+def _engines_together(lines: Sequence[Line], rows: Sequence[Judged]) -> Line:
+    first = lines[0]
+    if len(lines) == 1:
         return first
     most = max((judged.accepted or 0.0 for judged in rows), default=0.0)
-    accepted = first.accepted if len({one.accepted for one in together}) == 1 else f"≤ {words.figure(most)}"
+    accepted = first.accepted if len({one.accepted for one in lines}) == 1 else f"≤ {words.figure(most)}"
     return replace(
-        first, accepted=accepted, engines=_pairs([judged.key.rsplit("/", 1)[1].split("+") for judged in rows])
+        first, accepted=accepted, engines=together([judged.key.rsplit("/", 1)[1].split("+") for judged in rows])
     )
 
 
-def _pairs(pairs: Sequence[Sequence[str]]) -> str:
+def together(pairs: Sequence[Sequence[str]]) -> str:
     """Pairs that share an engine with that one named once."""
     lasts, firsts = {pair[-1] for pair in pairs}, {tuple(pair[:-1]) for pair in pairs}
     if len(lasts) == 1:

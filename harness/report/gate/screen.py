@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.text import Text
 
 from harness.cases.gate import Change, Judgement, SelfTest
+from harness.errors import one_line
 from harness.report.columns import Heading, figures, print_table
 from harness.report.gate import closing
 
@@ -23,7 +24,7 @@ def print_judgement(
     """What closed the gate, case by case, and how the gate did against planted defects; files: the model of each case."""
     if judgement is not None:
         if judgement.reference:
-            advice = "compare it with version control; `denoc gate --accept --why …` accepts it as it is"
+            advice = "compare it with version control; `denoc gate --accept --why …` takes the figures of a whole run"
             console.print(Text(f"The reference {judgement.reference} ({advice}).", style="bold red"))
         count = len(judgement.failed)
         text = f"All {len(judgement.rows)} rows hold."
@@ -51,7 +52,7 @@ def _print_lines(lines: list[closing.Line], console: Console) -> None:
     heads = [figures(head) if head in closing.FIGURES else head for head in closing.HEADS[2:7]]
     rows: list[Heading | tuple[Text, ...]] = []
     for case, members in groupby(lines, key=lambda line: line.case):
-        rows.append(Heading(case))
+        rows.append(Heading(one_line(case)))
         rows += [tuple(Text(cell) for cell in (*line.cells[2:7], line.said)) for line in members]
     print_table(console, [*heads, closing.HEADS[0]], rows)
 
@@ -61,11 +62,15 @@ def print_change(change: Change, path: Path, console: Console) -> None:
     counts = ((change.added, "added"), (change.changed, "changed"), (change.removed, "removed"))
     said = ", ".join(f"{len(keys)} {word}" for keys, word in counts)
     console.print(Text(f"Accepted {len(change.accepted.rows)} rows into {path}: {said}."))
-    for keys, word in (
-        (change.loosened, "limits were loosened"),
-        (change.removed, "rows were let go"),
-        (change.kept, "rows are not in this run and stay as they were (--remove CASE lets them go)"),
+    for keys, one, several in (
+        (change.loosened, "limit was loosened", "limits were loosened"),
+        (change.removed, "row was let go", "rows were let go"),
+        (
+            change.kept,
+            "row is not in this run and stays as it was (--remove CASE lets it go)",
+            "rows are not in this run and stay as they were (--remove CASE lets them go)",
+        ),
     ):
         if keys:
             names = ", ".join(keys[:4]) + (" …" if len(keys) > 4 else "")
-            console.print(Text(f"  {len(keys)} {word}: {names}", style="yellow"))
+            console.print(Text(f"  {len(keys)} {several if len(keys) > 1 else one}: {names}", style="yellow"))

@@ -37,7 +37,7 @@ def markdown(
         lines += [*(f"- {plain(note)}" for note in results.told), "", "</details>", ""]
     if accepted is not None and accepted.history:
         last = accepted.history[0]
-        lines += [f"Last accepted {last['date']}: {last['why']}", ""]
+        lines += [f"Last accepted {plain(last['date'])}: {plain(last['why'])}", ""]
     return "\n".join(lines)
 
 
