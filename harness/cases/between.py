@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness.cases.case import Row
+from harness.cases.gate.robot import of_description
 from harness.cases.results import Results
 
 SCHEMA = "denoc.comparison/1"
@@ -93,7 +94,8 @@ def between(before: Results, after: Results) -> Comparison:
         if (kind := _kind(old.get(key), new.get(key)))
     ]
     order = list(KINDS)
-    changed.sort(key=lambda one: (order.index(one.kind), -_size(one)))
+    # Numbers of a model's file that changed stand before what comes of them.
+    changed.sort(key=lambda one: (order.index(one.kind), not _is_cause(one), -_size(one)))
     names = dict.fromkeys((*before.versions, *after.versions))
     versions = {
         name: (before.versions.get(name, "missing"), after.versions.get(name, "missing"))
@@ -122,6 +124,11 @@ def _kind(before: Row | None, after: Row | None) -> str:
     if a is None or b is None or after.allowed is None or abs(b - a) <= SHARE * after.allowed:
         return ""
     return "grew" if b > a else "shrank"
+
+
+def _is_cause(one: Changed) -> bool:
+    row = one.after or one.before
+    return row is not None and of_description(row)
 
 
 def _size(one: Changed) -> float:

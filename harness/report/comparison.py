@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +10,10 @@ from rich.console import Console
 from rich.text import Text
 
 from harness.cases.between import KINDS, Changed, Comparison
+from harness.errors import one_line
 from harness.report import words
 from harness.report.columns import figures, print_table
+from harness.report.gate.closing import together
 from harness.report.markdown import line
 
 HEADS = ("what changed", "case", "quantity", "engines", "before", "now", "where and when", "why")
@@ -46,7 +48,25 @@ def cells(one: Changed) -> tuple[str, ...]:
         limits = (f"{words.figure(side.allowed)} {words.unit(side)}" for side in (one.before, row))
         note = "; ".join(filter(None, ["allowed " + " → ".join(limits), note]))
     shown = words.quantity(quantity), engines.replace("+", " · ")
-    return (KINDS[one.kind], case, *shown, before, after, where, note)
+    # Names out of somebody's results file: a line break would begin a line of its own.
+    return tuple(one_line(cell) for cell in (KINDS[one.kind], case, *shown, before, after, where, note))
+
+
+def lines(changed: Sequence[Changed]) -> list[tuple[str, ...]]:
+    """Rows of ``HEADS``; engines that changed alike, to the same figure at one place and for one reason, are one row."""
+    alike: dict[tuple[str, ...], list[Changed]] = {}
+    for one in changed:
+        kind, case, quantity, _, _, now, where, why = cells(one)
+        alike.setdefault((kind, case, quantity, now, where, why), []).append(one)
+    found = []
+    for (kind, case, quantity, now, where, why), rows in alike.items():
+        engines = together([one.key.rsplit("/", 1)[1].split("+") for one in rows])
+        most = max(rows, key=lambda one: (one.before and one.before.difference) or 0.0)
+        before = cells(most)[4]
+        if len({cells(one)[4] for one in rows}) > 1:
+            before = f"≤ {before}"
+        found.append((kind, case, quantity, engines, before, now, where, why))
+    return found
 
 
 def print_comparison(comparison: Comparison, console: Console) -> None:
@@ -54,18 +74,18 @@ def print_comparison(comparison: Comparison, console: Console) -> None:
     console.print(Text(headline(comparison), style="bold red" if comparison.worse else "bold"))
     if comparison.changed:
         heads = [figures(head) if head in ("before", "now") else head for head in HEADS]
-        print_table(console, heads, [tuple(Text(cell) for cell in cells(one)) for one in comparison.changed])
+        print_table(console, heads, [tuple(Text(cell) for cell in row) for row in lines(comparison.changed)])
     for name, (before, after) in comparison.versions.items():
         console.print(Text(f"{name}: before {before}, now {after}", style="dim"))
 
 
 def comparison_markdown(comparison: Comparison) -> str:
     """GitHub-flavoured Markdown of the same."""
-    lines = ["## What changed between two runs", "", headline(comparison), ""]
+    text = ["## What changed between two runs", "", headline(comparison), ""]
     if comparison.changed:
-        lines += [line(HEADS), line(["---"] * len(HEADS)), *(line(cells(one)) for one in comparison.changed), ""]
-    lines += [f"- {name}: {before} → {after}" for name, (before, after) in comparison.versions.items()]
-    return "\n".join(lines).rstrip() + "\n"
+        text += [line(HEADS), line(["---"] * len(HEADS)), *map(line, lines(comparison.changed)), ""]
+    text += [f"- {name}: {before} → {after}" for name, (before, after) in comparison.versions.items()]
+    return "\n".join(text).rstrip() + "\n"
 
 
 @dataclass(frozen=True)
@@ -75,11 +95,11 @@ class _Rows:
     template: str = "comparison.html"
 
     def content(self, comparison: Comparison) -> Mapping[str, Any]:
-        kinds = {kind: [cells(one) for one in comparison.changed if one.kind == kind] for kind in KINDS}
+        kinds = {kind: [one for one in comparison.changed if one.kind == kind] for kind in KINDS}
         return {
             "headline": headline(comparison),
             "ok": not comparison.worse,
-            "groups": [(of(kind, len(rows)), rows) for kind, rows in kinds.items() if rows],
+            "groups": [(len(rows), of(kind, len(rows)), lines(rows)) for kind, rows in kinds.items() if rows],
             "heads": HEADS[1:],
             "versions": comparison.versions,
         }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from harness.cases.case import Row
 from harness.cases.gate import Judged, Judgement
 from harness.cases.results import Results
 from harness.cli.main import status_of
-from harness.report.comparison import comparison_html, comparison_markdown, headline, of
+from harness.report.comparison import comparison_html, comparison_markdown, headline, lines, of
 from harness.report.html import html
 
 
@@ -50,6 +51,28 @@ def test_every_kind_of_change_is_told_once_and_in_order() -> None:
     assert found.worse
     assert found.versions == {"mujoco": ("3.2", "3.3")}
     assert headline(found).endswith("one row is as it was.")
+
+
+def test_what_changed_in_a_file_stands_before_what_comes_of_it_and_engines_that_say_the_same_are_one_row() -> None:
+    def rows(verdict: str, by: float, mass: float, **place: Any) -> Results:
+        figures = [
+            Row(
+                "arm", "recorded_gravity", (name, "recorded"), by, 1e-9, "1", "", verdict, first_divergence={"state": 3}
+            )
+            for name in ("denoc", "pinocchio", "mujoco")
+        ]
+        said = replace(figures[0], quantity="masses", difference=mass, note="mass of link 'upper': 2 → 2.1", **place)
+        return Results((*figures, said))
+
+    place = {"first_divergence": {"link": "upper", "value": "mass"}}
+    found = between(rows("pass", 2e-16, 0.0), rows("fail", 0.3, 0.05, **place))
+    assert [one.key.split("/")[1] for one in found.changed] == ["masses", *["recorded_gravity"] * 3]
+    shown = lines(found.changed)
+    assert [row[2:6] for row in shown] == [
+        ("masses", "denoc · recorded", "0", "5.0e-02"),
+        ("recorded gravity", "denoc, pinocchio, mujoco · recorded", "2.0e-16", "3.0e-01"),
+    ]
+    assert "4 pass no more" in comparison_html(found)
 
 
 def test_a_run_against_itself_changes_nothing() -> None:

@@ -49,6 +49,11 @@ KINDS = (
 )
 
 
+def of_description(row: Row) -> bool:
+    """Whether a row says which number of a model's file is another than was recorded: what others come of."""
+    return row.engines == (NATIVE, RECORDED) and "value" in (row.first_divergence or {})
+
+
 def compare(
     name: str,
     path: Path,
