@@ -241,14 +241,27 @@ def test_the_action_installs_its_own_version_and_what_else_it_is_told(tmp_path, 
 
 def test_the_action_as_another_repository_runs_it(installed, tmp_path):
     repository, environment = installed
-    gate = [sys.executable, "-m", "harness", "gate", "pendulum.urdf", "--reference", "gate.json", "--workers", "1"]
+    (repository / "harness").mkdir()  # as others name theirs, too
+    (repository / "harness" / "__init__.py").write_text("raise ImportError('another harness')\n", encoding="utf-8")
+    gate = [
+        sys.executable,
+        "-P",
+        "-m",
+        "harness",
+        "gate",
+        "pendulum.urdf",
+        "--reference",
+        "gate.json",
+        "--workers",
+        "1",
+    ]
     subprocess.run(
         [*gate, "--engine", "mine", "--accept", "--new", "--why", "as delivered"],
         cwd=repository, env=environment, check=True, capture_output=True,
     )  # fmt: skip
     script = steps()["gate"]
     files = {"GITHUB_OUTPUT": tmp_path / "output", "GITHUB_STEP_SUMMARY": tmp_path / "summary.md"}
-    inputs = {"MODELS": "pendulum.urdf", "REFERENCE": "gate.json", "ENGINES": "mine", "OUT": "denoc-gate"}
+    inputs = {"MODELS": "pendulum.urdf", "REFERENCE": "gate.json", "ENGINES": "mine", "OUT": "out/denoc gate"}
     environment = {**environment, **{name: str(path) for name, path in files.items()}, **inputs}
 
     def act() -> subprocess.CompletedProcess[str]:
@@ -260,7 +273,8 @@ def test_the_action_as_another_repository_runs_it(installed, tmp_path):
 
     run = act()
     assert run.returncode == 0, run.stdout + run.stderr
-    assert "open=true" in files["GITHUB_OUTPUT"].read_text("utf-8")
+    told = dict(line.split("=", 1) for line in files["GITHUB_OUTPUT"].read_text("utf-8").splitlines())
+    assert (told["open"], told["artifact"], told["junit"]) == ("true", "out-denoc-gate", "out/denoc gate/junit.xml")
     assert "**Open**" in files["GITHUB_STEP_SUMMARY"].read_text("utf-8")
     model = repository / "pendulum.urdf"
     text = model.read_text("utf-8")
@@ -273,7 +287,9 @@ def test_the_action_as_another_repository_runs_it(installed, tmp_path):
     assert "open=false" in files["GITHUB_OUTPUT"].read_text("utf-8")
     summary = files["GITHUB_STEP_SUMMARY"].read_text("utf-8")
     assert "**Closed**" in summary and "mass of link" in summary
-    assert (repository / "denoc-gate" / "junit.xml").exists() and (repository / "denoc-gate" / "denoc.sarif").exists()
+    assert (repository / "out" / "denoc gate" / "junit.xml").exists() and (
+        repository / "out" / "denoc gate" / "denoc.sarif"
+    ).exists()
 
 
 def test_the_example_is_the_model_it_says():

@@ -47,7 +47,7 @@ def _help(options: Options) -> Iterable[Row]:
     seconds = []
     for _ in range(max(5, options.rounds // 2)):
         start = perf_counter()
-        done = command([sys.executable, "-m", "harness", "--help"])
+        done = command([sys.executable, "-P", "-m", "harness", "--help"])
         seconds.append(perf_counter() - start)
         if done.returncode:
             raise RuntimeError(f"denoc --help ended with status {done.returncode}")

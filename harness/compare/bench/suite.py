@@ -28,7 +28,7 @@ def _suite(options: Options) -> Iterable[Row]:
     with tempfile.TemporaryDirectory() as folder:
         start = perf_counter()
         done = command(
-            [sys.executable, "-m", "harness", "validate", "--out", folder],
+            [sys.executable, "-P", "-m", "harness", "validate", "--out", folder],
             folder=Path(folder),
             environment={"NUMBA_CACHE_DIR": str(Path(folder) / "compiled")},
             patience=LONGEST,
