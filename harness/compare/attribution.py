@@ -254,7 +254,19 @@ def blame_mass(
     own = np.flatnonzero(np.diagonal(apart) > allowed)
     carrier = names[(own if len(own) else changed)[-1]]
     words = f"the mass matrix differs: mass, inertia or place of what {carrier} carries"
+    factor = float(np.sum(ours.mass * theirs.mass) / np.sum(ours.mass * ours.mass))
+    if (
+        len(names) > 1
+        and np.abs(theirs.mass - factor * ours.mass).max() <= max(allowed, 1e-9) * np.abs(ours.mass).max()
+    ):
+        # Of all bodies alike: of no one of them.
+        words = f"the mass matrix is {_times(factor)} times the reference's"
     return Blame("mass_matrix", differs, share, carrier, words)
+
+
+def _times(factor: float) -> str:
+    """A factor with as many digits as tell it from one."""
+    return f"{factor:.{6 if abs(factor - 1.0) > 1e-4 else 12}g}"
 
 
 def blame_force(
@@ -279,9 +291,7 @@ def _words(what: str, names: tuple[str, ...], a: Array, b: Array, apart: Array, 
             return f"{what} is missing"
         if abs(factor + 1.0) < tolerance:
             return f"{what} has the other sign"
-        # As many digits as tell it from one.
-        digits = 6 if abs(factor - 1.0) > 1e-4 else 12
-        return f"{what} is {factor:.{digits}g} times the reference's"
+        return f"{what} is {_times(factor)} times the reference's"
     changed = [name for name, far in zip(names, apart, strict=True) if far > tolerance * np.abs(a).max()]
     if len(changed) < len(names):
         return f"{what} differs at {' and '.join(changed)} alone"

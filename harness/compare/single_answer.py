@@ -51,7 +51,7 @@ def blame_answer(
         if (
             quantity in ("inverse_dynamics", "energy")
             and term == "gravity"
-            and _sprung(reference, q[:STATES], ours, allowed)
+            and _sprung(reference, q[:STATES])
         ):
             if _of_springs(q[:STATES], ours, theirs, allowed):
                 return blame_force("stiffness", names, *_as_springs(ours, theirs), allowed, differs, 1.0)
@@ -86,10 +86,12 @@ def weight_or_spring(blame: Blame) -> Blame:
     return replace(blame, term="gravity_or_stiffness", words=blame.words.replace("gravity", "gravity or a spring"))
 
 
-def _sprung(model: EngineModel, q: Array, parts: Parts, allowed: float) -> bool:
-    """Whether springs hold the mechanism beside its weight."""
+def _sprung(model: EngineModel, q: Array) -> bool:
+    """Whether springs hold the mechanism beside its weight: what drives it from rest, as neither inverse dynamics nor energy say."""
+    still = np.zeros(len(model.names))
     weight = np.array([model.gravity(x) for x in q])
-    return bool(np.abs(weight - parts.gravity).max() > allowed * np.abs(parts.gravity).max())
+    driven = np.array([model.mass_matrix(x) @ model.forward_dynamics(x, still, still) for x in q])
+    return bool(np.abs(driven + weight).max() > _SLOPES * np.abs(weight).max())
 
 
 def _of_springs(q: Array, ours: Parts, theirs: Parts, allowed: float) -> bool:

@@ -73,6 +73,27 @@ def test_energies_that_are_exchanged_are_none():
     assert found.term == "energy"
 
 
+@pytest.mark.parametrize("wrong_first", [False, True])
+def test_a_weight_wrong_in_the_energy_alone_is_no_spring_whoever_has_it(wrong_first):
+    right = pinocchio()
+    light = with_answers(right, energy=lambda q, qd: (right.energy(q, qd)[0], 0.999 * right.energy(q, qd)[1]))
+    held = with_answers(
+        right, inverse_dynamics=lambda q, qd, qdd: right.inverse_dynamics(q, qd, qdd) - 0.001 * right.gravity(q)
+    )
+    for quantity, wrong in (("energy", light), ("inverse_dynamics", held)):
+        found = blame_answer(quantity, *((wrong, right) if wrong_first else (right, wrong)), Q, QD)
+        assert found.term == "gravity" and "spring" not in found.words
+
+
+def test_masses_that_all_count_otherwise_are_no_single_bodys():
+    right = pinocchio()
+    heavy = with_answers(right, mass_matrix=lambda q: 1.01 * right.mass_matrix(q))
+    found = blame_answer("mass_matrix", right, heavy, Q, QD)
+    assert (found.term, found.words) == ("mass_matrix", "the mass matrix is 1.01 times the reference's")
+    swift = with_answers(right, energy=lambda q, qd: (0.5 * right.energy(q, qd)[0], right.energy(q, qd)[1]))
+    assert "0.5 times" in blame_answer("energy", right, swift, Q, QD).words
+
+
 @pytest.mark.parametrize(
     ("spoil", "term"),
     [
