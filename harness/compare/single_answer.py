@@ -48,11 +48,7 @@ def blame_answer(
         if term == "mass_matrix":
             return blame_mass(names, ours, theirs, allowed, differs, 1.0)
         blame = blame_force(term, names, ours, theirs, allowed, differs, 1.0)
-        if (
-            quantity in ("inverse_dynamics", "energy")
-            and term == "gravity"
-            and _sprung(reference, q[:STATES])
-        ):
+        if quantity in ("inverse_dynamics", "energy") and term == "gravity" and _sprung(reference, q[:STATES]):
             if _of_springs(q[:STATES], ours, theirs, allowed):
                 return blame_force("stiffness", names, *_as_springs(ours, theirs), allowed, differs, 1.0)
             return weight_or_spring(blame)
@@ -87,7 +83,7 @@ def weight_or_spring(blame: Blame) -> Blame:
 
 
 def _sprung(model: EngineModel, q: Array) -> bool:
-    """Whether springs hold the mechanism beside its weight: what drives it from rest, as neither inverse dynamics nor energy say."""
+    """Whether springs hold the mechanism beside its weight: by what drives it from rest, not by the answers that may be wrong."""
     still = np.zeros(len(model.names))
     weight = np.array([model.gravity(x) for x in q])
     driven = np.array([model.mass_matrix(x) @ model.forward_dynamics(x, still, still) for x in q])
