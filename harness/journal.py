@@ -75,7 +75,7 @@ def _is_result(line: Any) -> bool:
     """Whether a line is as it was written."""
     if not isinstance(line, dict) or not isinstance(line.get("key"), str):
         return False
-    return "value" in line and line.get("sum") == _sum(line["key"], line["value"])
+    return "value" in line and bool(line.get("sum") == _sum(line["key"], line["value"]))
 
 
 def results_kept(path: Path) -> int:

@@ -76,8 +76,9 @@ def read(folder: Path, name: str) -> dict[str, Any] | None:
         found = json.loads(answer_file(folder, name).read_bytes())
     except (OSError, ValueError, RecursionError):
         return None
-    whole = isinstance(found, dict) and found.get("schema") == SCHEMA and found.keys() >= _MEMBERS
-    return found if whole and isinstance(found["diagnosis"], dict | None) else None
+    if not isinstance(found, dict) or found.get("schema") != SCHEMA or not found.keys() >= _MEMBERS:
+        return None
+    return found if isinstance(found["diagnosis"], dict | None) else None
 
 
 def done(folder: Path, unit: Unit) -> bool:

@@ -52,16 +52,20 @@ def cells(one: Changed) -> tuple[str, ...]:
     return tuple(one_line(cell) for cell in (KINDS[one.kind], case, *shown, before, after, where, note))
 
 
+def _before(one: Changed) -> float:
+    return 0.0 if one.before is None or one.before.difference is None else one.before.difference
+
+
 def lines(changed: Sequence[Changed]) -> list[tuple[str, ...]]:
     """Rows of ``HEADS``; engines that changed alike, to the same figure at one place and for one reason, are one row."""
     alike: dict[tuple[str, ...], list[Changed]] = {}
     for one in changed:
         kind, case, quantity, _, _, now, where, why = cells(one)
         alike.setdefault((kind, case, quantity, now, where, why), []).append(one)
-    found = []
+    found: list[tuple[str, ...]] = []
     for (kind, case, quantity, now, where, why), rows in alike.items():
         engines = together([one.key.rsplit("/", 1)[1].split("+") for one in rows])
-        most = max(rows, key=lambda one: (one.before and one.before.difference) or 0.0)
+        most = max(rows, key=_before)
         before = cells(most)[4]
         if len({cells(one)[4] for one in rows}) > 1:
             before = f"≤ {before}"
