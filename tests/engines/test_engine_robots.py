@@ -1,4 +1,7 @@
-"""Real robots: every URDF of example-robot-data that can be read, in Pinocchio against the native dynamics, MuJoCo and Exudyn."""
+"""Real robots: every URDF of example-robot-data that can be read, in Pinocchio against the native dynamics, MuJoCo and Exudyn.
+
+Their roots are fixed, and float.
+"""
 
 from collections.abc import Iterator
 from importlib import metadata
@@ -10,6 +13,7 @@ import pytest
 from harness.engines import registry
 from harness.errors import InputError
 from harness.system.load import load
+from harness.system.random_joints import random_position
 
 
 def urdfs() -> Iterator[Path]:
@@ -26,16 +30,23 @@ ROBOTS = sorted(urdfs())
 
 
 @pytest.mark.skipif(not ROBOTS, reason="example-robot-data is not installed")
-def test_robots() -> None:
+# Exudyn's trees have no free joint.
+@pytest.mark.parametrize(
+    ("floating", "engines"),
+    [(False, ("denoc", "mujoco", "exudyn")), (True, ("denoc", "mujoco"))],
+    ids=["fixed", "floating"],
+)
+def test_robots(floating: bool, engines: tuple[str, ...]) -> None:
     compared = 0
     for path in ROBOTS:
         try:
-            system = load(path)
+            system = load(path, floating=floating)
         except InputError:
             continue
-        models = {name: registry.engine(name).build(system) for name in ("pinocchio", "denoc", "mujoco", "exudyn")}
+        models = {name: registry.engine(name).build(system) for name in ("pinocchio", *engines)}
         n = system.nv
-        q, qd, qdd = np.random.default_rng(n).normal(size=(3, n))
+        rng = np.random.default_rng(n)
+        q, qd, qdd = random_position(system, rng), *rng.normal(size=(2, n))
         reference = models.pop("pinocchio")
         tau = reference.inverse_dynamics(q, qd, qdd)
         mass = reference.mass_matrix(q)
