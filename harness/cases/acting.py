@@ -28,6 +28,11 @@ def keyframe(system: System, name: str) -> Keyframe:
             return frame
     if name == "qpos0":
         return Keyframe(name, {}, {}, {})
+    left_out = next((note for note in system.notes if note.startswith(f"keyframe {name!r} left out: ")), None)
+    if left_out is not None:
+        raise InputError(
+            left_out.replace(" left out: ", ": "), source=system.source, mend="mend the <key> of that name"
+        )
     known = [frame.name for frame in system.keyframes] or ["qpos0"]
     raise InputError(f"no keyframe is named {name!r}", source=system.source, mend=did_you_mean(name, known))
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from harness.errors import InputError
 from harness.system.description import Array, Mimic, constant
 from harness.system.loop import MOTIONS, SHIFTS, Coupling, Frame, Loop
 from harness.system.mjcf_files import unique
@@ -14,6 +16,7 @@ from harness.system.mjcf_left_out import disabled
 from harness.system.rotation import from_quaternion
 
 Polynomial = np.polynomial.Polynomial
+SAME = 1e-9  # slopes and offsets [rad or m] of one joint by two ways that differ by less are the same but for rounding
 
 
 def loops(
@@ -23,17 +26,21 @@ def loops(
     joints: Sequence[str],
     following: Mapping[str, Mimic],
     mimics: Container[int],
-) -> tuple[dict[int, Loop | Coupling], list[str]]:
-    """Loops by number of the equality, and notes on them.
+    lines: Mapping[tuple[str, str], int],
+    source: Path | None = None,
+) -> tuple[dict[int, Loop | Coupling], frozenset[int], list[str]]:
+    """Loops by number of the equality, numbers of those that say what mimics say already, and notes on both.
 
     bodies, joints: names in MuJoCo's order. body_in_link: where each body's frame lies in its link's. following: mimics by joint,
-    mimics: the equalities that they are.
+    mimics: the equalities that they are. lines: of equalities in the source, by ("loop", name).
+    Raises InputError for an equality that contradicts mimics.
     """
     import mujoco
 
     found: dict[int, Loop | Coupling] = {}
     if disabled(model, "CONSTRAINT") or disabled(model, "EQUALITY"):
-        return found, []
+        return found, frozenset(), []
+    said: set[int] = set()
     taken = {model.equality(i).name for i in range(model.neq)}
     notes: list[str] = []
     for i in range(model.neq):
@@ -48,6 +55,14 @@ def loops(
             found[i] = Loop(name, *frames, MOTIONS if welded else SHIFTS)
         elif kind == mujoco.mjtEq.mjEQ_JOINT:
             coupling = _coupling(model, i, name, joints, following)
+            if coupling is not None and coupling.joint == coupling.leader:
+                coupling = _of_itself(coupling, lines.get(("loop", name)), source)
+                if coupling is None:
+                    said.add(i)
+                    notes.append(
+                        f"equality {name!r} says of joint {joints[int(model.eq_obj1id[i])]!r} what others say already"
+                    )
+                    continue
             if coupling is None:
                 notes.append(f"equality {name!r} left out: it is about joints that turn in space")
             else:
@@ -59,7 +74,28 @@ def loops(
             f"equalit{'ies' if several else 'y'} {names} hold{'' if several else 's'} exactly here, MuJoCo holds "
             f"{'them' if several else 'it'} softly (solref, solimp)"
         )
-    return found, notes
+    return found, frozenset(said), notes
+
+
+def _of_itself(coupling: Coupling, line: int | None, source: Path | None) -> Coupling | None:
+    """What is left of an equality that mimics have made one of a joint with itself: the place it is locked at, or nothing.
+
+    Raises InputError where no place will do.
+    """
+    constant, slope, *beyond = coupling.coefficients
+    if any(beyond):
+        return coupling
+    if abs(slope - 1.0) > SAME:
+        return Coupling(coupling.name, coupling.joint, None, (constant / (1.0 - slope), 0.0, 0.0, 0.0, 0.0))
+    if abs(constant) <= SAME:
+        return None
+    raise InputError(
+        f"equality {coupling.name!r} contradicts others: by them joint {coupling.joint!r} would be {abs(constant):.3g} (rad or m) "
+        "from where it is",
+        mend="take one out, or check their polycoef",
+        source=source,
+        line=line,
+    )
 
 
 def _frames(

@@ -19,7 +19,7 @@ import contextlib
 import re
 import threading
 import warnings as python_warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ from harness.system.description import Array, Attachment, Joint, JointType, Keyf
 from harness.system.mjcf_actuators import actuators, reflected
 from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
+from harness.system.mjcf_keyframes import unusable, written
 from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
 from harness.system.mjcf_loops import loops
 from harness.system.mjcf_trial import GROWING, try_apart
@@ -62,16 +63,17 @@ def read_mjcf(
     fluid, higher damping and stiffness) becomes a line in ``System.notes``.
     Raises InputError with MuJoCo's own message.
     """
-    spec, model, notes = _loaded(data, root, source, allow)
+    spec, model, meaningless, notes = _loaded(data, root, source, allow)
     names = names_of_joints(model)
     drives, told_drives = actuators(model, names)
     following, followed = mimics(model, names)
     own: list[str] = []
     joints, links, effects, body_in_link = _tree(model, own)
-    closed, told_loops = loops(model, _body_names(model), body_in_link, names, following, followed)
-    notes += [*left_out(model, followed | set(closed)), *told_drives, *own, *told_loops]
-    joints = [replace(joint, mimic=following.get(joint.name)) for joint in joints]
     lines = _lines(spec) if root.find(".//include") is None else {}
+    closed, said, told_loops = loops(model, _body_names(model), body_in_link, names, following, followed, lines, source)
+    notes += [*left_out(model, followed | said | set(closed)), *told_drives, *own, *told_loops]
+    notes += [f"keyframe {_key_name(model, i)!r} left out: {why}" for i, why in meaningless.items()]
+    joints = [replace(joint, mimic=following.get(joint.name)) for joint in joints]
     ordered_joints, ordered_links = arrange(joints, links, BASE, source=source, lines=lines)
     notes += check_joints(ordered_joints, physical=physical, source=source, lines=lines)
     ordered_links, told = check_bodies(ordered_links, physical=physical, source=source, lines=lines)
@@ -87,7 +89,7 @@ def read_mjcf(
         attachments=tuple(effects),
         actuators=drives,
         limits=_limits(model, names),
-        keyframes=_keyframes(model, names),
+        keyframes=_keyframes(model, names, meaningless),
         source=source,
         notes=tuple(notes),
         loops=tuple(closed.values()),
@@ -98,8 +100,10 @@ def read_mjcf(
     return system
 
 
-def _loaded(data: bytes, root: Any, source: Path | None, allow: Sequence[Path]) -> tuple[Any, Any, list[str]]:
-    """Specification, compiled model and what is to be told of reading it; tried apart first where it can grow."""
+def _loaded(
+    data: bytes, root: Any, source: Path | None, allow: Sequence[Path]
+) -> tuple[Any, Any, dict[int, str], list[str]]:
+    """Specification, compiled model, keyframes that say nothing, and what is to be told; tried apart first where it can grow."""
     known = places(root, source, allow)
     if known.elements & GROWING:
         try_apart(data, source, allow)
@@ -112,7 +116,7 @@ def load(data: bytes, source: Path | None, allow: Sequence[Path] = ()) -> Any:
     return _compile(data, root, source, places(root, source, allow))[1]
 
 
-def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tuple[Any, Any, list[str]]:
+def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tuple[Any, Any, dict[int, str], list[str]]:
     import mujoco
 
     by_path = source is not None and (source.suffix.lower() == ".xml" or root.tag == "robot")
@@ -126,6 +130,7 @@ def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tupl
                 spec = mujoco.MjSpec.from_string(without_foreign_comments(data).decode("utf-8-sig"))
                 spec.modelfiledir = str((source or Path.cwd() / "model").parent)
             notes = take_out_shapes(mujoco, spec, known, source)
+            keyframes = written(spec)
             model = spec.compile()
         except UnicodeDecodeError:
             raise InputError("is not UTF-8 text", mend="save it as UTF-8", source=source) from None
@@ -142,7 +147,8 @@ def _compile(data: bytes, root: Any, source: Path | None, known: Places) -> tupl
                 source=source,
                 line=int(line[1]) if line else None,
             ) from None
-    return spec, model, [*(f"MuJoCo warns: {' '.join(text.split())}" for text in dict.fromkeys(warnings)), *notes]
+    told = [*(f"MuJoCo warns: {' '.join(text.split())}" for text in dict.fromkeys(warnings)), *notes]
+    return spec, model, unusable(keyframes, model), told
 
 
 @contextlib.contextmanager
@@ -222,7 +228,11 @@ def _limits(model: Any, joints: list[str]) -> tuple[Stops, ...]:
     return tuple(found)
 
 
-def _keyframes(model: Any, joints: list[str]) -> tuple[Keyframe, ...]:
+def _key_name(model: Any, i: int) -> str:
+    return model.key(i).name or f"key{i + 1}"
+
+
+def _keyframes(model: Any, joints: list[str], without: Container[int]) -> tuple[Keyframe, ...]:
     """The states that the file names (``key1``, … where it names none), by joint and actuator, and ``qpos0`` last."""
     drives = {
         model.actuator(a).name or f"actuator{a + 1}": int(model.actuator_ctrladr[a])
@@ -231,12 +241,13 @@ def _keyframes(model: Any, joints: list[str]) -> tuple[Keyframe, ...]:
     }
     named = tuple(
         Keyframe(
-            model.key(i).name or f"key{i + 1}",
+            _key_name(model, i),
             _named(model, joints, model.key_qpos[i], "position_names"),
             _named(model, joints, model.key_qvel[i], "velocity_names"),
             {name: float(model.key_ctrl[i, at]) for name, at in drives.items()},
         )
         for i in range(model.nkey)
+        if i not in without
     )
     rest = _named(model, joints, model.qpos0, "position_names")
     return (*named, Keyframe("qpos0", rest, {}, {}))

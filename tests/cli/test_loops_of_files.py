@@ -188,6 +188,52 @@ def test_what_cannot_be_is_refused_in_one_line(case: str, tmp_path: Path) -> Non
     assert "\n" not in str(raised.value)
 
 
+GEARS = """<mujoco><compiler angle="radian"/><worldbody>
+<body name="a"><joint name="j" axis="0 1 0"/><geom size="0.1" pos="0.3 0 0"/></body>
+<body name="b" pos="0 1 0"><joint name="k" axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/></body>
+<body name="c" pos="0 2 0"><joint name="l" axis="0 1 0"/><geom size="0.1" pos="0.1 0 0"/></body>
+</worldbody><equality>
+<joint name="first" joint1="j" joint2="k" polycoef="0.1 2"/>
+<joint name="second" joint1="k" joint2="l" polycoef="0.2 -1"/>
+{third}
+</equality></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("joints", "polynomial"),
+    [('joint1="j" joint2="k"', "0.1 2"), ('joint1="j" joint2="l"', "0.5 -2"), ('joint1="l" joint2="k"', "0.2 -1")],
+)
+def test_gears_may_be_said_twice(joints: str, polynomial: str, tmp_path: Path) -> None:
+    """j = 0.1 + 2 k and k = 0.2 − l, so that j = 0.5 − 2 l and l = 0.2 − k."""
+    (tmp_path / "gears.xml").write_text(GEARS.format(third=f'<joint name="third" {joints} polycoef="{polynomial}"/>'))
+    system = harness.load(tmp_path / "gears.xml")
+    assert system.nv == 1 and not system.loops
+    (note,) = (note for note in system.notes if "'third'" in note)
+    assert "what others say already" in note
+
+
+def test_gears_that_contradict_one_another_are_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "gears.xml").write_text(
+        GEARS.format(third='<joint name="third" joint1="j" joint2="l" polycoef="0.9 -2"/>')
+    )
+    with pytest.raises(harness.InputError, match=r":8: equality 'third' contradicts others: .* 0\.2 "):
+        harness.load(tmp_path / "gears.xml")
+
+
+def test_gears_that_one_place_alone_suits_are_locked_there(tmp_path: Path) -> None:
+    """j = 0.5 − 2 l and j = 0.9 − l: l = −0.4."""
+    free = (
+        '<body name="d" pos="0 3 0"><joint name="m" axis="0 1 0"/><geom size="0.1" pos="0.1 0 0"/></body></worldbody>'
+    )
+    text = GEARS.format(third='<joint name="third" joint1="j" joint2="l" polycoef="0.9 -1"/>').replace(
+        "</worldbody>", free
+    )
+    (tmp_path / "gears.xml").write_text(text)
+    system = harness.load(tmp_path / "gears.xml")
+    q = closed_position(system)
+    assert q[system.position_names.index("l")] == pytest.approx(-0.4, abs=1e-12)
+
+
 def test_what_is_said_twice_is_counted(four_bar: Path) -> None:
     four_bar.write_text(FOUR_BAR + PIN.replace('["x", "z"]', '["x", "y", "z", "rx", "rz"]'))
     assert any("5 conditions, 2 of them independent" in note for note in harness.load(four_bar).notes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import mujoco
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 
 import harness
+from harness.cases.acting import keyframe
 from harness.engines.registry import engine
+from harness.errors import InputError
 
 BODY = """<mujoco><worldbody><body name="p" {body}><joint name="h" axis="0 1 0" {joint}/>
 <inertial pos="0 0 -.2" mass="1" diaginertia=".01 .01 .001"/></body></worldbody>{rest}</mujoco>"""
@@ -119,6 +122,35 @@ def test_compensation_that_differs_by_body_acts_and_is_told(tmp_path: Path) -> N
     for runner in ("denoc", "mujoco", "pinocchio"):
         model = engine(runner).build(other)
         assert float(model.gravity(np.array([0.7]))[0]) == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("key", "why"),
+    [
+        ('qpos="0 0 1 0 0 0 0 1 0 0 0"', "the quaternion of joint 'root' in it has length zero"),
+        ('qpos="0 0 1 1 0 0 0 0 0 0 0"', "the quaternion of joint 'ball' in it has length zero"),
+        (
+            'qpos="0 0 1 1 0 0 0 1 0"',
+            r"its qpos has 9 numbers \(as many as there are velocities, nv\) where the model has 11 \(nq\)",
+        ),
+        ('qvel="0 0 1"', r"its qvel has 3 numbers where the model has 9 \(nv\)"),
+    ],
+)
+def test_keyframes_that_say_no_state_are_left_out(key: str, why: str, tmp_path: Path) -> None:
+    """MuJoCo 4.0 fills up what is too short, and makes of a quaternion of length zero no rotation, without a word."""
+    path = tmp_path / "model.xml"
+    path.write_text(
+        f"""<mujoco><worldbody><body name="t"><joint name="root" type="free"/><geom size=".1"/>
+        <body name="u" pos=".3 0 0"><joint name="ball" type="ball"/><geom size=".1" pos=".1 0 0"/></body></body></worldbody>
+        <keyframe><key name="good" qpos="0 0 1 1 0 0 0 1 0 0 0" qvel="1 0 0 0 0 0 0 0 0"/><key name="bad" {key}/></keyframe>
+        </mujoco>"""
+    )
+    system = harness.load(path)
+    assert [frame.name for frame in system.keyframes] == ["good", "qpos0"]
+    (note,) = (note for note in system.notes if "keyframe" in note)
+    assert re.fullmatch(f"keyframe 'bad' left out: {why}", note)
+    with pytest.raises(InputError, match=f"keyframe 'bad': {why}"):
+        keyframe(system, "bad")
 
 
 def test_keyframes_are_kept_by_name(tmp_path: Path) -> None:
