@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mechanisms_by_mujoco import CLOSED, FOUR_BAR, NOTHING, SLIDER_CRANK, closed, model_file, motion, mounted, recording
 
+from harness.diagnose.criticism import check
 from harness.diagnose.diagnose import _led
 from harness.diagnose.estimation.assemblies import told
+from harness.diagnose.estimation.reach import check_reach
 from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.windows import cut
+from harness.errors import InputError
 from harness.system import load
 
 SECONDS = 3.0
@@ -72,3 +76,42 @@ def test_mirror_images_are_told_apart_by_what_pulls_them_alone(tmp_path: Path, g
     assert ("cannot be told apart" in said) == (not apart)
     if apart:
         assert state[predictor.system.joint_names.index("crank")] == pytest.approx(-1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("shift", "reached"), [(0.0, True), (0.004, True), (0.2, False)])
+def test_a_recording_that_no_assembly_takes_is_refused(tmp_path: Path, shift: float, reached: bool) -> None:
+    # The slide goes from -0.4 to 0 m and no farther: at its dead point noise, and a zero that is 4 mm off, lead beyond.
+    text = SLIDER_CRANK.format(crank=0.0, pin=0.0, slide=0.0, gravity="0 0 -9.81")
+    time = np.arange(300) / 100.0
+    q = np.array([mounted(0.9 * np.cos(4.0 * t)) for t in time]) + np.array([0.0, 0.0, shift])
+    predictor = predictor_of(tmp_path, text, ["slide"], ["crank", "pin", "slide"], [q, q])
+    if reached:
+        check_reach(predictor)
+    else:
+        with pytest.raises(
+            InputError,
+            match=r"run0: the model's loops cannot be closed at most of its samples, .* s \(slide\.position 0\.",
+        ) as raised:
+            check_reach(predictor)
+        assert "\n" not in str(raised.value)
+
+
+def test_a_run_that_ends_where_loops_close_no_farther_is_judged_as_far_as_it_went(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    course = np.array([0.1, 0.3, 0.5, np.nan, np.nan])[:, None]
+    gone = np.full((5, 1), np.nan)
+    system = load(model_file(tmp_path, FOUR_BAR.format(**NOTHING, closing=CLOSED)))
+    study = SimpleNamespace(problem=SimpleNamespace(system=system), predictor=None, likelihood=None)
+    left = check.Remainder(study, None, None, 1.0)  # type: ignore[arg-type]
+
+    def ranges(*courses: np.ndarray) -> check.AtJoint | None:
+        motions = {k: SimpleNamespace(q=q, qd=q) for k, q in enumerate(courses)}
+        monkeypatch.setattr(check, "probe", lambda *_: SimpleNamespace(names=("crank",), motions=motions))
+        found = left.at_joint("crank")
+        return None if found is None else found.here
+
+    seen = ranges(course, gone)
+    assert seen is not None
+    assert 0.1 <= seen.low < 0.3 < seen.high <= 0.5 and np.isfinite(seen.fast)
+    assert ranges(gone) is None

@@ -146,6 +146,11 @@ class Remainder:
         k = own.names.index(joint)
         pooled = np.concatenate([m.q[:, k] for m in own.motions.values()])
         speeds = np.abs(np.concatenate([m.qd[:, k] for m in own.motions.values()]))
+        # A run of a closed mechanism ends in nan where its loops can be closed no farther.
+        ran = np.isfinite(pooled) & np.isfinite(speeds)
+        if not ran.any():
+            return None
+        pooled, speeds = pooled[ran], speeds[ran]
         low, high = (float(x) for x in np.quantile(pooled, END_QUANTILES))
         if high - low < 1e-9:
             return None

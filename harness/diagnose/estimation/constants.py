@@ -103,6 +103,12 @@ WINDOW_GROWTH = 4
 
 # starts; of Newton's method towards an assembly; chosen
 ASSEMBLY_STARTS = 64
+# samples; of a recording that are asked whether loops can be closed there; chosen
+REACH_SAMPLES = 32
+# starts; of Newton's method for each of them, one where the model places itself; chosen
+REACH_STARTS = 16
+# of those samples; that may be out of reach: noise at a dead point, a wrong zero of some hundredths; chosen
+UNREACHED_SHARE = 0.5
 # assemblies; that are run, which bounds the work; chosen
 MOST_ASSEMBLIES = 16
 # rad, or of the mechanism's size; within which two places of all bodies are one; chosen

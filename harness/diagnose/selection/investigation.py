@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.diagnose.estimation.horizon import Horizon
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.estimation.reach import check_reach
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.deadline import Deadline, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
@@ -40,10 +41,12 @@ def investigate(
     """Search for the set of effects that the recordings speak for.
 
     frequency: of the slowest swing [Hz]. structure: see ``under_model_error``. deadline: by which the search is left with what has
-    been found till then; ``TimeUp`` is raised where not even the nominal model was fitted in time.
+    been found till then; ``TimeUp`` is raised where not even the nominal model was fitted in time, InputError where the recordings
+    are beyond what the model's loops can reach.
     """
     deadline = deadline or Deadline()
     predictor = Predictor(problem, deadline=deadline)
+    check_reach(predictor)
     period = 1.0 / frequency
     reached: list[Study] = []
     try:
