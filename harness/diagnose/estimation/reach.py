@@ -69,7 +69,7 @@ def _reached(predictor: Predictor, states: Array) -> tuple[NDArray[np.bool_], Ar
     flat = states.reshape(-1, states.shape[-1])
     model = predictor.mechanism(Hypothesis()).model
     closed: Array = model.closed(np.repeat(row[None], len(flat), axis=0), flat, np.inf)
-    good: NDArray[np.bool_] = np.isfinite(closed).all(axis=1).reshape(states.shape[:2])
+    good = np.isfinite(closed).reshape(*states.shape[:2], -1).all(axis=2)
     reached = np.asarray(np.any(good, axis=1), dtype=np.bool_)
     first = closed.reshape(states.shape)[np.arange(len(states)), good.argmax(axis=1)][reached]
     return reached, first if len(first) else None
