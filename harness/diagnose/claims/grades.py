@@ -132,9 +132,9 @@ def grade(
     Beside a force that is left out: possible, if sets without it and all that it cannot be told from are not much less likely
     (averaged over all; Hoeting et al., Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some
     of what something else makes), if it may as well be absent, if it explains less than what is left (it may be part of that), or,
-    being no plain law of a single number, not far more (it may be bent to what nobody has named) or is far larger than it ever is;
-    likely, if one of those that it cannot be told from may be in its place, there are too few recordings to say whether it repeats,
-    leaving one out takes it away, or its size is not known to a factor of ten; else established.
+    being no plain law of a single number, not far more (it may be bent to what nobody has named); likely, if one of those that it
+    cannot be told from may be in its place, there are too few recordings to say whether it repeats, leaving one out takes it away,
+    or its size is not known to a factor of ten; else established.
 
     values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
@@ -146,9 +146,7 @@ def grade(
             return POSSIBLE
         if not conclusion.remains.significant:
             return ESTABLISHED
-        return (
-            POSSIBLE if _beyond_belief(claim.candidate, values) or _may_be_absent(claim.candidate, values) else LIKELY
-        )
+        return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim.candidate, values) else LIKELY
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
     itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
@@ -174,8 +172,7 @@ def beside_a_remainder(
     effect = member.effect
     if gain < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO) * excess:
         return POSSIBLE
-    # Friction of a geared joint may well be many times what gravity does there; what is no plain law bends to much.
-    if placed(member) or _may_be_absent(member, values) or (not effect.plain and _beyond_belief(member, values)):
+    if placed(member) or _may_be_absent(member, values):
         return POSSIBLE
     first = next(iter(effect.parameters), None)
     stands = [
@@ -193,14 +190,14 @@ def foretells(outcome: Outcome, conclusion: Conclusion) -> bool:
     return outcome.evidence is None or conclusion.held.cost < judge(outcome, outcome.empty).cost
 
 
-def _beyond_belief(member: Candidate, values: Mapping[str, Estimate]) -> bool:
+def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:
     """Whether a number, at the near end of its interval, is many times what it usually is."""
-    for parameter in member.effect.parameters:
+    for parameter in claim.candidate.effect.parameters:
         if parameter.plausible is not None and np.isfinite(parameter.neutral):
             away = min(
                 abs(end - parameter.neutral) for end in (values[parameter.name].low, values[parameter.name].high)
             )
-            if away > BEYOND_BELIEF_RATIO * parameter.plausible.size(member.references):
+            if away > BEYOND_BELIEF_RATIO * parameter.plausible.size(claim.candidate.references):
                 return True
     return False
 

@@ -99,7 +99,7 @@ def diagnose_effort(
         )
     tell("noise of the efforts")
     known = tuple(
-        _resolvable(c, system, train)
+        _as_driven(_resolvable(c, system, train))
         for c in candidates(system, every, only=only or KNOWN)
         if c.effect.sensor is None or c.site.endswith(".position")
     )
@@ -159,6 +159,12 @@ def _resolvable(candidate: Candidate, system: System, runs: Sequence[EffortRun])
         for p in candidate.effect.parameters
     )
     return replace(candidate, effect=replace(candidate.effect, parameters=parameters))
+
+
+def _as_driven(candidate: Candidate) -> Candidate:
+    """The torque that sizes are counted in is no less than what drives the joint: its gear rubs by that, whatever hangs on it."""
+    own = candidate.references
+    return replace(candidate, references=replace(own, torque=max(own.torque, own.effort)))
 
 
 def _known(only: Sequence[str]) -> None:
