@@ -29,6 +29,8 @@ from harness.diagnose.selection.study import log_choose
 
 Array = NDArray[np.float64]
 
+WAVE = "cogging_torque"
+
 
 @dataclass(eq=False)
 class EffortStudy:
@@ -123,8 +125,12 @@ class EffortStudy:
             # Beside the basis, whose rows of the prior a trace has nothing in.
             traces = traces / size
             inside = traces @ seen
-            length = np.einsum("ij,ij->i", traces, traces) - np.einsum("ij,ij->i", inside, inside)
             along = traces @ rest[: len(here)] - inside @ (basis.T @ rest)
+            if candidate.effect.name == WAVE:
+                gained, k, start = _wave(starts, along, traces @ traces.T - inside @ inside.T)
+                out.append((self._told(gained, traces[k]), candidate, start))
+                continue
+            length = np.einsum("ij,ij->i", traces, traces) - np.einsum("ij,ij->i", inside, inside)
             there = length > 1e-12
             gain = np.where(there, along**2 / np.where(there, length, 1.0), 0.0)
             k = int(np.argmax(np.where(np.isfinite(gain), gain, -1.0)))
@@ -279,13 +285,31 @@ def _begun(candidate: Candidate, start: Array, times: float) -> Array:
     return asked if inside and np.any(asked != absent) else start
 
 
+def _wave(starts: Sequence[Array], along: Array, gram: Array) -> tuple[float, int, Array]:
+    """The gain of the best wave, a trace of its periods, and its amplitude, periods and phase.
+
+    A wave of any amplitude and phase is a sum of one that is a quarter early and one on time: −A sin φ of the first, A cos φ of the
+    other. along: what the traces of the starts have in common with what is left, (starts,); gram: with one another.
+    """
+    best, which, found = -1.0, 0, starts[0]
+    for k in range(0, len(starts), 2):
+        pair = slice(k, k + 2)
+        times = -np.linalg.lstsq(gram[pair, pair], along[pair], rcond=1e-9)[0]
+        gain = -float(times @ along[pair])
+        if gain > best:
+            amplitude, periods, _ = starts[k]
+            wave = np.array([amplitude * np.hypot(*times), periods, np.arctan2(-times[0], times[1])])
+            best, which, found = gain, k, wave if wave[0] > 0.0 else starts[k]
+    return max(best, 0.0), which, found
+
+
 def starts_of(candidate: Candidate) -> list[Array]:
     """Starting values of a candidate's parameters [SI]."""
     each = [p.start_values(candidate.references) for p in candidate.effect.parameters]
     combinations = [np.array(c) for c in product(*each)]
     step = max(1, len(combinations) // MOST_STARTS)
-    if candidate.effect.name == "cogging_torque":
-        # Periods are whole numbers that no slope leads to.
+    if candidate.effect.name == WAVE:
+        # Periods are whole numbers that no slope leads to; of each a wave a quarter early and one on time, see ``_wave``.
         phases = (-np.pi / 2.0, 0.0)
         amplitude = each[0][0]
         return [np.array([amplitude, float(n), phase]) for n in range(2, 13) for phase in phases]
