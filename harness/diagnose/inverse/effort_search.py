@@ -29,8 +29,6 @@ from harness.diagnose.selection.study import log_choose
 
 Array = NDArray[np.float64]
 
-WAVE = "cogging_torque"
-
 
 @dataclass(eq=False)
 class EffortStudy:
@@ -126,8 +124,9 @@ class EffortStudy:
             traces = traces / size
             inside = traces @ seen
             along = traces @ rest[: len(here)] - inside @ (basis.T @ rest)
-            if candidate.effect.name == WAVE:
-                gained, k, start = _wave(starts, along, traces @ traces.T - inside @ inside.T)
+            if candidate.effect.name in PLANES:
+                gram = traces @ traces.T - inside @ inside.T
+                gained, k, start = _in_plane(starts, along, gram, PLANES[candidate.effect.name])
                 out.append((self._told(gained, traces[k]), candidate, start))
                 continue
             length = np.einsum("ij,ij->i", traces, traces) - np.einsum("ij,ij->i", inside, inside)
@@ -285,22 +284,36 @@ def _begun(candidate: Candidate, start: Array, times: float) -> Array:
     return asked if inside and np.any(asked != absent) else start
 
 
-def _wave(starts: Sequence[Array], along: Array, gram: Array) -> tuple[float, int, Array]:
-    """The gain of the best wave, a trace of its periods, and its amplitude, periods and phase.
+def _wave(start: Array, times: Array) -> Array | None:
+    """Amplitude, periods and phase of so many times a wave a quarter early and one on time: −A sin φ and A cos φ."""
+    amplitude = float(start[0] * np.hypot(*times))
+    return np.array([amplitude, start[1], np.arctan2(-times[0], times[1])]) if amplitude > 0.0 else None
 
-    A wave of any amplitude and phase is a sum of one that is a quarter early and one on time: −A sin φ of the first, A cos φ of the
-    other. along: what the traces of the starts have in common with what is left, (starts,); gram: with one another.
+
+def _spring(start: Array, times: Array) -> Array | None:
+    """Stiffness and rest angle of so many times a spring that is slack at one radian below zero and one above."""
+    whole = float(np.sum(times))
+    return np.array([start[0] * whole, (times[1] - times[0]) / whole]) if whole > 0.0 else None
+
+
+PLANES = {"cogging_torque": _wave, "joint_stiffness": _spring}  # laws that are a sum of two shapes, of any sizes
+
+
+def _in_plane(
+    starts: Sequence[Array], along: Array, gram: Array, values: Callable[[Array, Array], Array | None]
+) -> tuple[float, int, Array]:
+    """The gain of the best sum of two starts' traces, one of the two, and the values that it stands for.
+
+    along: what the traces of the starts have in common with what is left, (starts,); gram: with one another.
     """
-    best, which, found = -1.0, 0, starts[0]
+    best, which, found = 0.0, 0, starts[0]
     for k in range(0, len(starts), 2):
         pair = slice(k, k + 2)
-        times = -np.linalg.lstsq(gram[pair, pair], along[pair], rcond=1e-9)[0]
-        gain = -float(times @ along[pair])
-        if gain > best:
-            amplitude, periods, _ = starts[k]
-            wave = np.array([amplitude * np.hypot(*times), periods, np.arctan2(-times[0], times[1])])
-            best, which, found = gain, k, wave if wave[0] > 0.0 else starts[k]
-    return max(best, 0.0), which, found
+        times = np.asarray(-np.linalg.lstsq(gram[pair, pair], along[pair], rcond=1e-9)[0], dtype=np.float64)
+        gain, told = -float(times @ along[pair]), values(starts[k], times)
+        if gain > best and told is not None:
+            best, which, found = gain, k, told
+    return best, which, found
 
 
 def starts_of(candidate: Candidate) -> list[Array]:
@@ -308,8 +321,10 @@ def starts_of(candidate: Candidate) -> list[Array]:
     each = [p.start_values(candidate.references) for p in candidate.effect.parameters]
     combinations = [np.array(c) for c in product(*each)]
     step = max(1, len(combinations) // MOST_STARTS)
-    if candidate.effect.name == WAVE:
-        # Periods are whole numbers that no slope leads to; of each a wave a quarter early and one on time, see ``_wave``.
+    if candidate.effect.name == "joint_stiffness":
+        return [np.array([each[0][0], -1.0]), np.array([each[0][0], 1.0])]
+    if candidate.effect.name == "cogging_torque":
+        # Periods are whole numbers that no slope leads to.
         phases = (-np.pi / 2.0, 0.0)
         amplitude = each[0][0]
         return [np.array([amplitude, float(n), phase]) for n in range(2, 13) for phase in phases]
