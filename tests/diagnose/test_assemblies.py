@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -102,8 +103,9 @@ def test_a_run_that_ends_where_loops_close_no_farther_is_judged_as_far_as_it_wen
     course = np.array([0.1, 0.3, 0.5, np.nan, np.nan])[:, None]
     gone = np.full((5, 1), np.nan)
     system = load(model_file(tmp_path, FOUR_BAR.format(**NOTHING, closing=CLOSED)))
-    study = SimpleNamespace(problem=SimpleNamespace(system=system), predictor=None, likelihood=None)
-    left = check.Remainder(study, None, None, 1.0)  # type: ignore[arg-type]
+    study: Any = SimpleNamespace(problem=SimpleNamespace(system=system), predictor=None, likelihood=None)
+    unasked: Any = None
+    left = check.Remainder(study, unasked, unasked, 1.0)
 
     def ranges(*courses: np.ndarray) -> check.AtJoint | None:
         motions = {k: SimpleNamespace(q=q, qd=q) for k, q in enumerate(courses)}

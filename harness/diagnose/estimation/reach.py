@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.denoc.lanes.model import LaneModel
 from harness.diagnose.estimation.constants import REACH_SAMPLES, REACH_STARTS, UNREACHED_SHARE
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.hypothesis import Hypothesis
@@ -25,6 +26,7 @@ def check_reach(predictor: Predictor) -> None:
         return
     mechanism = predictor.mechanism(Hypothesis())
     names, model = mechanism.names, mechanism.model
+    row = predictor.row(Hypothesis(), np.zeros(len(predictor.nominal)))
     follow = [names.index(name) for name in model.dependent]
     read = [
         (c, names.index(channel.site))
@@ -46,12 +48,12 @@ def check_reach(predictor: Predictor) -> None:
         for c, k in read:
             states[..., k] = run.values[c, taken, None]
         states[:, :, follow] += spread
-        reached, found = _reached(predictor, states)
+        reached, found = _reached(model, row, states)
         if found is not None and not reached.all():
             # From where other samples were reached, where no start of its own has led there.
             again = np.repeat(states[~reached][:, :1], len(found), axis=1)
             again[:, :, follow] = found[:, follow]
-            reached[~reached] = _reached(predictor, again)[0]
+            reached[~reached] = _reached(model, row, again)[0]
         if np.mean(~reached) > UNREACHED_SHARE:
             first = int(taken[np.flatnonzero(~reached)[0]])
             at = ", ".join(
@@ -63,11 +65,9 @@ def check_reach(predictor: Predictor) -> None:
             )
 
 
-def _reached(predictor: Predictor, states: Array) -> tuple[NDArray[np.bool_], Array | None]:
+def _reached(model: LaneModel, row: Array, states: Array) -> tuple[NDArray[np.bool_], Array | None]:
     """Which samples (S,) can be closed from any of their states (S, A, 2n), and a closed state of each that can be."""
-    row = predictor.row(Hypothesis(), np.zeros(len(predictor.nominal)))
     flat = states.reshape(-1, states.shape[-1])
-    model = predictor.mechanism(Hypothesis()).model
     closed: Array = model.closed(np.repeat(row[None], len(flat), axis=0), flat, np.inf)
     good = np.isfinite(closed).reshape(*states.shape[:2], -1).all(axis=2)
     reached = np.asarray(np.any(good, axis=1), dtype=np.bool_)

@@ -124,7 +124,7 @@ class EffortData:
     @cached_property
     def samples(self) -> float:
         """Independent samples, each counted for as much as it tells."""
-        return float(np.sum(self.whitened.weights**2))
+        return float(np.sum(self.counts))
 
     @cached_property
     def counts(self) -> Array:
@@ -182,8 +182,7 @@ def fit_effort(
     """
     model = data.model
     nominal = len(model.nominal)
-    lower = np.concatenate([np.full(nominal, -np.inf), *(m.effect.lower for m in hypothesis.members)])
-    upper = np.concatenate([np.full(nominal, np.inf), *(m.effect.upper for m in hypothesis.members)])
+    lower, upper = _bounds(hypothesis, nominal)
     scale = np.concatenate([np.ones(nominal), *(m.scales for m in hypothesis.members)])
     free = np.ones(len(start), dtype=bool) if frozen is None else ~frozen.astype(bool)
     x = np.clip(start, lower, upper)
@@ -234,31 +233,34 @@ def fit_effort(
             x = full(found.x)
             jacobian = np.zeros((len(found.fun), len(start)))
             jacobian[:, free] = found.jac
-        rows, clusters = data.rows(hypothesis, x), data.whitened.clusters
+        rows = data.rows(hypothesis, x)
         before, size = size, data.size(rows)
         jacobian[: len(rows)] *= (before / size)[:, None]
         if calls or not free.any() or (far == 1.0 and np.all(np.abs(size - before) < SETTLED_SIZE * size)):
             break
         far = 1.0
-    prior = float(x[:nominal] @ x[:nominal])
-    cost = data.misfit(rows) + prior
-    return EffortFit(
-        hypothesis, x, rows / size, clusters, jacobian[: len(rows)] if free.any() else jacobian, prior, cost
-    )
+    return _as_fit(data, hypothesis, x, rows, jacobian[: len(rows)])
 
 
 def unfitted(data: EffortData, hypothesis: Hypothesis, x: Array) -> EffortFit:
     """A hypothesis with numbers that were not fitted, within their bounds; without slopes."""
-    nominal = len(data.model.nominal)
-    lower = np.concatenate([np.full(nominal, -np.inf), *(m.effect.lower for m in hypothesis.members)])
-    upper = np.concatenate([np.full(nominal, np.inf), *(m.effect.upper for m in hypothesis.members)])
-    x = np.clip(x, lower, upper)
+    x = np.clip(x, *_bounds(hypothesis, len(data.model.nominal)))
     rows = data.rows(hypothesis, x)
-    prior = float(x[:nominal] @ x[:nominal])
-    none = np.zeros((len(rows), len(x)))
-    return EffortFit(
-        hypothesis, x, rows / data.size(rows), data.whitened.clusters, none, prior, data.misfit(rows) + prior
-    )
+    return _as_fit(data, hypothesis, x, rows, np.zeros((len(rows), len(x))))
+
+
+def _bounds(hypothesis: Hypothesis, nominal: int) -> tuple[Array, Array]:
+    """What physics allows of nominal deviations and effect parameters."""
+    lower = np.concatenate([np.full(nominal, -np.inf), *(m.effect.lower for m in hypothesis.members)])
+    return lower, np.concatenate([np.full(nominal, np.inf), *(m.effect.upper for m in hypothesis.members)])
+
+
+def _as_fit(data: EffortData, hypothesis: Hypothesis, x: Array, rows: Array, jacobian: Array) -> EffortFit:
+    """A hypothesis at x; rows: whitened residuals there, jacobian: of them in units of what each joint's leave."""
+    nominal = x[: len(data.model.nominal)]
+    prior = float(nominal @ nominal)
+    cost = data.misfit(rows) + prior
+    return EffortFit(hypothesis, x, rows / data.size(rows), data.whitened.clusters, jacobian, prior, cost)
 
 
 def spread(fitted: EffortFit, nominal: int) -> Array:

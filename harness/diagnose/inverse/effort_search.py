@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatibl
 from harness.diagnose.selection.study import log_choose
 
 Array = NDArray[np.float64]
+Ranked = list[tuple[float, Candidate, Array]]  # by how much smaller the cost would be; with a start each
 
 
 @dataclass(eq=False)
@@ -104,7 +106,7 @@ class EffortStudy:
         rows = self.held.rows(fitted.hypothesis, fitted.x)
         return self.criterion(fitted) + self.held.misfit(rows)
 
-    def ranked(self, base: EffortFit) -> list[tuple[float, Candidate, Array]]:
+    def ranked(self, base: EffortFit) -> Ranked:
         """Candidates by how much smaller their trace would make the cost beside what is fitted, with a start each."""
         here = self.data.rows(base.hypothesis, base.x)
         size = self.data.size(here)
@@ -124,9 +126,10 @@ class EffortStudy:
             traces = traces / size
             inside = traces @ seen
             along = traces @ rest[: len(here)] - inside @ (basis.T @ rest)
-            if candidate.effect.name in PLANES:
+            plane = PLANES.get(candidate.effect.name)
+            if plane is not None:
                 gram = traces @ traces.T - inside @ inside.T
-                gained, k, start = _in_plane(starts, along, gram, PLANES[candidate.effect.name])
+                gained, k, start = _in_plane(starts, along, gram, plane.values)
                 out.append((self._told(gained, traces[k]), candidate, start))
                 continue
             length = np.einsum("ij,ij->i", traces, traces) - np.einsum("ij,ij->i", inside, inside)
@@ -160,22 +163,22 @@ class EffortStudy:
             self.traces[candidate.key] = starts, np.array(rows)
         return self.traces[candidate.key]
 
-    def promising(self, base: EffortFit) -> list[tuple[Candidate, Array]]:
+    def promising(self, base: EffortFit, ranked: Ranked) -> list[tuple[Candidate, Array]]:
         """The candidates that come first beside a fit, without those that would not pay if their trace brought twice as much."""
-        first = self.ranked(base)[:MOST_CANDIDATES]
+        first = ranked[:MOST_CANDIDATES]
         return [(c, start) for gain, c, start in first if TRACE_RATIO * gain >= self.asks(base, c)]
 
     def asks(self, base: EffortFit, candidate: Candidate) -> float:
         """What one more effect has to bring."""
         return self.price(base.hypothesis.with_(candidate)) - self.price(base.hypothesis)
 
-    def at_every_joint(self, base: EffortFit, most: int) -> EffortFit | None:
+    def at_every_joint(self, base: EffortFit, ranked: Ranked, most: int) -> EffortFit | None:
         """A fit with the law that pays most at each joint, of all joints at once; None where fewer than two have one.
 
         Laws of one joint say nothing of another's effort, so that who adds them one by one asks the same again and again.
         """
         hypothesis, starts, sites = base.hypothesis, [base.x], set[str]()
-        for gain, candidate, start in self.ranked(base):
+        for gain, candidate, start in ranked:
             if candidate.effect.name not in LAWS or candidate.site in sites or gain < self.asks(base, candidate):
                 continue
             if len(hypothesis.members) < most:
@@ -200,19 +203,15 @@ class EffortStudy:
         """The best fit known of anything within ``base`` less member ``k``."""
         hypothesis = base.hypothesis.without(k)
         if hypothesis.identity not in self.fits:
-            span = base.hypothesis.span(k)
-            keep = np.ones(len(base.x), dtype=bool)
-            keep[self.nominal + span.start : self.nominal + span.stop] = False
-            self.fit(hypothesis, [base.x[keep]] if hypothesis.members else [base.x[keep], np.zeros(self.nominal)])
+            others = base.x[self._others(base, k)]
+            self.fit(hypothesis, [others] if hypothesis.members else [others, np.zeros(self.nominal)])
         return min((f for key, f in self.fits.items() if key <= hypothesis.identity), key=lambda f: f.cost)
 
     def seen_without(self, base: EffortFit, k: int) -> EffortFit:
         """Where ``base`` less member ``k`` would end were all linear, with its cost there: no less than that of its fit."""
-        hypothesis, span = base.hypothesis.without(k), base.hypothesis.span(k)
+        hypothesis, keep = base.hypothesis.without(k), self._others(base, k)
         if hypothesis.identity in self.fits:
             return self.reduce(base, k)
-        keep = np.ones(len(base.x), dtype=bool)
-        keep[self.nominal + span.start : self.nominal + span.stop] = False
         others = base.x[keep]
         # What the member did in the rows has to be made up for by the others, whose prior pulls the nominal ones.
         size = self.data.size(self.data.rows(base.hypothesis, base.x))
@@ -220,6 +219,12 @@ class EffortStudy:
         held = np.vstack([base.jacobian[:, keep], np.eye(self.nominal, len(others))])
         step = np.linalg.lstsq(held, np.concatenate([missing, np.zeros(self.nominal)]), rcond=None)[0]
         return unfitted(self.data, hypothesis, others + step)
+
+    def _others(self, base: EffortFit, k: int) -> NDArray[np.bool_]:
+        """Which numbers of a fit are not member ``k``'s."""
+        span, keep = base.hypothesis.span(k), np.ones(len(base.x), dtype=bool)
+        keep[self.nominal + span.start : self.nominal + span.stop] = False
+        return keep
 
     def plainer(self, base: EffortFit, k: int) -> EffortFit:
         """The better of ``base`` less member ``k`` and of what has a special case of it in its place."""
@@ -284,19 +289,39 @@ def _begun(candidate: Candidate, start: Array, times: float) -> Array:
     return asked if inside and np.any(asked != absent) else start
 
 
+class Plane(NamedTuple):
+    """A law that is a sum of two shapes, of any sizes.
+
+    starts: values of its parameters by a size of the first, in pairs, one of each shape; values: those that so many times the two
+    of a pair stand for, None where the law has none.
+    """
+
+    starts: Callable[[float], list[Array]]
+    values: Callable[[Array, Array], Array | None]
+
+
+def _waves(amplitude: float) -> list[Array]:
+    """Of each number of periods, whole ones that no slope leads to, a wave a quarter early and one on time."""
+    return [np.array([amplitude, float(n), phase]) for n in range(2, 13) for phase in (-np.pi / 2.0, 0.0)]
+
+
 def _wave(start: Array, times: Array) -> Array | None:
-    """Amplitude, periods and phase of so many times a wave a quarter early and one on time: −A sin φ and A cos φ."""
+    # The first is −A sin φ times there, the other A cos φ times.
     amplitude = float(start[0] * np.hypot(*times))
     return np.array([amplitude, start[1], np.arctan2(-times[0], times[1])]) if amplitude > 0.0 else None
 
 
+def _springs(stiffness: float) -> list[Array]:
+    """One that is slack at one radian below zero, and one above."""
+    return [np.array([stiffness, -1.0]), np.array([stiffness, 1.0])]
+
+
 def _spring(start: Array, times: Array) -> Array | None:
-    """Stiffness and rest angle of so many times a spring that is slack at one radian below zero and one above."""
     whole = float(np.sum(times))
     return np.array([start[0] * whole, (times[1] - times[0]) / whole]) if whole > 0.0 else None
 
 
-PLANES = {"cogging_torque": _wave, "joint_stiffness": _spring}  # laws that are a sum of two shapes, of any sizes
+PLANES = {"cogging_torque": Plane(_waves, _wave), "joint_stiffness": Plane(_springs, _spring)}
 
 
 def _in_plane(
@@ -319,15 +344,11 @@ def _in_plane(
 def starts_of(candidate: Candidate) -> list[Array]:
     """Starting values of a candidate's parameters [SI]."""
     each = [p.start_values(candidate.references) for p in candidate.effect.parameters]
+    plane = PLANES.get(candidate.effect.name)
+    if plane is not None:
+        return plane.starts(float(each[0][0]))
     combinations = [np.array(c) for c in product(*each)]
     step = max(1, len(combinations) // MOST_STARTS)
-    if candidate.effect.name == "joint_stiffness":
-        return [np.array([each[0][0], -1.0]), np.array([each[0][0], 1.0])]
-    if candidate.effect.name == "cogging_torque":
-        # Periods are whole numbers that no slope leads to.
-        phases = (-np.pi / 2.0, 0.0)
-        amplitude = each[0][0]
-        return [np.array([amplitude, float(n), phase]) for n in range(2, 13) for phase in phases]
     return combinations[::step]
 
 
@@ -351,8 +372,9 @@ def search(
             best = beam[0]
         grown: list[EffortFit] = []
         for base in beam:
-            together = study.at_every_joint(base, most)
-            grown += [study.glance(base, candidate, start) for candidate, start in study.promising(base)]
+            ranked = study.ranked(base)
+            together = study.at_every_joint(base, ranked, most)
+            grown += [study.glance(base, candidate, start) for candidate, start in study.promising(base, ranked)]
             grown += [] if together is None else [together]
         progress(f"efforts, {max((len(f.hypothesis.members) for f in grown), default=0)} effects")
         if not grown:

@@ -28,7 +28,9 @@ def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
     """
     fitted = _swapped(study, fitted)
     while True:
-        grown = [study.extend(fitted, candidate, start) for candidate, start in study.promising(fitted)]
+        grown = [
+            study.extend(fitted, candidate, start) for candidate, start in study.promising(fitted, study.ranked(fitted))
+        ]
         best = min(grown, key=study.criterion, default=fitted)
         if study.criterion(best) >= study.criterion(fitted):
             return fitted

@@ -31,8 +31,8 @@ class InWords:
 
     title: str
     site: str
-    values: Mapping[str, Estimate]
-    units: Mapping[str, str]
+    values: dict[str, Estimate]
+    units: dict[str, str]
     others: Sequence[str] = ()
 
 
@@ -43,7 +43,7 @@ def gathered(found: Sequence[InWords]) -> list[str]:
         names = {name for f in alike for name in f.values}
         units = {written(unit) for f in alike for unit in f.units.values()}
         if len(alike) == 1 or len(names) != 1 or len(units) != 1:
-            out += [finding_words(f.title, f.site, dict(f.values), dict(f.units)) for f in alike]
+            out += [finding_words(f.title, f.site, f.values, f.units) for f in alike]
             continue
         (unit,) = units
         each = [
