@@ -3,7 +3,6 @@
     git clone https://github.com/JonasWeigand/Robot_Identification SOURCE
     python benchmarks/kr300.py --source SOURCE --out kr300
     denoc diagnose kr300/A.csv kr300/B.csv kr300/C.csv --model kr300/model.toml --fit-effort
-    python benchmarks/kr300.py --source SOURCE --encoders    # what the encoders behind the gears read less than the motors'
 
 The model is its authors' (KUKA Quantec Ultra KR300, ``robot_model/``): links, rotors and gears, without the friction and the
 hydraulic counterbalance of axis 2 that their own simulation adds. Nothing of theirs (MIT) is part of this repository.
@@ -13,17 +12,15 @@ from __future__ import annotations
 
 import argparse
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.io import loadmat
-from scipy.signal import butter, sosfiltfilt
 from scipy.spatial.transform import Rotation
 
-from harness.denoc.model import Denoc
 from harness.system import Joint, JointType, Link, System
 from harness.system.write import write
 
@@ -34,7 +31,7 @@ ZEROS = np.deg2rad([0.0, -90.0, 90.0, 0.0, 0.0, 0.0])
 # What hangs on the flange [kg]: they identify 3.05 steps of 25 kg from 75 kg on, which is 151 kg, and 0.1 m beyond it.
 PAYLOAD, FLANGE, PAYLOAD_AT, FLANGE_AT = 150.0, 17.78, 0.1, -0.05
 RECORDINGS = "ABC"
-SEEN_BELOW, STILL, ENDS = 3.0, 0.01, 100  # Hz, rad/s, samples: of the encoders
+SECOND = 3  # axes with an encoder behind the gear
 
 
 @dataclass(frozen=True)
@@ -121,47 +118,32 @@ def recorded(source: Path, name: str) -> Any:
     return loadmat(str(folder / "data.mat"), squeeze_me=True, struct_as_record=False)
 
 
-def encoders(source: Path, system: System) -> None:
-    """Motors' positions less those behind the gears, by least squares on the links' torque, the speed, its sign and one."""
-    links = Denoc(replace(system, joints=tuple(replace(joint, armature=0.0) for joint in system.joints)))
-    for name in RECORDINGS:
-        seen = recorded(source, name)["rec"]
-        step = float(seen.time_cont[1] - seen.time_cont[0])
-        low_pass = butter(2, SEEN_BELOW, fs=1.0 / step, output="sos")
-        motor, behind = (
-            sosfiltfilt(low_pass, np.deg2rad(x).T, axis=0) for x in (seen.act_pos_mot_deg, seen.act_pos_se_deg)
-        )
-        speed = np.gradient(motor, step, axis=0)
-        torque = links.inverse_dynamics_batch(motor, speed, np.gradient(speed, step, axis=0))
-        for k in range(3):
-            signs = np.tanh(speed[:, k] / STILL)
-            shapes = np.stack([torque[:, k], speed[:, k], signs, np.ones(len(signs))], axis=1)[ENDS:-ENDS]
-            twist = (motor - behind)[ENDS:-ENDS, k]
-            found = np.linalg.lstsq(shapes, twist, rcond=None)[0]
-            share = 1.0 - np.var(twist - shapes @ found) / np.var(twist)
-            late, stiff = 1e3 * found[1], 1e-6 / found[0]
-            print(f"{name} a{k + 1}: {late:.2f} ms of the speed, {stiff:.1f} MN·m/rad, {100.0 * share:.1f} % explained")
-
-
 def main() -> None:
     """Read the authors' folder, write model and recordings."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--source", type=Path, required=True)
-    parser.add_argument("--out", type=Path, default=Path("kr300"))
-    parser.add_argument("--encoders", action="store_true", help="tell what the second encoders read, and write nothing")
+    parser.add_argument("--out", type=Path, required=True)
     args = parser.parse_args()
     (file,) = (args.source / "robot_model").glob("*.m")
     system = system_of(axes_of(file.read_text(encoding="utf-8", errors="replace")))
-    if args.encoders:
-        encoders(args.source, system)
-        return
     args.out.mkdir(parents=True, exist_ok=True)
     write(system, args.out / "model.toml")
     for name in RECORDINGS:
         whole = recorded(args.source, name)
         seen, gear = whole["rec"], np.asarray(whole["para"].u)
-        columns = [seen.time_cont, *np.deg2rad(seen.act_pos_mot_deg), *(gear[:, None] * seen.act_torque_abs_nm)]
-        heads = ["time", *(f"a{k}.position" for k in range(1, 7)), *(f"a{k}.effort" for k in range(1, 7))]
+        behind = np.deg2rad(seen.act_pos_se_deg)[:SECOND]
+        columns = [
+            seen.time_cont,
+            *np.deg2rad(seen.act_pos_mot_deg),
+            *behind,
+            *(gear[:, None] * seen.act_torque_abs_nm),
+        ]
+        heads = [
+            "time",
+            *(f"a{k}.position" for k in range(1, 7)),
+            *(f"a{k}.link_position" for k in range(1, SECOND + 1)),
+        ]
+        heads += [f"a{k}.effort" for k in range(1, 7)]
         np.savetxt(
             args.out / f"{name}.csv",
             np.transpose(columns),

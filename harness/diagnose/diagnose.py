@@ -32,6 +32,8 @@ from harness.diagnose.problem.tolerances import Tolerance, with_tolerances
 from harness.diagnose.selection import effort_hold
 from harness.diagnose.selection.beam_search import Effort
 from harness.diagnose.selection.investigation import investigate
+from harness.diagnose.transmission.second_encoders import parted
+from harness.diagnose.transmission.transmission import as_of_one_body, links_apart, with_second_encoders
 from harness.effects.catalogue import register
 from harness.effects.effect import Effect
 from harness.effects.scale import swings
@@ -115,6 +117,7 @@ def diagnose(
     if not system.drives:
         # What these look for is the motion of a mechanism that nothing holds.
         read = _conditioned(every_system, read)
+    read, second = parted(read)
     held = read.pop() if holdout is not None else None
     made_from = provenance(system, models, read, held)
     steps = 0
@@ -129,7 +132,10 @@ def diagnose(
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     register(further)
     if fit_effort:
-        by_effort = diagnose_effort(system, read, held, only=only, further=further, tell=tell, deadline=deadline)
+        second = links_apart(system, read, held, second)
+        rigid, last = as_of_one_body(system, read, held, second)
+        by_effort = diagnose_effort(system, rigid, last, only=only, further=further, tell=tell, deadline=deadline)
+        by_effort = with_second_encoders(by_effort, system, read, held, second)
         return replace(by_effort, provenance=made_from, notes=notes)
     first: Diagnosis | None = None
     if not further and not any(payloads):
@@ -157,7 +163,8 @@ def diagnose(
     tell("telling")
     notes += assemblies.told(outcome.predictor, outcome.problem.runs)
     found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
-    return replace(instead(found, first) or found, provenance=made_from, notes=notes)
+    found = with_second_encoders(instead(found, first) or found, system, read, held, second)
+    return replace(found, provenance=made_from, notes=notes)
 
 
 def _no_tree(system: System) -> UnsupportedError:

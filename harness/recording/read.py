@@ -21,7 +21,7 @@ from harness.recording.folded import unfold
 from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
 from harness.recording.magnitudes import LEAST, without_absurd
-from harness.recording.recording import GIVEN, SPATIAL_UNITS, Channel, QualityNote, Recording
+from harness.recording.recording import GIVEN, POSITIONS, SPATIAL_UNITS, Channel, QualityNote, Recording
 from harness.recording.rezero import undo_rezeroing
 from harness.recording.stale import find_stale
 from harness.recording.stamp_pattern import healed
@@ -213,7 +213,7 @@ def _channel(
     rows = _finite(table.columns[column.header] + table.origins.get(column.header, 0.0)) * factor
     rows, notes = without_absurd(column.name, unit, rows, column.header, table.lines, file)
     values = grouped_mean(rows, timing.groups, len(timing.time))
-    if column.quantity == "position":
+    if column.quantity in POSITIONS:
         # Made continuous in the file's own samples: the mean of two of them across a jump would be neither.
         samples = values
         if len(timing.time) != len(rows):
@@ -230,7 +230,7 @@ def _channel(
         values, stale = find_stale(column.name, timing.time, values, step)
         if stale is not None:
             notes.append(stale)
-    if column.quantity == "position":
+    if column.quantity in POSITIONS:
         values, outliers = find_outliers(column.name, timing.time, values, step)
         if outliers is not None:
             notes.append(outliers)

@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 from harness.notebook import frame, html_table
 from harness.system.description import Array
 
-JOINT_QUANTITIES = ("position", "velocity", "effort", "command")
+JOINT_QUANTITIES = ("position", "velocity", "link_position", "effort", "command")
 GIVEN = ("effort", "command")  # inputs, not measured
+POSITIONS = ("position", "link_position")  # by the encoder of a joint or its drive, and by one behind the gear
 LINK_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")
 QUANTITIES = JOINT_QUANTITIES + LINK_QUANTITIES
 
 UNITS = {
     "position": "rad",
     "velocity": "rad/s",
+    "link_position": "rad",
     "effort": "N*m",
     "command": "1",
     "tip_deflection": "m",
@@ -34,7 +36,7 @@ SPATIAL_UNITS = {
     **{f"velocity.w{name}": "rad/s" for name in SHIFTED},
 }
 UNITS |= SPATIAL_UNITS
-LINEAR_UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}  # at a prismatic joint
+LINEAR_UNITS = {"position": "m", "velocity": "m/s", "link_position": "m", "effort": "N"}  # at a prismatic joint
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.errors import InputError
-from harness.recording.recording import LINEAR_UNITS, SPATIAL_UNITS, UNITS
+from harness.recording.recording import LINEAR_UNITS, POSITIONS, SPATIAL_UNITS, UNITS
 
 if TYPE_CHECKING:
     import pint
@@ -168,7 +168,7 @@ def _parsed(text: str, quantity: str, prismatic: bool | None) -> Any:
     """A ``pint`` quantity, or None if the text is none."""
     spelt = text.translate(SIGNS)
     spelt = SPELLINGS.get(quantity, {}).get(spelt, spelt)
-    if quantity == "position" and prismatic and spelt in ("mil", "mils"):
+    if quantity in POSITIONS and prismatic and spelt in ("mil", "mils"):
         spelt = "thou"
     if quantity == "effort":
         for pattern, replacement in TORQUES:
@@ -212,7 +212,7 @@ def _is_strain(text: str, given: Any) -> bool:
 
 def _mend(text: str, given: Any, quantity: str, prismatic: bool | None) -> str:
     counted = COUNTED.search(text) is not None if given is None else set(_roots(given)) <= {"count", "bit", "second"}
-    if quantity in ("position", "velocity") and counted:
+    if quantity in (*POSITIONS, "velocity") and counted:
         per = "/s" if quantity == "velocity" else ""
         if prismatic:
             return f"a plain number needs what it stands for, as 0.005 mm{per} for a count of 5 µm"
@@ -239,6 +239,7 @@ def _examples(quantity: str) -> str:
     return {
         "time": "s, ms, us",
         "position": "rad, deg, turn (or m, mm of a prismatic joint)",
+        "link_position": "rad, deg, turn (or m, mm of a prismatic joint)",
         "velocity": "rad/s, deg/s, rpm (or m/s of a prismatic joint)",
         "effort": "N*m, mN*m (or N of a prismatic joint)",
         "tip_deflection": "m, mm, um",

@@ -15,7 +15,12 @@ from harness.whole_files import staged, write_whole
 
 Columns = Mapping[str, Any]
 # Of joints that turn and of those that slide.
-JOINT_UNITS = {"position": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N·m", "N")}
+JOINT_UNITS = {
+    "position": ("rad", "m"),
+    "link_position": ("rad", "m"),
+    "velocity": ("rad/s", "m/s"),
+    "effort": ("N·m", "N"),
+}
 ENDINGS = (".csv", ".csv.gz", ".parquet")
 
 

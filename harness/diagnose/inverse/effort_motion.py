@@ -36,7 +36,7 @@ from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
 from harness.effects.scale import swings
 from harness.errors import InputError
 from harness.recording.noise import estimate_noise
-from harness.recording.recording import Recording
+from harness.recording.recording import Channel, Recording
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -256,7 +256,7 @@ def _short_slopes(
     channel = recording.channel(f"{joint}.position")
     good = np.isfinite(channel.values)
     even = np.arange(0.0, recording.time[-1] + 0.5 * recording.interval, recording.interval)
-    noise, fastest = _reading_noise(recording, joint), float(np.abs(smooth).max())
+    noise, fastest = reading_noise(recording, channel), float(np.abs(smooth).max())
 
     def unsure(count: int) -> float:
         return STILL_SIGMAS * noise / recording.interval * float(np.sqrt(12.0 / (count * (count**2 - 1.0))))
@@ -275,22 +275,21 @@ def motion_noise(recording: Recording, joint: str, cutoff: float, order: int) ->
 
     White noise of the position: ∫₀^f (2πf)^(2k) S df with S = 2 σ² Δt.
     """
-    density = 2.0 * _reading_noise(recording, joint) ** 2 * recording.interval
+    density = 2.0 * reading_noise(recording, recording.channel(f"{joint}.position")) ** 2 * recording.interval
     power = 2 * order + 1
     return float(np.sqrt((2.0 * np.pi) ** (2 * order) * density * cutoff**power / power))
 
 
 # Every cutoff that is tried asks for the same noise again.
-_KNOWN: WeakKeyDictionary[Recording, dict[str, float]] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Channel, float] = WeakKeyDictionary()
 
 
-def _reading_noise(recording: Recording, joint: str) -> float:
-    """Standard deviation of the noise of a joint's position."""
-    known = _KNOWN.setdefault(recording, {})
-    if joint not in known:
-        channel = recording.channel(f"{joint}.position")
-        known[joint] = estimate_noise(recording.time, channel.values, unit=channel.unit, channel=channel.name).std
-    return known[joint]
+def reading_noise(recording: Recording, channel: Channel) -> float:
+    """Standard deviation of the noise of what one of a recording's sensors reads."""
+    if channel not in _KNOWN:
+        found = estimate_noise(recording.time, channel.values, unit=channel.unit, channel=channel.name)
+        _KNOWN[channel] = found.std
+    return _KNOWN[channel]
 
 
 def pace(system: System, recording: Recording) -> float:
@@ -313,7 +312,7 @@ def driven_at(recording: Recording, joint: str) -> float:
     power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))) ** 2
     frequency = np.fft.rfftfreq(len(values), recording.interval)
     # Of white noise all frequencies have as much.
-    power = np.maximum(power - _reading_noise(recording, joint) ** 2 * 0.375 * len(values), 0.0)
+    power = np.maximum(power - reading_noise(recording, channel) ** 2 * 0.375 * len(values), 0.0)
     total = float(power.sum())
     return float(np.sqrt(np.sum(frequency**2 * power) / total)) if total > 0.0 else 0.0
 
