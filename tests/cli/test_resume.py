@@ -126,6 +126,7 @@ REFERENCE = """{"case": "c", "quantity": "q", "engines": ["denoc", "mujoco"], "d
  "why_allowed": "", "verdict": "pass", "note": "", "first_divergence": null}"""
 
 
+@pytest.mark.slow
 def test_a_long_self_test_goes_on_behind_the_last_fault_it_tried(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

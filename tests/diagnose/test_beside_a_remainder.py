@@ -6,6 +6,7 @@ Truth: the textbook equations of a rotor and of a pendulum, integrated by SciPy,
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 from simulated_recordings import Rig, nominal, recording, releases
 
@@ -45,6 +46,7 @@ def braked_one_way(seed: int) -> Recording:
     return recording(f"run{seed}", time, {"shaft.position": noisy, "shaft.effort": effort})
 
 
+@pytest.mark.slow
 def test_drag_in_one_sense_is_not_told_as_a_torque_and_friction() -> None:
     told = diagnose([braked_one_way(seed) for seed in (3, 4, 5)], model=rotor(), only=ROTOR_LAWS)
     assert told.verdict in ("unexplained", "partly_explained")
@@ -53,6 +55,7 @@ def test_drag_in_one_sense_is_not_told_as_a_torque_and_friction() -> None:
     assert not {"constant_torque", "stribeck_friction"} & firmly
 
 
+@pytest.mark.slow
 def test_beside_a_magnet_no_law_of_friction_is_told_for_certain() -> None:
     rig = Rig(viscous=2e-3, torque=lambda t, q, v: -q * float(np.exp(-((q / 0.12) ** 2))))
     told = diagnose(releases(rig, (0.8, 0.4, 0.6), NOISE, seed=21, duration=16.0), model=nominal(), only=SWING_LAWS)

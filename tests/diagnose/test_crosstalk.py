@@ -22,6 +22,7 @@ def _leaking(run: Recording, share: float) -> Recording:
     return replace(run, channels=(shoulder, mixed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2])
 def test_it_is_told_as_what_it_is(count: int) -> None:
     system, runs = double_pendulum(0.0, NOISE, 3)

@@ -59,6 +59,7 @@ def found() -> Diagnosis:
     return diagnose(runs, model=nominal(), only=ONLY)
 
 
+@pytest.mark.slow
 def test_the_force_is_told_with_its_size_and_memory(found: Diagnosis) -> None:
     (row,) = found.to_json()["discrepancy"]
     assert (row["joint"], row["unit"]) == ("pivot", "N*m")
@@ -69,6 +70,7 @@ def test_the_force_is_told_with_its_size_and_memory(found: Diagnosis) -> None:
     assert "a force of" in found.summary
 
 
+@pytest.mark.slow
 def test_what_acts_beside_it_is_found_and_nothing_else(found: Diagnosis) -> None:
     told = [f for f in found.findings if f["grade"] != "possible"]
     assert [(f["effect"], f["grade"]) for f in told] == [("viscous_damping", "established")]
