@@ -62,14 +62,10 @@ class JointTwist:
         return _size(self.held, self.fitted) <= COMPLETE_RATIO * self.noise
 
     def fit(self) -> dict[str, Any]:
-        """Its row of ``fit``: as read, with a zero of every recording, and with what was found."""
+        """Its row of ``fit``: as read, and with what was found, both beside a zero of every recording, which is no error."""
         row: dict[str, Any] = {"channel": self.channel, "unit": self.unit, "noise_floor": self.noise}
-        for name, size in (
-            ("nominal", _raw),
-            ("refitted", lambda runs: _size(runs, None)),
-            ("augmented", lambda runs: _size(runs, self.fitted)),
-        ):
-            row[name] = {"train_rmse": size(self.train), "heldout_rmse": size(self.held)}
+        for name, fitted in (("nominal", None), ("refitted", None), ("augmented", self.fitted)):
+            row[name] = {"train_rmse": _size(self.train, fitted), "heldout_rmse": _size(self.held, fitted)}
         return row
 
     def findings(self) -> list[dict[str, Any]]:
@@ -203,10 +199,6 @@ def sentence(joints: Sequence[JointTwist], rows: Sequence[dict[str, Any]]) -> st
     )
     told = f"By the encoders behind the gears, {holding_up(gathered(found), share)}; {rest}."
     return " ".join([told, *unsure])
-
-
-def _raw(runs: Sequence[TwistRun]) -> float:
-    return float(np.sqrt(np.mean(np.concatenate([run.twist for run in runs]) ** 2)))
 
 
 def _size(runs: Sequence[TwistRun], fitted: TwistFit | None) -> float:
