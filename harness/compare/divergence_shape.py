@@ -1,4 +1,4 @@
-"""In what way two motions part: by a constant, in proportion to time, in phase, or exponentially; and what the steps alone make."""
+"""In what way two motions part: by a constant, in proportion to time, in phase, or exponentially."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ Array = NDArray[np.float64]
 
 # Share of the difference's square that a shape must explain to be named.
 ENOUGH = 0.9
-# A difference is the model's where it is this many times what halving the steps changes.
-CLEAR = 5.0
 # An exponential must be seen over this factor: below, a power of time runs as it does.
 SEEN = 100.0
 # For this share of the run at least: how any difference begins is no course.
@@ -44,11 +42,27 @@ def shape_of(time: Array, first: Array, second: Array) -> str:
     if _turns(rate) >= 2:
         # One runs ahead: a clock that is off by a constant, and by a rate.
         courses["phase"] = np.column_stack([rate, rate * since])
-    explained = {name: _explained(course, apart) for name, course in courses.items()}
+    # An offset may begin behind the first sample.
+    late = {"offset": 1}
+    explained = {name: _explained(c[late.get(name, 0) :], apart[late.get(name, 0) :]) for name, c in courses.items()}
     best = max(explained, key=lambda name: explained[name])
     if explained[best] >= ENOUGH:
         return best
     return "secular" if _swells(since, apart) else ""
+
+
+def course_of(time: Array, first: Array, second: Array, begins: int | None = None) -> dict[str, object]:
+    """``shape`` of a difference, and ``growth`` [1/s] of an exponential one, where they can be told.
+
+    begins: sample at which it first shows; what was one motion until then has no part in the shape.
+    """
+    since = slice(max((begins or 0) - 1, 0), None)
+    time, first, second = time[since], first[since], second[since]
+    shape = shape_of(time, first, second)
+    if not shape:
+        return {}
+    rate = growth(time, second - first) if shape == "exponential" else None
+    return {"shape": shape} | ({} if rate is None else {"growth": rate})
 
 
 def growth(time: Array, apart: Array) -> float | None:
@@ -131,19 +145,3 @@ def _explained(course: Array, apart: Array, *, centred: bool = False) -> float:
     whole = apart - apart.mean() if centred else apart
     square = float(whole @ whole)
     return 1.0 - float(left @ left) / square if square > 0.0 else 0.0
-
-
-def by_steps(
-    difference: float, floors: dict[str, float], how: str = "halving the step", *, one_equation: bool = False
-) -> str:
-    """Whether a difference is the model's or the steps', by what halving its steps changes in each engine [rad or m].
-
-    how: what was done instead, where an engine chooses its steps. one_equation: whether accelerations are known to agree.
-    """
-    if not floors:
-        return ""
-    said = ", ".join(f"{name} by {floor:.1e}" for name, floor in floors.items())
-    if difference > CLEAR * max(floors.values()):
-        cause = "no smaller step mends the integration" if one_equation else "it is the model, not the integration"
-        return f"{how} moves {said}: {cause}"
-    return f"{how} moves {said}: below that there is no verdict, the integration may be all of it"

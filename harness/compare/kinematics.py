@@ -15,10 +15,14 @@ Array = NDArray[np.float64]
 
 # Share of a velocity by which the positions may go otherwise: a difference over two samples knows it no better.
 ENOUGH = 0.1
+# Of the square of what they leave it by, what a factor may leave.
+BY_A_FACTOR = 0.1
 
 
-def astray(system: System, run: Trajectory) -> tuple[str, float] | None:
+def astray(system: System, run: Trajectory) -> tuple[str, float | None] | None:
     """The coordinate whose positions leave its velocity furthest, and how fast they go as a share of it; None where all follow.
+
+    The share is None where it is not by a factor that they leave it, as where they jump.
 
     run: with at least three even samples, close enough together that velocities change little from one to the next.
     """
@@ -38,7 +42,10 @@ def astray(system: System, run: Trajectory) -> tuple[str, float] | None:
     worst = int(np.argmax(apart))
     if not apart[worst] > ENOUGH:
         return None
-    return run.names[worst], float(gone[:, worst] @ said[:, worst] / (said[:, worst] @ said[:, worst]))
+    went, due = gone[:, worst], said[:, worst]
+    share = float(went @ due / (due @ due)) if due.any() else 0.0
+    left, whole = went - share * due, went - due
+    return run.names[worst], share if left @ left < BY_A_FACTOR * (whole @ whole) else None
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def _place(key: str, value: object) -> str:
     if key == "value":
         # A number of the description, of the link or joint named before it.
         return _short(value).replace("_", " ")
-    return f"{key} {_short(value)}" + {"time": " s", "growth": " 1/s"}.get(key, "")
+    return f"{key} {_short(value)}" + {"time": " s", "begins": " s", "growth": " 1/s"}.get(key, "")
 
 
 def _short(value: object) -> str:

@@ -14,7 +14,7 @@ from harness.cases.checks import TrajectoryAgreement
 from harness.cases.gate.defects import Defect, SpoiledEngine
 from harness.cases.pendulums import GRAVITY
 from harness.cases.run import run_case
-from harness.compare.divergence_shape import by_steps, growth, shape_of
+from harness.compare.divergence_shape import course_of, growth, shape_of
 from harness.denoc import Denoc
 from harness.engines import registry
 from harness.system import System
@@ -104,8 +104,12 @@ def test_a_row_says_that_motions_parted_exponentially_and_how_fast():
     assert RATE < where["growth"] < 1.5 * RATE
 
 
-def test_no_verdict_below_what_the_steps_make():
-    assert "it is the model" in by_steps(1e-3, {"denoc": 1e-9, "mujoco": 1e-6})
-    assert "the model" not in by_steps(1e-3, {"denoc": 1e-9, "mujoco": 1e-6}, one_equation=True)
-    assert "no verdict" in by_steps(2e-6, {"denoc": 1e-9, "mujoco": 1e-6})
-    assert by_steps(1e-3, {}) == ""
+@pytest.mark.parametrize(
+    ("later", "shape"),
+    [(lambda t: 1e-3 + 0.0 * t, "offset"), (lambda t: 1e-3 * t, "secular"), (lambda t: 1e-3 * t**2, "secular")],
+)
+def test_the_shape_is_read_from_where_the_difference_begins(later, shape):
+    """A long time as one motion, then a jump, looks exponential over the whole run."""
+    apart = np.where(TIME >= 5.0, later(TIME - 5.0), 0.0)
+    begins = int(np.argmax(apart > 0.0))
+    assert course_of(TIME, SWING, SWING + apart, begins) == {"shape": shape}

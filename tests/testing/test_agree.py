@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import shutil
@@ -13,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.denoc import Denoc
 from harness.engines import own, registry
 from harness.errors import InputError
 from harness.system import load, random_chain
@@ -297,3 +299,78 @@ def test_the_example_is_the_model_it_says():
         load(EXAMPLE / "pendulum.urdf").joint_names
         == load(ROOT / "models" / "urdf" / "rigid_pendulum.urdf").joint_names
     )
+
+
+def stepped(length=None, after=0.0, equations=True, stated=True):
+    """The native equations by Euler's steps; length: of its own, whatever is asked; after: when gravity grows by a tenth."""
+
+    def build(system):
+        heavier = Denoc(replace(system, gravity=constant(1.1 * system.gravity)))
+        model = Denoc(system)
+
+        def run(q0, qd0, time, step):
+            q, v, rows = q0.copy(), qd0.copy(), [(q0, qd0)]
+            for begin, end in itertools.pairwise(time):
+                count = int(np.ceil((end - begin) / step - 1e-9))
+                for k in range(count):
+                    h = (end - begin) / count
+                    late = after > 0.0 and begin + k * h >= after - 1e-9
+                    a = (heavier if late else model).forward_dynamics(q, v, np.zeros_like(q))
+                    # Of order two, so that what gravity does stands out where it is asked for.
+                    q, v = (q + h * v + 0.5 * h * h * a, v + h * a) if after else (q + h * v, v + h * a)
+                rows.append((q, v))
+            return tuple(np.array(part) for part in zip(*rows, strict=True))
+
+        class Model:
+            if equations:
+
+                def forward_dynamics(self, q, qd, tau):
+                    return model.forward_dynamics(q, qd, tau)
+
+            if stated:
+
+                def simulate(self, q0, qd0, time, step=None):
+                    return run(q0, qd0, time, step or length)
+
+            else:
+
+                def simulate(self, q0, qd0, time):
+                    return run(q0, qd0, time, length)
+
+        return Model()
+
+    return build
+
+
+@pytest.mark.parametrize(
+    ("engine", "step", "said", "never"),
+    [
+        (stepped(), 1e-3, "cause solver", "it is the model"),
+        (stepped(equations=False), 1e-3, "cause solver", "it is the model"),
+        # One that does not answer to a step: by its own equations, or not at all.
+        (
+            stepped(1e-3, stated=False),
+            1e-3,
+            "integrating its own equations closely moves build",
+            "finer integration mends",
+        ),
+        (stepped(1e-3, equations=False, stated=False), 1e-3, "answers to no step", "it is the model"),
+        # And one whose own step nobody was told.
+        (stepped(1e-3, equations=False), None, "cause solver", "it is the model"),
+    ],
+)
+def test_an_error_of_an_integrator_is_not_taken_for_the_model(engine, step, said, never):
+    with pytest.raises(AssertionError) as failed:
+        assert_dynamics_agree(engine, CART, quantities=["trajectory"], step=step)
+    assert said in str(failed.value)
+    assert never not in str(failed.value)
+
+
+def test_a_force_that_sets_in_later_is_told_from_when_it_does():
+    with pytest.raises(AssertionError) as failed:
+        assert_dynamics_agree(
+            stepped(after=0.5, equations=False), CART, quantities=["trajectory"], allowed_trajectory=1e-3, step=1e-4
+        )
+    text = str(failed.value)
+    assert 0.5 <= float(re.search(r"begins ([0-9.]+) s", text).group(1)) <= 0.56
+    assert "exponential" not in text

@@ -8,9 +8,13 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
-from harness.cases.checks.trajectory import initial_state, step_of, unit_of
-from harness.compare.trajectories import compare, horizon, separation
+from harness.cases.checks.finer import finer, step_of
+from harness.cases.checks.trajectory import initial_state, unit_of
+from harness.compare.divergence_shape import course_of
+from harness.compare.parting import Motion, parting
+from harness.compare.trajectories import Difference, compare, horizon, separation
 from harness.errors import UnsupportedError
+from harness.system import Trajectory
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,7 @@ class ChaoticAgreement:
                 yield bench.skipped(self.quantity, (NATIVE, name), str(error))
                 continue
             found = compare(ours, run, self.allowed, until=reach.until)
+            place, said = self._parted(bench, name, ours, run, found)
             yield bench.row(
                 self.quantity,
                 (NATIVE, name),
@@ -59,11 +64,31 @@ class ChaoticAgreement:
                 self.allowed,
                 unit=unit,
                 why=f"a nudge of {self.nudge:g} {unit} grows to this by the horizon; integration errors do the same",
-                note=reach.sentence(),
-                first_divergence=None if found.first is None else asdict(found.first),
+                note="; ".join(filter(None, [reach.sentence(), said])),
+                first_divergence=place,
             )
             _, apart = separation(ours, run)
             yield self._line(bench, name, time, apart.max(axis=1), reach.until)
+
+    def _parted(
+        self, bench: Bench, name: str, ours: Trajectory, run: Trajectory, found: Difference
+    ) -> tuple[dict[str, object] | None, str]:
+        """Where and how an engine parts within the horizon, and whether that is its model or how it is integrated."""
+        if found.first is None:
+            return None, ""
+        start = initial_state(bench.system, dict(self.position), dict(self.velocity))
+        names = [joint for joint in ours.position_names if joint in run.position_names]
+        within = ours.time <= found.until
+
+        def motion_of(engine: str, motion: Trajectory) -> Motion:
+            again = finer(bench.system, engine, bench.models[engine], *start, motion, step_of(engine, self.step))
+            return Motion.of(engine, motion, again, names).until(within)
+
+        time, first, second = ours.time[within], motion_of(NATIVE, ours), motion_of(name, run)
+        parted = parting(time, first, second, self.allowed)
+        column = names.index(found.first.coordinate)
+        course = course_of(time, first.position[:, column], second.position[:, column], parted.begins)
+        return {**asdict(found.first), **parted.place(time), **course}, parted.words
 
     def _line(self, bench: Bench, label: str, time: Array, difference: Array, horizon: float) -> Series:
         # What is exactly equal has no place on a logarithmic axis.

@@ -9,7 +9,8 @@ import numpy as np
 
 from harness.cases.case import NATIVE, Bench, Row, Series
 from harness.cases.checks.equation_blame import Told, blamed, explained_by, weight_told_apart
-from harness.cases.checks.trajectory import initial_state, step_of
+from harness.cases.checks.finer import step_of
+from harness.cases.checks.trajectory import initial_state
 from harness.compare.attribution import attribute
 from harness.compare.lane_accelerations import LANES, of_lanes
 from harness.denoc.lanes.model import LaneModel

@@ -9,9 +9,10 @@ import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Row, Series, thin
 from harness.cases.checks.equation_blame import Told, blamed
-from harness.compare.divergence_shape import by_steps, growth, shape_of
+from harness.cases.checks.finer import finer, step_of
+from harness.compare.divergence_shape import course_of
 from harness.compare.kinematics import astray, broken
-from harness.engines.denoc_native import NativeModel
+from harness.compare.parting import Motion, Parting, parting
 from harness.engines.protocol import EngineError
 from harness.errors import UnsupportedError
 from harness.system import System, Trajectory
@@ -24,8 +25,6 @@ INTEGRATION = "the accelerations agree, so it is the integration"
 CLOSE = 2e-3
 # Of a run, by which fixed steps are looked at.
 MOST_STEPS = 1000
-# Engines that choose their steps by tolerance; a step asked for is meant for the others.
-ADAPTIVE = ("denoc", "pinocchio", "analytic")
 
 
 @dataclass(frozen=True)
@@ -53,26 +52,25 @@ class TrajectoryAgreement:
     def run(self, bench: Bench) -> Iterable[Row | Series]:
         q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
         time = np.linspace(0.0, self.duration, round(self.duration * self.rate) + 1)
-        signals: dict[str, dict[str, Array]] = {}
+        runs: dict[str, Trajectory] = {}
         reasons: dict[str, str] = {}
         for name, model in bench.models.items():
             try:
-                signals[name] = pick(
-                    model.simulate(q0, qd0, time, step=step_of(name, self.step)), bench.system, self.signal
-                )
+                runs[name] = model.simulate(q0, qd0, time, step=step_of(name, self.step))
             except UnsupportedError as error:
                 reasons[name] = str(error)
-        if NATIVE not in signals:
+        if NATIVE not in runs:
             yield bench.skipped(self.quantity, (NATIVE,), reasons.get(NATIVE, "the native engine was left out"))
             return
-        for name, signal in signals.items():
+        for name, run in runs.items():
             if name != NATIVE:
-                yield self._row(bench, name, time, signals[NATIVE], signal)
-            yield from self._lines(bench, name, time, signal)
+                yield self._row(bench, name, time, runs[NATIVE], run)
+            yield from self._lines(bench, name, time, pick(run, bench.system, self.signal))
         for name, reason in reasons.items():
             yield bench.skipped(self.quantity, (NATIVE, name), reason)
 
-    def _row(self, bench: Bench, name: str, time: Array, ours: dict[str, Array], theirs: dict[str, Array]) -> Row:
+    def _row(self, bench: Bench, name: str, time: Array, native: Trajectory, run: Trajectory) -> Row:
+        ours, theirs = (pick(one, bench.system, self.signal) for one in (native, run))
         common = [key for key in ours if key in theirs]
         if not common:
             return bench.skipped(self.quantity, (NATIVE, name), f"{name} does not give {self.signal}")
@@ -90,19 +88,18 @@ class TrajectoryAgreement:
             first = int(np.argmax(left)) if left.any() else len(time) - 1
             worst = common[int(np.argmax(np.nan_to_num(apart[:, first], nan=np.inf)))]
             divergence = {"time": float(time[first]), "signal": worst}
-            if shape := shape_of(time, ours[worst], theirs[worst]):
-                divergence["shape"] = shape
-            if shape == "exponential" and (rate := growth(time, theirs[worst] - ours[worst])) is not None:
-                divergence["growth"] = rate
         note, told = f"over {self.duration:g} s", Told()
         if divergence is not None and bench.models[name].names == bench.models[NATIVE].names:
             told = self._blame(bench, name, first)
-            divergence |= told.place
             note = "; ".join(filter(None, [note, told.words]))
-        if divergence is not None and self.signal == "position":
-            how = "halving the step" if self.step is not None else "a hundredth of the tolerance"
-            floors = self._floors(bench, name, time)
-            note = "; ".join(filter(None, [note, by_steps(difference, floors, how, one_equation=told.agree)]))
+        if divergence is not None:
+            begins = None
+            if self.signal == "position":
+                found = self._parting(bench, name, native, run, common, one_equation=told.agree)
+                note = "; ".join(filter(None, [note, found.words]))
+                divergence |= found.place(time)
+                begins = found.begins
+            divergence |= course_of(time, ours[worst], theirs[worst], begins) | told.place
         unit = "1" if self.relative else unit_of(bench.system, common)
         return bench.row(
             self.quantity,
@@ -115,26 +112,18 @@ class TrajectoryAgreement:
             note=note,
         )
 
-    def _floors(self, bench: Bench, name: str, time: Array) -> dict[str, float]:
-        """What half the step changes in each of the two engines; with adaptive steps, what a tight run of the native one does."""
-        floors: dict[str, float] = {}
-        q0, qd0 = initial_state(bench.system, dict(self.position), dict(self.velocity))
-        if self.step is None:
-            model = bench.models[NATIVE]
-            if isinstance(model, NativeModel) and not bench.system.loops:
-                loose, tight = (model.model.simulate(q0, qd0, time, rtol=r, atol=1e-2 * r) for r in (1e-10, 1e-12))
-                moved = float(np.abs(tight.position - loose.position).max())
-                floors |= {NATIVE: moved} if np.isfinite(moved) else {}
-            return floors
-        for engine in (NATIVE, name):
-            try:
-                runs = [bench.models[engine].simulate(q0, qd0, time, step=self.step / k).position for k in (1, 2)]
-            except (UnsupportedError, EngineError):
-                continue
-            moved = float(np.abs(runs[1] - runs[0]).max())
-            if np.isfinite(moved):
-                floors[engine] = moved
-        return floors
+    def _parting(
+        self, bench: Bench, name: str, native: Trajectory, run: Trajectory, common: list[str], *, one_equation: bool
+    ) -> Parting:
+        """From when on the two motions differ by more than their integration makes, and which of the two is to blame."""
+        start = initial_state(bench.system, dict(self.position), dict(self.velocity))
+
+        def motion_of(engine: str, motion: Trajectory) -> Motion:
+            again = finer(bench.system, engine, bench.models[engine], *start, motion, step_of(engine, self.step))
+            return Motion.of(engine, motion, again, common)
+
+        first, second = motion_of(NATIVE, native), motion_of(name, run)
+        return parting(native.time, first, second, self.allowed, one_equation=one_equation)
 
     def _blame(self, bench: Bench, name: str, sample: int) -> Told:
         """Which term is to blame, asked along the native motion up to where the two part."""
@@ -156,7 +145,8 @@ class TrajectoryAgreement:
             found = astray(bench.system, run)
             if found is not None:
                 coordinate, share = found
-                words = f"in {engine} the positions of {coordinate} go {share:.3g} times as fast as its velocity says"
+                goes = "do not go as" if share is None else f"go {share:.3g} times as fast as"
+                words = f"in {engine} the positions of {coordinate} {goes} its velocity says"
                 place: dict[str, object] = {"term": "position_rates", "at": coordinate}
                 return Told(f"{INTEGRATION}: {words}", place, agree=True)
         if (
@@ -230,11 +220,6 @@ def initial_state(system: System, position: dict[str, float], velocity: dict[str
         q = closed_position(system, q, held=held)
         qd = closed_velocity(system, q, qd, held=[] if len(velocity) == system.nv else list(velocity))
     return q, qd
-
-
-def step_of(engine: str, step: float | None) -> float | None:
-    """The step [s] asked for if the engine integrates with a fixed one, else None."""
-    return None if engine in ADAPTIVE else step
 
 
 def pick(trajectory: Trajectory, system: System, signal: str) -> dict[str, Array]:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from harness.cases.case import NATIVE, Array, Bench, Case, Row
+from harness.cases.checks.finer import ADAPTIVE, finer, step_of
 from harness.cases.checks.states import States, difference_of, evaluate, where
-from harness.cases.checks.trajectory import ADAPTIVE
 from harness.cases.gate.robot.record import DURATION, FIGURES, sample_times
 from harness.cases.run import engine_names
 from harness.cases.tolerances import acceleration_allowed
 from harness.cases.users import read
 from harness.compare import quantities
+from harness.compare.divergence_shape import course_of
+from harness.compare.parting import Motion, parting
 from harness.engines import registry
 from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import EngineUnavailableError, InputError
@@ -259,25 +261,46 @@ def _late_friction(bench: Bench, model: EngineModel, q0: Array) -> float:
     return float(2.0 * pushed * 2.0 * STEP * DURATION)
 
 
+def _recorded(system: System, q0: Array, qd0: Array, time: Array, position: Array) -> Motion:
+    """What is recorded, with what the native engine's tolerance leaves open of it."""
+    try:
+        native = registry.engine(NATIVE).build(system)
+        run = native.simulate(q0, qd0, time)
+        again = finer(system, NATIVE, native, q0, qd0, run, None)
+    except (InputError, EngineError):
+        again = None
+    if again is not None and again.position is not None:
+        again = replace(again, position=position + (again.position - run.position))
+    return Motion(RECORDED, position, again)
+
+
 def _run(bench: Bench, name: str, model: EngineModel, held: Mapping[str, Any]) -> Iterator[Row]:
     if "run" not in held:
         return
     q0, qd0 = (np.asarray(held["run"][key], dtype=np.float64) for key in ("q0", "qd0"))
     time = sample_times()
     try:
-        found = model.simulate(q0, qd0, time, step=None if name in ADAPTIVE else STEP).position
+        run = model.simulate(q0, qd0, time, step=step_of(name, STEP))
     except (InputError, EngineError):
         return
+    found = run.position
     recorded = np.asarray(held["run"]["position"], dtype=np.float64)
     if recorded.shape != found.shape:
         raise ValueError(f"the run has shape {recorded.shape}")
     apart = np.abs(found - recorded)
     # Fixed steps are certain to less than adaptive ones; the motion is short, so that neither is amplified far.
     allowed = 1e-7 if name in ADAPTIVE else 1e-5 + _late_friction(bench, model, q0)
-    place = None
+    place: dict[str, object] | None = None
+    note = ""
     if not apart.max() <= allowed:
-        first = int(np.argmax(apart.max(axis=1) > allowed))
-        place = {"time": float(time[first]), "coordinate": bench.system.coordinate_names[int(np.argmax(apart[first]))]}
+        first = int(np.argmax(~(apart.max(axis=1) <= allowed)))
+        worst = int(np.argmax(np.nan_to_num(apart[first], nan=np.inf)))
+        again = finer(bench.system, name, model, q0, qd0, run, step_of(name, STEP))
+        held_to = _recorded(bench.system, q0, qd0, time, recorded)
+        parted = parting(time, held_to, Motion.of(name, run, again, run.position_names), allowed)
+        note = parted.words
+        place = {"time": float(time[first]), "coordinate": run.position_names[worst], **parted.place(time)}
+        place |= course_of(time, recorded[:, worst], found[:, worst], parted.begins)
     why = "the free motion of one second that was recorded when the model was accepted"
     yield bench.row(
         "recorded_trajectory",
@@ -286,5 +309,6 @@ def _run(bench: Bench, name: str, model: EngineModel, held: Mapping[str, Any]) -
         allowed,
         unit="rad",
         why=why,
+        note=note,
         first_divergence=place,
     )
