@@ -166,14 +166,17 @@ def gate(
             click.echo(line)
     if summary is not None:
         said.append_summary(summary, said.markdown(results, judgement, trials, before, files))
+    missed = trials is not None and not trials.ok
+    change = None
+    if accept and not missed:
+        change = gates.accept(results, before, why or "", remove=remove, robots=robots)
+        write_whole(path, change.accepted.to_json())
     if journal is not None:
         # Last: hours of planted defects are not lost to a disk that is full where one of these files goes.
         journal.remove()
-    if trials is not None and not trials.ok:
+    if missed:
         return 1
-    if accept:
-        change = gates.accept(results, before, why or "", remove=remove, robots=robots)
-        write_whole(path, change.accepted.to_json())
+    if change is not None:
         said.print_change(change, path, screen)
         return 0
     return 0 if judgement is not None and judgement.ok else 1

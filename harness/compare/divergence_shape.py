@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,6 +65,20 @@ def course_of(time: Array, first: Array, second: Array, begins: int | None = Non
         return {}
     rate = growth(time, second - first) if shape == "exponential" else None
     return {"shape": shape} | ({} if rate is None else {"growth": rate})
+
+
+def left_line(
+    time: Array, names: Sequence[str], first: Array, second: Array, allowed: float, begins: int | None = None
+) -> dict[str, object] | None:
+    """When two motions (T, n) leave what is allowed: ``time`` [s], ``coordinate``, and the course there; None where they do not."""
+    apart = np.abs(second - first)
+    left = ~(apart.max(axis=1) <= allowed)
+    if not left.any():
+        return None
+    at = int(np.argmax(left))
+    worst = int(np.argmax(np.nan_to_num(apart[at], nan=np.inf)))
+    place = {"time": float(time[at]), "coordinate": names[worst]}
+    return place | course_of(time, first[:, worst], second[:, worst], begins)
 
 
 def growth(time: Array, apart: Array) -> float | None:

@@ -179,6 +179,27 @@ def test_dynamics_that_changed_close_the_gate_though_the_description_did_not(acc
     assert closed == wanted
 
 
+def test_of_a_motion_that_changed_it_is_told_from_when_on_how_and_by_what(accepted, tmp_path):
+    """As if what was recorded had jumped at half a second: the twenty samples a second are enough to say so."""
+    from dataclasses import replace
+
+    from harness.cases.gate import read_accepted
+
+    held = read_accepted(accepted[1])
+    robots = json.loads(json.dumps(dict(held.robots)))
+    for sample in robots["arm"]["run"]["position"][10:]:
+        sample[0] += 1e-4
+    reference = tmp_path / "arm.accepted.json"
+    reference.write_text(replace(held, robots=robots).to_json(), encoding="utf-8")
+    _, answer, _ = judged(accepted[0], reference, tmp_path)
+    rows = [row for row in answer["rows"] if row["quantity"] == "recorded_trajectory"]
+    assert {row["engines"][0] for row in rows} == {"denoc", "mujoco"}
+    for row in rows:
+        place = {"time": 0.5, "begins": 0.5, "coordinate": "shoulder", "shape": "offset", "cause": "model"}
+        assert row["first_divergence"] == place
+        assert "it is the model, not the integration" in row["note"]
+
+
 def test_what_reading_left_out_is_told(accepted, capsys, tmp_path):
     robot, reference = tmp_path / "arm.urdf", accepted[1]
     old = '<joint name="elbow" type="revolute">'

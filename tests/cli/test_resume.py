@@ -168,6 +168,31 @@ def test_a_long_self_test_goes_on_behind_the_last_fault_it_tried(
     assert "- b: caught, but said to be: said of b" in (out / "gate.md").read_text()
 
 
+def test_a_long_self_test_is_kept_until_its_figures_are_accepted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The disk is full where the accepted figures go, the last thing that is written."""
+    results, accepted, out = tmp_path / "results.json", tmp_path / "accepted.json", tmp_path / "out"
+    results.write_text(f'{{"schema": "denoc.results/1", "versions": {{}}, "rows": [{REFERENCE}]}}')
+    monkeypatch.setattr(full, "try_fault", lambda fault: Fate(fault.name, True, True, ""))
+    monkeypatch.setattr(full, "CLEAN", 0)
+    monkeypatch.setattr(full, "faults", lambda: [Fault(name) for name in "ab"])
+    command = ["gate", "--results", str(results), "--reference", str(accepted), "--self-test", "full", "--workers", "1"]
+    command += ["--accept", "--new", "--why", "first figures"]
+
+    def no_room(path: Path, content: str) -> Path:
+        raise InputError("cannot be written: No space left on device", source=path, mend="make room")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("harness.whole_files.write_whole", no_room)
+        assert status_of([*command, "--out", str(out)]) == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert (out / "unfinished.jsonl").exists()
+    assert status_of([*command, "--resume", str(out)]) == 0
+    assert accepted.exists()
+    assert not (out / "unfinished.jsonl").exists()
+
+
 def test_what_another_version_of_the_code_has_left_is_begun_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

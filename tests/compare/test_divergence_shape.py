@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.cases import double_pendulum, large_swings
+from harness.cases import double_pendulum, four_bar, large_swings
 from harness.cases.case import NATIVE, Case
 from harness.cases.checks import TrajectoryAgreement
+from harness.cases.checks.chaotic import ChaoticAgreement
+from harness.cases.checks.loop_motion import LoopMotion
 from harness.cases.gate.defects import Defect, SpoiledEngine
 from harness.cases.pendulums import GRAVITY
 from harness.cases.run import run_case
@@ -113,3 +115,33 @@ def test_the_shape_is_read_from_where_the_difference_begins(later, shape):
     apart = np.where(TIME >= 5.0, later(TIME - 5.0), 0.0)
     begins = int(np.argmax(apart > 0.0))
     assert course_of(TIME, SWING, SWING + apart, begins) == {"shape": shape}
+
+
+def test_of_closed_mechanisms_it_is_told_when_and_how_they_part():
+    check = LoopMotion(position=(("crank", 0.3),), velocity=(("crank", 5.0),), mujoco=None, exudyn=None)
+    case = Case("closed", "closed", "another weight", four_bar.crank_rocker, (check,))
+    spoiled: Any = SpoiledEngine(
+        registry.engine("pinocchio"), Defect("gravity", "", "", spoil=lambda system: _heavier(system, 1.01))
+    )
+    (row,) = run_case(case, {NATIVE: registry.engine(NATIVE), "pinocchio": spoiled}).rows
+    assert row.verdict == "fail"
+    where = dict(row.first_divergence or {})
+    assert 0.0 < where["time"] < 0.1
+    assert where["coordinate"] in four_bar.crank_rocker().position_names
+    assert where["term"] == "gravity"
+
+
+def test_within_the_horizon_of_chaos_too():
+    """A hundredth of a percent more weight is the model, for it is seen long before chaos is."""
+    check = ChaoticAgreement(position=(("shoulder", 2.0), ("elbow", 1.0)), duration=8.0)
+    case = Case("chaos", "chaos", "another weight", double_pendulum.system, (check,))
+    spoiled: Any = SpoiledEngine(
+        registry.engine("pinocchio"), Defect("gravity", "", "", spoil=lambda system: _heavier(system, 1.0001))
+    )
+    rows = run_case(case, {NATIVE: registry.engine(NATIVE), "pinocchio": spoiled}).rows
+    (row,) = rows
+    where = dict(row.first_divergence or {})
+    assert row.verdict == "fail"
+    assert where["cause"] == "model"
+    assert where["begins"] <= where["time"]
+    assert "it is the model, not the integration" in row.note

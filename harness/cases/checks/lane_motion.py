@@ -12,6 +12,7 @@ from harness.cases.checks.equation_blame import Told, blamed, explained_by, weig
 from harness.cases.checks.finer import step_of
 from harness.cases.checks.trajectory import initial_state
 from harness.compare.attribution import attribute
+from harness.compare.divergence_shape import left_line
 from harness.compare.lane_accelerations import LANES, of_lanes
 from harness.denoc.lanes.model import LaneModel
 from harness.engines.protocol import EngineError
@@ -65,11 +66,9 @@ class LaneAgreement:
             place: dict[str, object] | None = None
             note = f"over {self.duration:g} s"
             if not far <= self.allowed:
-                sample = int(np.argmax(~(apart.max(axis=1) <= self.allowed)))
-                worst = int(np.argmax(np.nan_to_num(apart[sample], nan=np.inf)))
-                place = {"time": float(time[sample]), "coordinate": bench.system.coordinate_names[worst]}
+                place = left_line(time, bench.system.coordinate_names, ours, run.position, self.allowed)
                 said, where = self._blame(bench, name, lanes, run.position, run.velocity)
-                note, place = f"{note}; {said}", place | where
+                note, place = f"{note}; {said}", {**(place or {}), **where}
             yield bench.row(
                 self.quantity,
                 (NATIVE, "denoc single run" if name == NATIVE else name),

@@ -10,6 +10,7 @@ import numpy as np
 from harness.cases.case import NATIVE, Array, Bench, Row, Series
 from harness.cases.checks.equation_blame import Told, blamed
 from harness.cases.checks.trajectory import initial_state
+from harness.compare.divergence_shape import left_line
 from harness.engines.protocol import EngineModel
 
 # Time constants [s] that MuJoCo's equality constraints are given in turn, and the steps [s] they are run at.
@@ -64,9 +65,11 @@ class LoopMotion:
     def _integrated(
         self, bench: Bench, model: EngineModel, start: tuple[Array, Array], time: Array, ours: Array, allowed: float
     ) -> Iterable[Row]:
-        apart = np.abs(model.simulate(*start, time).position - ours).max()
+        theirs = model.simulate(*start, time).position
         why = "its accelerations integrated to 1e-12 by steps that adapt; nothing corrects what opens meanwhile"
-        yield bench.row(self.quantity, (NATIVE, "pinocchio"), float(apart), allowed, unit="rad", why=why)
+        apart, place = _apart(bench, time, ours, theirs, allowed)
+        engines = (NATIVE, "pinocchio")
+        yield bench.row(self.quantity, engines, apart, allowed, unit="rad", why=why, first_divergence=place)
 
     def _soft(
         self, bench: Bench, model: EngineModel, start: tuple[Array, Array], time: Array, ours: Array, allowed: float
@@ -75,10 +78,11 @@ class LoopMotion:
         soften = getattr(model, "soften", None)
         if soften is None:
             return
-        found = []
+        found, place = [], None
         for constant, step in SOFT:
             soften(constant)
-            found.append(float(np.abs(model.simulate(*start, time, step=step).position - ours).max()))
+            apart, place = _apart(bench, time, ours, model.simulate(*start, time, step=step).position, allowed)
+            found.append(apart)
         constants = [constant for constant, _ in SOFT]
         table = ", ".join(f"{1e3 * c:g} ms: {x:.1e}" for c, x in zip(constants, found, strict=True))
         yield bench.row(
@@ -89,6 +93,7 @@ class LoopMotion:
             unit="rad",
             why="MuJoCo's equality constraints are soft; what they leave goes with their time constant (solref)",
             note=f"the difference is MuJoCo's softness, by time constant {table}",
+            first_divergence=place,
         )
         yield bench.row(
             "softness_goes",
@@ -115,16 +120,25 @@ class LoopMotion:
         self, bench: Bench, model: EngineModel, start: tuple[Array, Array], time: Array, ours: Array, allowed: float
     ) -> Iterable[Row]:
         coarse, fine = (model.simulate(*start, time, step=step).position for step in STEPS)
-        apart = np.abs((4.0 * fine - coarse) / 3.0 - ours).max()
+        apart, place = _apart(bench, time, ours, (4.0 * fine - coarse) / 3.0, allowed)
         yield bench.row(
             self.quantity,
             (NATIVE, "exudyn"),
-            float(apart),
+            apart,
             allowed,
             unit="rad",
+            first_divergence=place,
             why="generalized-α with Lagrange multipliers, order two: its error at two steps taken out",
             note=f"at {1e3 * STEPS[1]:g} ms alone {np.abs(fine - ours).max():.1e}",
         )
+
+
+def _apart(
+    bench: Bench, time: Array, ours: Array, theirs: Array, allowed: float
+) -> tuple[float, dict[str, object] | None]:
+    """Largest difference of two motions, and when and how they leave what is allowed."""
+    place = left_line(time, bench.system.position_names, ours, theirs, allowed)
+    return float(np.abs(theirs - ours).max()), place
 
 
 @dataclass(frozen=True)

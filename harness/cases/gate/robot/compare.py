@@ -17,7 +17,7 @@ from harness.cases.run import engine_names
 from harness.cases.tolerances import acceleration_allowed
 from harness.cases.users import read
 from harness.compare import quantities
-from harness.compare.divergence_shape import course_of
+from harness.compare.divergence_shape import left_line
 from harness.compare.parting import Motion, parting
 from harness.engines import registry
 from harness.engines.protocol import EngineError, EngineModel
@@ -293,14 +293,12 @@ def _run(bench: Bench, name: str, model: EngineModel, held: Mapping[str, Any]) -
     place: dict[str, object] | None = None
     note = ""
     if not apart.max() <= allowed:
-        first = int(np.argmax(~(apart.max(axis=1) <= allowed)))
-        worst = int(np.argmax(np.nan_to_num(apart[first], nan=np.inf)))
         again = finer(bench.system, name, model, q0, qd0, run, step_of(name, STEP))
         held_to = _recorded(bench.system, q0, qd0, time, recorded)
         parted = parting(time, held_to, Motion.of(name, run, again, run.position_names), allowed)
         note = parted.words
-        place = {"time": float(time[first]), "coordinate": run.position_names[worst], **parted.place(time)}
-        place |= course_of(time, recorded[:, worst], found[:, worst], parted.begins)
+        place = left_line(time, run.position_names, recorded, found, allowed, parted.begins)
+        place = {**(place or {}), **parted.place(time)}
     why = "the free motion of one second that was recorded when the model was accepted"
     yield bench.row(
         "recorded_trajectory",
