@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, NoReturn
 
@@ -98,7 +99,8 @@ def status_of(arguments: list[str] | None = None) -> int:
     except (InputError, EngineUnavailableError) as error:
         return _say(str(error), UNUSABLE)
     except click.exceptions.NoArgsIsHelpError as error:
-        print(error.format_message())
+        with suppress(OSError):  # nowhere to print it to: the line below is what is left to say
+            print(error.format_message())
         return _say(f"name a verb, for example `{error.ctx.command_path} validate`" if error.ctx else "", UNUSABLE)
     except click.UsageError as error:
         hint = f" (see `{error.ctx.command_path} --help`)" if error.ctx else ""
@@ -128,6 +130,9 @@ def status_of(arguments: list[str] | None = None) -> int:
 
 
 def _say(text: str, status: int) -> int:
-    sys.stdout.flush()
-    print(f"denoc: {text}", file=sys.stderr)
+    """On standard error, behind what standard output has; the status stands where either cannot be written to."""
+    for stream, line in ((sys.stdout, ""), (sys.stderr, f"denoc: {text}\n")):
+        with suppress(OSError):
+            stream.write(line)
+            stream.flush()
     return status

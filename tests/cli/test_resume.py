@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +22,9 @@ from harness.compare.bench.peers import Options
 from harness.compare.bench.row import Row as Cost
 from harness.errors import InputError
 from harness.journal import Journal
+from harness.report.gate.summary import append_summary
 
+PENDULUM = Path(__file__).parents[2] / "models" / "urdf" / "rigid_pendulum.urdf"
 OF = {"only": ["a"], "quick": True}
 
 
@@ -264,6 +268,41 @@ def test_a_disk_that_fills_up_between_two_results_is_told_with_the_file(
         ):
             journal.add("second", 2)
     assert Journal(tmp_path / "unfinished.jsonl", {}).found["first"] == 1
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize("arguments", [[], ["audit", str(PENDULUM), "--json", "-"], ["--help"]])
+@pytest.mark.parametrize("told", [True, False])
+def test_full_standard_streams_are_no_defect_and_no_verdict(arguments: list[str], told: bool) -> None:
+    """Where standard error is full as well, the status alone says so."""
+    with Path("/dev/full").open("w") as full_device:
+        errors: Any = subprocess.PIPE if told else full_device
+        command = [sys.executable, "-m", "harness", *arguments]
+        done = subprocess.run(command, stdout=full_device, stderr=errors, text=True, check=False)
+    assert done.returncode == 2
+    if told:
+        assert "Traceback" not in done.stderr
+        assert done.stderr.splitlines()[-1].startswith("denoc: ")
+
+
+def test_a_summary_is_added_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a file that others have appended to before."""
+    summary, made = tmp_path / "summary.md", tmp_path / "made.md"
+    summary.write_text("of an earlier step\n")
+    opened = Path.open
+
+    def fills_up(self: Path, *arguments: Any, **options: Any) -> Any:
+        with opened(self, *arguments, **options) as file:
+            file.write("a part of wh")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "open", fills_up)
+    for path in (summary, made):
+        with pytest.raises(InputError, match="cannot be written: No space left on device"):
+            append_summary(path, "a part of what is told")
+    monkeypatch.undo()
+    assert summary.read_text() == "of an earlier step\n"
+    assert not made.exists()
 
 
 def test_an_error_of_the_machine_is_no_defect(

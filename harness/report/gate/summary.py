@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -84,9 +85,19 @@ def _moved(judged: Judged) -> float | None:
 
 
 def append_summary(path: str | Path, text: str) -> None:
-    """Add to a file as ``$GITHUB_STEP_SUMMARY`` wants it; InputError if the place cannot be written to."""
+    """Add to a file as ``$GITHUB_STEP_SUMMARY`` wants it, all or nothing; InputError if the place cannot be written to."""
+    path = Path(path)
     try:
-        with Path(path).open("a", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        before = path.stat().st_size if path.exists() else None
+        try:
+            with path.open("a", encoding="utf-8", newline="\n") as file:
+                file.write(text)
+        except OSError:
+            # What others have appended stays, a part of this does not.
+            if before is None:
+                path.unlink(missing_ok=True)
+            elif path.is_file():
+                os.truncate(path, before)
+            raise
     except OSError as error:
         raise unwritable(path, error) from error
