@@ -48,8 +48,8 @@ def audit(
     """
     from rich.text import Text
 
+    from harness.json_text import json_text
     from harness.report.columns import figures, print_table
-    from harness.report.json_text import json_text
     from harness.system import load
     from harness.system.audit import audit as hold
 

@@ -24,9 +24,9 @@ def diagnose_engine(
     from harness.compare.balance import balance
     from harness.engines import registry
     from harness.errors import InputError, UnsupportedError
+    from harness.json_text import json_text
     from harness.recording import read_recording
     from harness.report.balance import balance_document, balance_picture, print_balance
-    from harness.report.json_text import json_text
     from harness.system import load
     from harness.whole_files import write_folder
 

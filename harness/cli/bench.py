@@ -42,8 +42,8 @@ def bench(
       denoc bench --resume bench
     """
     from harness.compare.bench import BENCHMARKS, Options, Row, document, machine, run, select
+    from harness.json_text import json_text
     from harness.report.bench import bench_files, print_bench
-    from harness.report.json_text import json_text
 
     screen = console(json_file)
     if list_them:

@@ -66,9 +66,9 @@ def decay(
     """
     from harness.compare.decay.document import apart_document, bands_document, document
     from harness.errors import InputError
+    from harness.json_text import json_text
     from harness.recording import read_recording
     from harness.recording.units import written
-    from harness.report.json_text import json_text
     from harness.system import load
     from harness.system.lowering import freed, one_degree
     from harness.whole_files import write_folder, write_whole

@@ -186,7 +186,7 @@ def diagnose(
     from harness.denoc.compiling import ahead
     from harness.diagnose.problem.deadline import Deadline
     from harness.engines.readers.register import floating_among
-    from harness.report.json_text import json_text
+    from harness.json_text import json_text
     from harness.system import load
 
     identified = compare is not None or published is not None

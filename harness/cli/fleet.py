@@ -16,8 +16,8 @@ def diagnose_all(
     """Diagnose, print the table, write it; 1 where units failed, or with ``strict`` where one is not explained."""
     from harness.errors import InputError
     from harness.fleet import diagnose_fleet
+    from harness.json_text import json_text
     from harness.report.fleet import print_fleet, write_fleet
-    from harness.report.json_text import json_text
 
     limit = options["time_limit"]
     if limit is not None and not limit > 0.0:

@@ -72,8 +72,8 @@ def paper(
     import secrets
 
     from harness.errors import InputError
+    from harness.json_text import json_text
     from harness.report.columns import print_table
-    from harness.report.json_text import json_text
     from harness.report.paper import document, drawn, markdown_table
     from harness.whole_files import write_folder
 

@@ -168,7 +168,7 @@ def _export(
 
 def _tell(proof: Proof, folder: Path, json_file: str | None, page: str = "report.html") -> None:
     """Table on the terminal, page in the folder, document where it is asked for."""
-    from harness.report.json_text import json_text
+    from harness.json_text import json_text
     from harness.report.proof import print_proof
     from harness.report.proof_page import proof_html
 

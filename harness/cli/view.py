@@ -51,10 +51,10 @@ def view(
     """
     from harness.cases.single_run import assignments, sample_times
     from harness.errors import InputError
+    from harness.json_text import json_text
     from harness.report.animation.beside import beside, simulated
     from harness.report.animation.page import animation_html
     from harness.report.animation.scene import scene
-    from harness.report.json_text import json_text
     from harness.system import load
     from harness.system.lowering import freed, one_degree
     from harness.whole_files import write_whole

@@ -15,6 +15,7 @@ from zlib import crc32
 import numpy as np
 
 from harness.errors import InputError, MissingPackageError
+from harness.json_text import json_text
 from harness.parallel import one_blas_thread, parallel_map
 from harness.proof.apart import predictions
 from harness.proof.concealments import CONCEALMENTS
@@ -283,7 +284,7 @@ def prove(
 
         versus = compare_peers(out, scores, workers=workers, dask=dask, progress=progress)
     proof = Proof(seed, len(digests), tuple(scores), summarise(scores, DETECTION_LIMIT), versus)
-    _write(out / "proof.json", proof.to_json())
+    write_whole(out / "proof.json", json_text(proof.to_json()))
     return proof
 
 

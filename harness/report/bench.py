@@ -9,8 +9,8 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
+from harness.json_text import json_text
 from harness.report.columns import figures, print_table
-from harness.report.json_text import json_text
 
 Document = Mapping[str, Any]
 HEADS = ("what", "n", "peer", "ours", "theirs", "ratio", "wanted", "note")

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from harness.cases.import_audit import SCHEMA, Ignored, as_dict
-from harness.report.json_text import json_text
+from harness.json_text import json_text
 
 _COLOURS = {"acts": "green", "ignored": "bold red"}
 

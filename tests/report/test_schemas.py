@@ -16,9 +16,9 @@ from harness.cli.main import status_of
 from harness.compare.bench import Row as BenchRow
 from harness.compare.bench import document as bench_document
 from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.json_text import json_text
 from harness.proof.run import Proof
 from harness.proof.score import summarise
-from harness.report.json_text import json_text
 
 jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
 

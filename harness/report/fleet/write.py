@@ -10,13 +10,13 @@ from typing import Any
 
 from harness.diagnose.answer.findings import Findings
 from harness.fleet import Fleet
+from harness.json_text import json_text
 from harness.recording.units import written
 from harness.report.figures.canvas import INK, canvas, colour
 from harness.report.fleet import rows
 from harness.report.fleet.rows import WORDS, Document, Shown
 from harness.report.fleet.terminal import extent
 from harness.report.html import page
-from harness.report.json_text import json_text
 from harness.report.sections.comparison import TEMPLATE, comparison
 from harness.report.sections.section import Section
 from harness.report.table_csv import tame
