@@ -114,6 +114,45 @@ def test_a_reading_cut_off_at_every_turn_is_no_hand() -> None:
         assert carried_start(pendulum(), recording(time, angle, seed=seed, loud=3.3e-3)) is None
 
 
+def taken_up(still: float, *, held: float = 0.0) -> tuple[np.ndarray, np.ndarray, float]:
+    """It hangs at rest for ``still`` seconds, a hand lifts it by 1.1 rad in 0.6 s and lets go after ``held`` seconds more."""
+    time = np.arange(0.0, 12.0, 1.0 / RATE)
+    lifted = np.clip((time - still) / 0.6, 0.0, 1.0)
+    angle = 1.1 * (10.0 * lifted**3 - 15.0 * lifted**4 + 6.0 * lifted**5)
+    release = still + 0.6 + held
+    angle[time >= release] = free_swing(1.1, 0.0, time[time >= release], dry=0.3)
+    return time, angle, release
+
+
+@pytest.mark.parametrize("held", [0.0, 0.7])
+@pytest.mark.parametrize("still", [0.5, 2.5])
+def test_a_hand_that_takes_up_what_hangs_at_rest_is_cut_off(still: float, held: float) -> None:
+    # Nothing that hangs in balance begins to move by itself; the logger ran before the experimenter was ready.
+    time, angle, release = taken_up(still, held=held)
+    found = carried_start(pendulum(), recording(time, angle))
+    assert found is not None
+    period = 2.0 * np.pi * np.sqrt(LENGTH / 9.81)
+    assert release - 0.02 <= found.time <= release + 0.2 * period
+    assert still <= found.rested <= still + 0.2
+    cut = free_parts(pendulum(), [recording(time, angle)])[0]
+    assert "hangs at rest" in cut.quality[-1].what
+    assert carried_start(pendulum(), cut) is None
+
+
+def test_a_knock_that_ends_a_rest_is_cut_off() -> None:
+    time = np.arange(0.0, 8.0, 1.0 / RATE)
+    angle = np.where(time < 1.0, 0.0, np.nan)
+    angle[time >= 1.0] = free_swing(0.0, 4.0, time[time >= 1.0], dry=0.3)
+    found = carried_start(pendulum(), recording(time, angle))
+    assert found is not None
+    assert 1.0 <= found.time <= 1.2
+
+
+def test_what_falls_from_upright_by_itself_is_not_cut_off() -> None:
+    time = np.arange(0.0, 10.0, 1.0 / RATE)
+    assert carried_start(pendulum(), recording(time, free_swing(np.pi - 1e-5, 0.0, time, dry=0.0, drag=0.02))) is None
+
+
 def test_driven_recordings_are_not_judged() -> None:
     time, angle = carried(0.3)
     driven = recording(time, angle, effort=np.sin(time))

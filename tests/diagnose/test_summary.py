@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -73,3 +74,10 @@ def test_what_is_left_is_told_in_the_channels_unit_against_its_noise_and_as_a_fo
         "What is left of the data held out is 0.0043 rad at servo.position, 430 times the sensors' noise: "
         "a force of 0.048 N·m at servo, 5.8 % of the largest that gravity or inertia make there"
     ) in text
+
+
+def test_a_catalogue_that_was_not_gone_through_is_not_said_to_hold_nothing() -> None:
+    whole = summary(_conclusion("unexplained"), 30.0, [], [], Foretold(1.4))
+    cut = summary(replace(_conclusion("unexplained"), hurried=True), 30.0, [], [], Foretold(1.4))
+    assert whole.endswith("nothing in the catalogue earns its place.")
+    assert cut.endswith("nothing has earned its place so far.")

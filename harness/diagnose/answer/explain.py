@@ -27,6 +27,7 @@ VERDICTS = {
 NONE_FOR_CERTAIN = (
     "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place for certain."
 )
+NONE_SO_FAR = "The nominal model leaves the recordings {severity}, and nothing has earned its place so far."
 POSSIBLY = (
     "Possibly it is {names}: that would remove {share} of the mismatch on data held out, but a force over position and "
     "speed that nobody has named could do the same."
@@ -114,10 +115,13 @@ def summary(
     best = f"The best set so far is {keys}, and leaves {times(conclusion.level)} times the noise"
     text = CUT_SHORT.get(conclusion.cut_short, VERDICTS[conclusion.verdict])
     if conclusion.cut_short == UNCRITICISED and not findings:
-        text = "The nominal model leaves the recordings {severity}, and nothing has earned its place so far."
+        text = NONE_SO_FAR
     elif not findings and "{names}" in text:
         # What is no more than possible is in the table, and no sentence is about it.
         text = NONE_FOR_CERTAIN
+    elif conclusion.hurried and text == VERDICTS["unexplained"]:
+        # The catalogue was not gone through: what was not tried has failed at nothing.
+        text = NONE_SO_FAR
     text = text.format(best=best, severity=size, names=names, hold=hold, rest=rest, held=held)
     if rivals:
         text += " " + " ".join(rivals)

@@ -44,12 +44,14 @@ Array = NDArray[np.float64]
 class Carried:
     """Time at which the motion becomes free, or is no longer [s from the first sample], the joint where it shows and how strongly.
 
-    share: mean force in the carried stretch over the largest one that the model itself has there.
+    share: mean force in the carried stretch over the largest one that the model itself has there. rested: how long it hangs at
+    rest before somebody takes it up [s].
     """
 
     time: float
     joint: str
     share: float
+    rested: float = 0.0
 
 
 def carried_start(system: System, recording: Recording) -> Carried | None:
@@ -57,7 +59,8 @@ def carried_start(system: System, recording: Recording) -> Carried | None:
 
     Accelerations read off the recording are held against those of the model; what is left is regressed, robustly, on
     gravity, friction and drag over the whole recording. A stretch that begins with the first sample and lies
-    beyond that in every window is carried. Not judged (None): driven recordings, systems with flexible links, joints
+    beyond that in every window is carried. So is what follows a rest in balance, from which nothing moves by itself: a hand
+    that takes the mechanism up while the recording runs. Not judged (None): driven recordings, systems with flexible links, joints
     without a measured position, recordings of less than three swings.
     """
     return _carried(system, recording, backwards=False)
@@ -99,15 +102,20 @@ def _carried(system: System, recording: Recording, *, backwards: bool) -> Carrie
     q, qd, qdd = (np.stack(part, axis=1) for part in zip(*(motion(recording, c, grid) for c in channels), strict=True))
     expected = Denoc(system).forward_dynamics_batch(q, qd, np.zeros_like(q))
     found: Carried | None = None
+    rested = 0 if backwards else _still(q)
     for j, name in enumerate(system.joint_names):
         course = (q[:, j], qd[:, j], qdd[:, j], expected[:, j])
         # A film run backwards obeys the same laws but for friction and drag, whose size and sense are open here anyhow.
         course = (q[::-1, j], -qd[::-1, j], qdd[::-1, j], expected[::-1, j]) if backwards else course
         count, share = _strange_beginning(*course, stopped=backwards)
-        if 0 < count <= MOST_LEFT_OUT_SHARE * len(grid):
+        hung = 0
+        if count == 0 and rested:
+            count, share = _taken_up(*course[1:], rested)
+            hung = rested if count else 0
+        if 0 < count - hung <= MOST_LEFT_OUT_SHARE * (len(grid) - hung):
             time = float(grid[len(grid) - 1 - count] if backwards else grid[count])
             if found is None or (time < found.time) == backwards:
-                found = Carried(time, name, share)
+                found = Carried(time, name, share, float(grid[hung]))
     return found
 
 
@@ -136,8 +144,10 @@ def _free_part(recording: Recording, start: Carried | None, end: Carried | None)
         note = QualityNote(
             "carried_start",
             start.joint,
-            f"the first {start.time:.3g} s are not the free motion of the rest: something carries it, with about "
-            f"{100.0 * start.share:.0f} % of the largest force that the model has there, or a slow sensor has yet to catch up",
+            f"the first {start.time:.3g} s are not the free motion of the rest: "
+            + (f"it hangs at rest for {start.rested:.3g} s, then " if start.rested else "")
+            + f"something carries it, with about {100.0 * start.share:.0f} % of the largest force that the model has there"
+            + ("" if start.rested else ", or a slow sensor has yet to catch up"),
             "left out",
             where=((0.0, start.time),),
             size=float(recording.time[keep][0]),
@@ -169,36 +179,12 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array, *, stop
 
     stopped: whether what is held still counts; else it has to move.
     """
-    scale = float(np.percentile(np.abs(expected), 95)) or 1.0
+    told = round(MOST_LEFT_OUT_SHARE * len(q)) if stopped else 0
+    means, fast, sigma, grip = _forces(qd, qdd, expected, told)
     speed = float(np.abs(qd).max()) or 1.0
-    left = (qdd - expected) / scale
-    basis = np.stack(
-        [
-            np.ones_like(qd), expected / scale, qd / speed, qd * np.abs(qd) / speed**2, np.tanh(qd / (0.02 * speed)),
-        ],
-        axis=1,
-    )  # fmt: skip
-    # Few terms, none of them of position alone: a carried stretch often lies where the free motion never comes again.
-    # The robust loss lets it pull no more than its number of samples; what is held for long would still pull too much.
-    told = slice(round(MOST_LEFT_OUT_SHARE * len(left)) if stopped else 0, None)
-    design, target = basis[told], left[told]
-    spread = float(ROBUST_SIGMA * np.median(np.abs(target - np.median(target)))) or 1e-12
-    start = np.zeros(basis.shape[1])
-    fitted = least_squares(lambda x: design @ x - target, start, jac=lambda x: design, loss="soft_l1", f_scale=spread)
-    rest = left - basis @ fitted.x
-    rest = rest[SMOOTHING_SAMPLES // 2 :]  # the local cubics at the very edge are noisier than elsewhere
-    windows = len(rest) // FORCE_WINDOW_SAMPLES
-    means = rest[: windows * FORCE_WINDOW_SAMPLES].reshape(windows, FORCE_WINDOW_SAMPLES).mean(axis=1)
-    # What has come to rest shows no force at all and says nothing of how well forces can be read off.
-    fast = (
-        np.abs(qd[SMOOTHING_SAMPLES // 2 :][: windows * FORCE_WINDOW_SAMPLES])
-        .reshape(windows, FORCE_WINDOW_SAMPLES)
-        .max(axis=1)
-        > FAST_SHARE * speed
-    )
-    sigma = float(ROBUST_SIGMA * np.median(np.abs(means[fast])))
+    windows = len(means)
     first = float(np.mean(means[:FEWEST_CARRIED_WINDOWS]))
-    friction = STATIC_FRICTION_RATIO * abs(float(fitted.x[-1]))
+    friction = STATIC_FRICTION_RATIO * grip
     if abs(first) < max(CARRIED_SIGMAS * sigma / np.sqrt(FEWEST_CARRIED_WINDOWS), CARRIED_SHARE):
         # It may have been stopped where nothing pulls it away.
         caught = _caught(means, fast, max(CARRIED_SIGMAS * sigma, BLOW_SHARE) + friction) if stopped else 0
@@ -224,6 +210,65 @@ def _strange_beginning(q: Array, qd: Array, qdd: Array, expected: Array, *, stop
     share = float(np.mean(np.abs(means[: max(count, 1)])))
     count = max(count, int(knocks[-1]) + 1) if len(knocks) else count
     return SMOOTHING_SAMPLES // 2 + (count + 1) * FORCE_WINDOW_SAMPLES, share
+
+
+def _forces(qd: Array, qdd: Array, expected: Array, told: int) -> tuple[Array, NDArray[np.bool_], float, float]:
+    """What no law of the motion from sample ``told`` on explains: its mean over windows, whether those are fast, its scatter there,
+    and the dry friction; all as shares of the model's accelerations."""
+    scale = float(np.percentile(np.abs(expected), 95)) or 1.0
+    speed = float(np.abs(qd).max()) or 1.0
+    left = (qdd - expected) / scale
+    basis = np.stack(
+        [
+            np.ones_like(qd), expected / scale, qd / speed, qd * np.abs(qd) / speed**2, np.tanh(qd / (0.02 * speed)),
+        ],
+        axis=1,
+    )  # fmt: skip
+    # Few terms, none of them of position alone: a carried stretch often lies where the free motion never comes again.
+    # The robust loss lets it pull no more than its number of samples; what is held for long would still pull too much.
+    design, target = basis[told:], left[told:]
+    spread = float(ROBUST_SIGMA * np.median(np.abs(target - np.median(target)))) or 1e-12
+    start = np.zeros(basis.shape[1])
+    fitted = least_squares(lambda x: design @ x - target, start, jac=lambda x: design, loss="soft_l1", f_scale=spread)
+    rest = left - basis @ fitted.x
+    rest = rest[SMOOTHING_SAMPLES // 2 :]  # the local cubics at the very edge are noisier than elsewhere
+    windows = len(rest) // FORCE_WINDOW_SAMPLES
+    means = rest[: windows * FORCE_WINDOW_SAMPLES].reshape(windows, FORCE_WINDOW_SAMPLES).mean(axis=1)
+    # What has come to rest shows no force at all and says nothing of how well forces can be read off.
+    fast = (
+        np.abs(qd[SMOOTHING_SAMPLES // 2 :][: windows * FORCE_WINDOW_SAMPLES])
+        .reshape(windows, FORCE_WINDOW_SAMPLES)
+        .max(axis=1)
+        > FAST_SHARE * speed
+    )
+    sigma = float(ROBUST_SIGMA * np.median(np.abs(means[fast])))
+    return means, fast, sigma, abs(float(fitted.x[-1]))
+
+
+def _still(q: Array) -> int:
+    """Number of grid samples at the beginning in which no joint moves."""
+    moved = np.abs(q - q[0]) > 0.5 * MOVING_SHARE * np.ptp(q, axis=0)
+    count = int(np.argmax(moved.any(axis=1)))
+    return count
+
+
+def _taken_up(qd: Array, qdd: Array, expected: Array, rested: int) -> tuple[int, float]:
+    """Number of grid samples up to where what hung at rest for ``rested`` of them moves freely, and how far it is off; 0 if
+    nothing seems to have moved it."""
+    means, _, sigma, _ = _forces(qd, qdd, expected, rested)
+    least = max(CARRIED_SIGMAS * sigma, CARRIED_SHARE)
+    hung = max((rested - 2 * SMOOTHING_SAMPLES) // FORCE_WINDOW_SAMPLES, 0)
+    if hung < FEWEST_CARRIED_WINDOWS or np.any(np.abs(means[:hung]) > least):
+        return 0, 0.0  # what is held out of balance falls by itself once it is let go
+    near = round(KNOCK_SWINGS * SAMPLES_A_SWING / FORCE_WINDOW_SAMPLES)
+    pushed = np.flatnonzero(np.abs(means) > least)
+    # Free motion begins with the first stretch, as long as a knock may take to come, in which nothing pushes any more.
+    if not len(pushed) or pushed[0] > hung + near:
+        return 0, 0.0
+    apart = np.flatnonzero(np.diff(pushed) > near)
+    last = int(pushed[apart[0]] if len(apart) else pushed[-1])
+    share = float(np.mean(np.abs(means[pushed[0] : last + 1])))
+    return SMOOTHING_SAMPLES // 2 + (last + 2) * FORCE_WINDOW_SAMPLES, share
 
 
 def _caught(means: Array, fast: NDArray[np.bool_], least: float) -> int:
