@@ -88,7 +88,7 @@ class EffortAnswer:
             ranking=self._ranking(),
             fit=rows,
             remainder={"significant": incomplete, "tests": tests, "doubted": []},
-            next_experiment=next_experiment(found.pairs),
+            next_experiment=next_experiment(found.pairs, gravity=bool(np.any(self.system.gravity))),
             quality=[
                 {"recording": self.recordings[p.run].name, "kind": n.kind, "channel": n.channel, "what": n.what, "done": n.done}
                 for p, n in zip(self.pushes, self.notes, strict=True)

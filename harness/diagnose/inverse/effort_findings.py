@@ -34,7 +34,7 @@ class EffortFindings:
     rows: Sequence[dict[str, Any]]
     titles: Sequence[str]
     rivals: Sequence[str]
-    pairs: Sequence[tuple[str, str]]
+    pairs: Sequence[tuple[Candidate, Candidate]]
 
 
 def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, remainder: bool) -> EffortFindings:
@@ -44,7 +44,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
     lowest = min(weights.values())
     share = {key: float(np.exp(-0.5 * (w - lowest))) for key, w in weights.items()}
     total = sum(share.values())
-    findings, firm, pairs = [], list[InWords](), []
+    findings, firm, pairs = [], list[InWords](), list[tuple[Candidate, Candidate]]()
     again: list[tuple[str, EffortFit]] = deadline.attempt(
         *UNREPEATED, lambda: without_each((study.data, study.held), best), lambda: []
     )
@@ -80,7 +80,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
         )  # fmt: skip
         if how != POSSIBLE:
             firm.append(InWords(member.effect.title, member.site, values, units, tuple(map(in_words, names))))
-        pairs += [(member.effect.name, c.effect.name) for c in others]
+        pairs += [(member, c) for c in others]
     order = {name: k for k, name in enumerate(system.joint_names)}
     firm.sort(key=lambda f: order.get(f.site.split(".")[0], len(order)))
     return EffortFindings(findings, gathered(firm), untold_together(firm), pairs)
