@@ -11,7 +11,7 @@ from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.inverse import effort
 from harness.diagnose.inverse.effort_search import EffortStudy
-from harness.diagnose.problem.deadline import TimeUp
+from harness.diagnose.problem.deadline import Deadline, TimeUp
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import System, load
@@ -118,3 +118,22 @@ def test_what_stands_is_told_where_there_was_no_time_to_weigh_rivals(
     assert {f["grade"] for f in found.findings} <= {"likely", "possible"}
     assert not found.complete
     assert "another effect may be as likely as one of those told" in found.summary
+
+
+def test_rivals_that_take_all_the_time_leave_the_answer_standing(
+    system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def over(*_: object) -> None:
+        raise TimeUp
+
+    def until_the_end(*_: object) -> None:
+        # From now on nothing at all is predicted any more, not even what is spared.
+        monkeypatch.setattr(Deadline, "check", over)
+        raise TimeUp
+
+    monkeypatch.setattr(effort, "settle", over)
+    monkeypatch.setattr(EffortStudy, "rivals", until_the_end)
+    found = diagnose([recorded(1), recorded(2), recorded(3)], system, fit_effort=True)
+    assert set(numbers(found, "viscous_damping")) == set(JOINTS)
+    assert {f["grade"] for f in found.findings} <= {"likely", "possible"}
+    assert found.ranking and found.fit and not found.complete

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from harness.diagnose.inverse.effort_shown import channel, curves, mismatch, uni
 from harness.diagnose.inverse.effort_tests import root_mean_square, tests_of
 from harness.diagnose.inverse.effort_words import pushed, shown_as, summary
 from harness.diagnose.inverse.pushes import Push
+from harness.diagnose.problem.deadline import TimeUp
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.recording.recording import QualityNote, Recording
 from harness.recording.units import written
@@ -46,6 +48,7 @@ class EffortAnswer:
     notes: Sequence[QualityNote]
     cutoff: float
     training: int
+    _errors: dict[int, dict[str, float]] = field(default_factory=dict)  # on data held out, by fit
 
     def document(self) -> Diagnosis:
         study, best = self.study, self.best
@@ -56,15 +59,20 @@ class EffortAnswer:
         rows, severity = self._fit(nominal, empty)
         tests = tests_of(self.system, self.recordings, study, best, self.pushes)
         incomplete = bool(tests)
+        # What no answer should do without comes before the further fits that findings ask for as long as there is time.
+        explained = explained_share(rows)
+        left = effort_left(self.system, (study.data, study.held), best) if incomplete else None
+        differing = mismatch(self.system, study, nominal, best) if best.hypothesis.members or incomplete else []
+        shown, ranking = curves(self.system, study, nominal, best), self._ranking()
         found = effort_findings(self.system, study, best, remainder=incomplete)
+        with suppress(TimeUp):
+            ranking = self._ranking()
         different = bool(best.hypothesis.members)
         if not different:
             verdict = "unexplained" if incomplete else "consistent"
         else:
             verdict = "partly_explained" if incomplete else "explained"
         values = [estimates(best, study.nominal, k) for k in range(len(best.hypothesis.members))]
-        explained = explained_share(rows)
-        left = effort_left(self.system, (study.data, study.held), best) if incomplete else None
         return Diagnosis(
             verdict=verdict,
             summary=" ".join(
@@ -83,9 +91,9 @@ class EffortAnswer:
                 {"channel": channel(self.system, j), "std": study.data.noises[j].std, "unit": unit(self.system, j)}
                 for j in study.data.joints
             ],
-            mismatch=mismatch(self.system, study, nominal, best) if different or incomplete else [],
+            mismatch=differing,
             findings=list(found.rows),
-            ranking=self._ranking(),
+            ranking=ranking,
             fit=rows,
             remainder={"significant": incomplete, "tests": tests, "doubted": []},
             next_experiment=next_experiment(found.pairs, gravity=bool(np.any(self.system.gravity))),
@@ -104,7 +112,7 @@ class EffortAnswer:
                 self.best.x,
                 zip(self.best.hypothesis.members, values, strict=True),
             ),
-            curves=curves(self.system, study, nominal, best),
+            curves=shown,
         )  # fmt: skip
 
     def _fit(self, nominal: EffortFit, empty: EffortFit) -> tuple[list[dict[str, Any]], float]:
@@ -133,7 +141,11 @@ class EffortAnswer:
         others = sorted((f for f in study.fits.values() if f is not self.best), key=study.weight)
         rows = []
         for f in [self.best, *others][:SHOWN_HYPOTHESES]:
-            errors = {channel(self.system, j): root_mean_square(study.held, f, j) for j in study.data.joints}
+            if id(f) not in self._errors:
+                self._errors[id(f)] = {
+                    channel(self.system, j): root_mean_square(study.held, f, j) for j in study.data.joints
+                }
+            errors = self._errors[id(f)]
             rows.append(
                 {
                     "effects": list(f.hypothesis.keys),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -15,6 +16,7 @@ from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_grades import estimates, grade, repeatability, without_each
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.inverse.effort_words import InWords, gathered, untold_together
+from harness.diagnose.problem.deadline import TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.effects.effect import SiteKind
 from harness.system import System
@@ -45,21 +47,27 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
     share = {key: float(np.exp(-0.5 * (w - lowest))) for key, w in weights.items()}
     total = sum(share.values())
     findings, firm, pairs = [], list[InWords](), list[tuple[Candidate, Candidate]]()
+    members = range(len(best.hypothesis.members))
+    # What every finding needs comes before what it may do without, which takes what time there is.
+    without = [study.reduce(best, k) for k in members]
+    apart = [study.heldout_z(without[k], best) for k in members]
+    grades = [grade(study, best, k, without[k], [], rivals=None, remainder=remainder) for k in members]
     again: list[tuple[str, EffortFit]] = deadline.attempt(
         *UNREPEATED, lambda: without_each((study.data, study.held), best), lambda: []
     )
     for k, member in enumerate(best.hypothesis.members):
         values, units = estimates(best, study.nominal, k), _units(system, member)
-        smaller = study.reduce(best, k)
+        smaller = without[k]
         alike: list[tuple[Candidate, EffortFit]] | None = deadline.attempt(
             *UNRIVALLED, partial(study.rivals, best, k), lambda: None
         )
         others = [c for c, _ in alike or ()]
         names = [c.effect.name if c.site == member.site else c.key for c in others]
         repeats = repeatability(again, study.nominal, k)
-        how = grade(
-            study, best, k, smaller, repeats, rivals=None if alike is None else bool(names), remainder=remainder
-        )
+        rivals = None if alike is None else bool(names)
+        with suppress(TimeUp):
+            grades[k] = grade(study, best, k, smaller, repeats, rivals=rivals, remainder=remainder)
+        how = grades[k]
         probability = sum(s for key, s in share.items() if member.key in key) / total
         findings.append(
             {
@@ -71,7 +79,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
                 },
                 "evidence": {
                     "delta_bic": study.criterion(smaller) - study.criterion(best), "probability": probability,
-                    "heldout_sigma": study.heldout_z(smaller, best),
+                    "heldout_sigma": apart[k],
                 },
                 "indistinguishable_from": names,
                 "grade": how,
