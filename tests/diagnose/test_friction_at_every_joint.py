@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.inverse import effort
+from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.problem.deadline import Deadline, TimeUp
 from harness.recording import Recording
@@ -118,6 +119,31 @@ def test_what_stands_is_told_where_there_was_no_time_to_weigh_rivals(
     assert {f["grade"] for f in found.findings} <= {"likely", "possible"}
     assert not found.complete
     assert "another effect may be as likely as one of those told" in found.summary
+
+
+def test_what_stands_without_a_doubt_is_told_where_there_was_no_time_to_judge_each_member(
+    system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def over(*_: object) -> None:
+        raise TimeUp
+
+    known = EffortStudy.reduce
+
+    def reduce(study: EffortStudy, base: EffortFit, k: int) -> EffortFit:
+        if base.hypothesis.without(k).identity not in study.fits:
+            raise TimeUp
+        return known(study, base, k)
+
+    for name in ("standing", "settle"):
+        monkeypatch.setattr(effort, name, over)
+    monkeypatch.setattr(EffortStudy, "rivals", over)
+    monkeypatch.setattr(EffortStudy, "reduce", reduce)
+    found = diagnose([recorded(1), recorded(2), recorded(3)], system, fit_effort=True, time_limit=3600.0)
+    assert numbers(found, "viscous_damping") == pytest.approx(dict(zip(JOINTS, VISCOUS, strict=True)), rel=0.05)
+    assert numbers(found, "coulomb_friction") == pytest.approx(dict(zip(JOINTS, DRY, strict=True)), rel=0.05)
+    assert {f["grade"] for f in found.findings} <= {"likely", "possible"}
+    assert not found.complete
+    assert "more of it may hold up" in found.summary and "nothing is claimed" not in found.summary
 
 
 def test_rivals_that_take_all_the_time_leave_the_answer_standing(

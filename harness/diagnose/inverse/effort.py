@@ -26,7 +26,7 @@ from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run, pace
 from harness.diagnose.inverse.effort_noise import Grid, effort_noise, grid_of
 from harness.diagnose.inverse.effort_search import EffortStudy
-from harness.diagnose.inverse.effort_settle import settle, standing
+from harness.diagnose.inverse.effort_settle import settle, standing, surely_standing
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
 from harness.diagnose.inverse.pushes import Push, find_pushes, mask_pushes
 from harness.diagnose.problem.candidates import candidates
@@ -45,6 +45,10 @@ UNSEARCHED = ("all sets of effects", "another set of effects may explain the rec
 UNJUDGED = (
     "the judgement on data held out, and of what else it could be",
     "what was found may not hold up, so that nothing is claimed",
+)
+UNPRUNED = (
+    "the judgement of all that was found but is not told",
+    "more of it may hold up on data held out",
 )
 UNWEIGHED = (
     "other effects in the place of those that stand on data held out",
@@ -118,7 +122,14 @@ def diagnose_effort(
             *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
         )
         deadline.begin(Stage.CRITICISM)
-        stands = deadline.attempt(*UNJUDGED, lambda: standing(study, best), lambda: None)
+        # Where the time may be up before every member is judged by a fit without it, what stands without a doubt comes first.
+        sure = (
+            deadline.attempt(*UNJUDGED, lambda: surely_standing(study, best), lambda: None)
+            if deadline.limited
+            else None
+        )
+        left = UNPRUNED if sure else UNJUDGED
+        stands = deadline.attempt(*left, lambda: standing(study, best), lambda: sure)
         settled = stands and deadline.attempt(*UNWEIGHED, lambda: settle(study, stands), lambda: stands)
         tell("telling")
         deadline.begin(Stage.TELLING)

@@ -79,7 +79,10 @@ class EffortAnswer:
                 filter(
                     None,
                     [
-                        summary(verdict, severity, self.cutoff, found.titles, found.rivals, Foretold.worst(rows), explained, left),
+                        summary(
+                            verdict, severity, self.cutoff, found.titles, found.rivals, Foretold.worst(rows), explained, left,
+                            hurried=bool(study.data.model.deadline.not_tried),
+                        ),
                         self._pushed(),
                         shown_as(tests),
                     ],

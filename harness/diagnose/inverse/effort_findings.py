@@ -22,6 +22,10 @@ from harness.effects.effect import SiteKind
 from harness.system import System
 
 UNREPEATED = ("whether what was found repeats in every recording", "grades may be too low")
+UNREDUCED = (
+    "fits without each effect that is told",
+    "what stands in their place says that effects are surer than they are",
+)
 UNRIVALLED = (
     "what else could stand in the place of each effect claimed",
     "more effects may be as likely as those told",
@@ -49,7 +53,10 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
     findings, firm, pairs = [], list[InWords](), list[tuple[Candidate, Candidate]]()
     members = range(len(best.hypothesis.members))
     # What every finding needs comes before what it may do without, which takes what time there is.
-    without = [study.reduce(best, k) for k in members]
+    without = [
+        deadline.attempt(*UNREDUCED, partial(study.reduce, best, k), partial(study.seen_without, best, k))
+        for k in members
+    ]
     apart = [study.heldout_z(without[k], best) for k in members]
     grades = [grade(study, best, k, without[k], [], rivals=None, remainder=remainder) for k in members]
     again: list[tuple[str, EffortFit]] = deadline.attempt(

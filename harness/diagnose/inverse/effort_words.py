@@ -71,9 +71,11 @@ def _by(found: Sequence[InWords], key: Callable[[InWords], Hashable]) -> dict[An
 
 def summary(
     verdict: str, severity: float, cutoff: float, firm: Sequence[str], rivals: Sequence[str], foretold: Foretold,
-    explained: float | None, left: LeftOut | None,
+    explained: float | None, left: LeftOut | None, *, hurried: bool = False,
 ) -> str:  # fmt: skip
     """The sentences about what was found and what is left.
+
+    hurried: whether the time was up before all was tried.
 
     severity: of the nominal model [standard deviations of noise]; cutoff: of the low-pass [Hz]; firm: findings in words that are
     more than possible; explained: share of the mismatch on data held out that all of them remove.
@@ -86,7 +88,8 @@ def summary(
     if verdict == "explained":
         text = f"{off} ({band}); with {' and '.join(firm)} the residual is at the noise, also on data held out."
     elif verdict == "unexplained":
-        text = f"{off} ({band}), and nothing in the catalogue earns its place."
+        nothing = "nothing has earned its place so far" if hurried else "nothing in the catalogue earns its place"
+        text = f"{off} ({band}), and {nothing}."
     elif firm:
         text = f"{off} ({band}); {holding_up(firm, explained)}."
     else:
