@@ -36,7 +36,7 @@ from harness.diagnose.transmission.second_encoders import parted
 from harness.diagnose.transmission.transmission import as_of_one_body, links_apart, with_second_encoders
 from harness.effects.catalogue import register
 from harness.effects.effect import Effect
-from harness.effects.scale import swings
+from harness.effects.scale import swing
 from harness.effects.user import load_user_effects
 from harness.errors import InputError, UnsupportedError
 from harness.parallel import one_blas_thread
@@ -148,7 +148,7 @@ def diagnose(
         c for c in candidates(system, every, only=only, further=further)
         if not (c.effect.name in BENDING and c.site in carrying)
     ]  # fmt: skip
-    frequency = swings(system, read[0])[0] / (2.0 * np.pi)
+    frequency = swing(system, read[0]) / (2.0 * np.pi)
     try:
         outcome = investigate(
             problem, known, frequency, effort=effort, progress=tell, structure=worth_of_known_error, deadline=deadline

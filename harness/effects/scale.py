@@ -15,6 +15,8 @@ from harness.system.description import Array
 from harness.system.inertia import about_origin, point_inertia
 from harness.system.kinematics import gravity_forces, mass_matrix
 
+SLOWEST_RATE = 1e-3  # rad/s; below, nothing is taken to pull a joint back
+A_TURN_A_SECOND = 2.0 * np.pi
 POSITIONS = 14  # half a radian of the fastest joint apart
 
 
@@ -24,7 +26,7 @@ class References:
 
     torque: largest gravity torque about the joint, all that hangs on it held straight [N·m or N].
     inertia: about the joint axis, armature included [kg·m² or kg].
-    frequency: √(torque / inertia), or one turn a second where gravity does not act [rad/s].
+    frequency: √((torque + stiffness of its own spring) / inertia), or one turn a second where nothing pulls it back [rad/s].
     mass: carried by the joint [kg]; length: from the joint to the tip [m]; gravity [m/s²].
     signal: extent of the channel, half its range [channel unit]; effort: largest applied [N·m or N].
     duration: of the recording [s]; interval: median sampling interval [s].
@@ -136,6 +138,16 @@ def swings(system: System, recording: Measured | None = None) -> tuple[float, ..
     return tuple(references(system, name, recording).frequency for name in system.joint_names or ("",))
 
 
+def swing(system: System, recording: Measured | None = None) -> float:
+    """Natural frequency that motions are counted in [rad/s]: of the first joint that something pulls back, of the first one where
+    nothing pulls at any, as swings of what has no rest are only a guess."""
+    every = swings(system, recording)
+    if system.loops or system.gimbals or not system.joint_names:
+        return every[0]
+    pulled = (_rate(system, name, *_about(system, name)[:2]) > 0.0 for name in system.joint_names)
+    return next((rate for rate, back in zip(every, pulled, strict=True) if back), every[0])
+
+
 def pull(system: System) -> float:
     """The largest natural torque of any joint [N·m or N]; of the weight at the clamp where no joint moves."""
     return max(references(system, name).torque for name in system.joint_names or ("",))
@@ -169,6 +181,22 @@ def _mechanical(system: System, joint_name: str) -> tuple[float, float, float, f
     gimbal = system.gimbal_of(joint_name)
     if gimbal is not None:
         return _in_space(system, gimbal, gravity)
+    torque, inertia, mass, reach = _about(system, joint_name)
+    rate = _rate(system, joint_name, torque, inertia)
+    if torque / inertia < SLOWEST_RATE**2:
+        torque = inertia * A_TURN_A_SECOND**2
+    return torque, inertia, rate or A_TURN_A_SECOND, mass or 1.0, reach or 1.0, gravity or 9.81
+
+
+def _rate(system: System, joint_name: str, torque: float, inertia: float) -> float:
+    """How fast gravity and its own spring make a joint swing [rad/s]; zero where nothing pulls it back."""
+    rate = float(np.sqrt(max(torque + system.joint(joint_name).stiffness, 0.0) / inertia))
+    return rate if rate >= SLOWEST_RATE else 0.0
+
+
+def _about(system: System, joint_name: str) -> tuple[float, float, float, float]:
+    """Gravity's torque about one joint with everything else at zero position, inertia, mass, reach."""
+    gravity = float(np.linalg.norm(system.gravity))
     poses = zero_poses(system)
     joint = system.joint(joint_name)
     rotation, origin = poses[joint.child]
@@ -197,13 +225,7 @@ def _mechanical(system: System, joint_name: str) -> tuple[float, float, float, f
         across_gravity = system.gravity - axis * (axis @ system.gravity)
         across_moment = moment - axis * (axis @ moment)
         torque = float(np.linalg.norm(across_gravity) * np.linalg.norm(across_moment))
-    if inertia <= 0.0:
-        inertia = 1.0
-    rate = float(np.sqrt(torque / inertia))
-    if rate < 1e-3:
-        rate = 2.0 * np.pi
-        torque = inertia * rate**2
-    return torque, inertia, rate, mass or 1.0, reach or 1.0, gravity or 9.81
+    return torque, inertia if inertia > 0.0 else 1.0, mass, reach
 
 
 def _in_space(system: System, gimbal: Gimbal, gravity: float) -> tuple[float, float, float, float, float, float]:
