@@ -89,7 +89,8 @@ def place_of(system: System, recordings: Sequence[str], left: Sequence[LeftForce
         for words, masks in _places(system, recordings, own):
             inside = sum(_square(p, m) for p, m in zip(own, masks, strict=True)) / max(squares[joint], 1e-300)
             time = sum(float(np.sum(m)) for m in masks) / max(sum(len(p.time) for p in own), 1)
-            if time <= 0.0 or inside < TELLING_PLACE_RATIO * time:
+            # Of all that is left, a place with less than its share of the time says where it does not lie.
+            if time <= 0.0 or inside < TELLING_PLACE_RATIO * time or at_joint * inside < time:
                 continue
             # Of places that hold more than their time, the one that holds most beyond it.
             worth = at_joint * (inside - time)
