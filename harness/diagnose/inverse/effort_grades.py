@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, beside_a_remainder
+from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, beside_a_remainder
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
@@ -73,8 +73,12 @@ def grade(
     """How firmly member ``k`` of a set stands.
 
     smaller: the set without it; rows: see ``repeatability``; rivals: whether something else may be in its place, None where
-    there was no time to ask; remainder: whether more than noise is left. Where nothing but noise is, it is established.
+    there was no time to ask; remainder: whether more than noise is left. Where nothing but noise is, it is established. What has a
+    special case that was not asked about is possible.
     """
+    if rivals is None and best.hypothesis.members[k].effect.simpler:
+        # A plainer law may do as well, and nobody has asked.
+        return POSSIBLE
     if not remainder:
         return LIKELY if rivals is None else ESTABLISHED
     data, values = study.data, estimates(best, study.nominal, k)
