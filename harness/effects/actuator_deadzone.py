@@ -32,5 +32,5 @@ EFFECT = Effect(
     needs=("effort",),
     simpler=(),
     confusable_with=("coulomb_friction", "actuator_gain"),
-    input=Input(deadzone, stage=50),
+    input=Input(deadzone, stage=50, nonlinear=True),
 )

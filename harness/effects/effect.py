@@ -209,10 +209,14 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Input:
-    """Acts on the applied effort of a joint: the same form as a sensor, effort recorded -> effort that arrives."""
+    """Acts on the applied effort of a joint: the same form as a sensor, effort recorded -> effort that arrives.
+
+    nonlinear: whether the share that arrives depends on how large the effort is.
+    """
 
     apply: Callable[[Array, Array, Array], Array]
     stage: int
+    nonlinear: bool = False
 
 
 @dataclass(frozen=True)

@@ -270,7 +270,7 @@ def test_one_motion_of_emps_takes_other_forces_in_another_run() -> None:
     rest = []
     for run in runs:
         waves = 2.0 * np.pi * 9.55 * run.q
-        terms = np.hstack([ordinary_terms(system, run, 0), run.smooth(np.hstack([np.sin(waves), np.cos(waves)]))])
+        terms = run.smooth(np.hstack([ordinary_terms(system, run, 0), np.sin(waves), np.cos(waves)]))
         if not rest:
             # A level axis: no gravity, and no products of velocities.
             acting = np.flatnonzero(np.abs(terms).max(axis=0) > 1e-9 * np.abs(terms).max())

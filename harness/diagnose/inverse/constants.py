@@ -124,6 +124,14 @@ MOST_STARTS = 6
 TRACE_RATIO = 2.0
 # times what its trace explains; that a rival may bring at most; chosen
 RIVAL_TRACE_RATIO = 4.0
+# of what an effect does; that what stands in its place may lack where only a few stretches say so; chosen
+RIVAL_LACK = 0.05
+# standard deviations, by the scatter between stretches; by which an effect must improve all recordings; convention: two of a
+# normal distribution, which what just pays has where stretches are alike
+THROUGHOUT_SIGMAS = 2.0
+# standard deviations, by the scatter between stretches; from which on recordings part two sets; chosen: laws err alike at all
+# turns, so that stretches are less independent than they look
+PARTED_SIGMAS = 5.0
 # evaluations; that show how far another effect leads; chosen
 GLANCE_EVALUATIONS = 5
 # chance; of a stretch of the nominal quantities under their tolerance, below which it is evidence; chosen

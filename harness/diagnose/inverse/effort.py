@@ -199,20 +199,29 @@ def _divided(runs: list[EffortRun], given: bool) -> tuple[list[EffortRun], list[
 def _data(
     system: System, train: list[EffortRun], test: list[EffortRun], deadline: Deadline
 ) -> tuple[EffortData, EffortData]:
-    grids = tuple(grid_of(run) for run in train)
-    links = link_terms(system, train)
+    grids = [grid_of(run) for run in train]
+    every = [*train, *test]
+    links = link_terms(system, every)
+    foretold = [run.raw.copy() for run in every]
     noises = []
     for j in range(train[0].q.shape[1]):
-        mine = [(run, grid) for run, grid in zip(train, grids, strict=True) if run.driven[j] and grid.samples]
+        mine = [k for k, run in enumerate(train) if run.driven[j] and grids[k].samples]
+        others = [k for k in range(len(every)) if k not in mine]
         pieces, dry = [], 0.0
         if mine:
-            which = [k for k, run in enumerate(train) if any(run is one for one, _ in mine)]
-            ordinary = ordinary_torque(system, [run for run, _ in mine], j, [links[k] for k in which])
+            at = [*mine, *others]
+            ordinary = ordinary_torque(
+                system, [every[k] for k in mine], j, [links[k] for k in at], [every[k] for k in others]
+            )
             dry = ordinary.dry
-            pieces = _pieces([(run, grid, left) for (run, grid), left in zip(mine, ordinary.left, strict=True)], j, dry)
+            pieces = _pieces([(train[k], grids[k], left) for k, left in zip(mine, ordinary.left, strict=True)], j, dry)
+            for k, said in zip(at, ordinary.foretold, strict=True):
+                foretold[k][:, j] = said
         noises.append(effort_noise(pieces or [np.zeros(1)], dry))
-    data = EffortData(EffortModel(system, train, deadline), grids, tuple(noises))
-    return data, EffortData(EffortModel(system, test, deadline), tuple(grid_of(run) for run in test), tuple(noises))
+    every = [replace(run, foretold=said) for run, said in zip(every, foretold, strict=True)]
+    known, unseen = every[: len(train)], every[len(train) :]
+    data = EffortData(EffortModel(system, known, deadline), tuple(grids), tuple(noises))
+    return data, EffortData(EffortModel(system, unseen, deadline), tuple(grid_of(run) for run in test), tuple(noises))
 
 
 def _pieces(mine: Sequence[tuple[EffortRun, Grid, Array]], j: int, dry: float) -> list[Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -75,7 +76,7 @@ class EffortModel:
     def recorded(self, runs: Sequence[EffortRun]) -> EffortModel:
         """The same motions with other efforts recorded; torques that are known stay so."""
         other = copy(self)
-        other.runs = tuple(runs)
+        other.runs = tuple(replace(run, foretold=own.foretold) for run, own in zip(runs, self.runs, strict=True))
         return other
 
     @cached_property
@@ -259,14 +260,25 @@ class EffortModel:
 
 
 def arriving(chain: Sequence[tuple[Effect, Attachment]], run: EffortRun, j: int) -> tuple[Array, float]:
-    """What arrives at a joint of its recorded effort (T,), and how much more does if more is recorded."""
+    """What arrives at a joint of its recorded effort (T,), and how much more does if more is recorded.
+
+    How much of it a dead zone swallows is told by the effort that the motion foretells. The recorded one would know when friction
+    turns better than the motion does, and a joint that does little but rub would have a dead zone by that alone: what is explained
+    must not explain itself (Söderström and Stoica, Instrumental Variable Methods for System Identification, 1983).
+    """
 
     def arrives(effort: Array) -> Array:
-        out = effort[None]
+        out = effort
         for acting, attachment in chain:
             assert acting.input is not None
-            out = acting.input.apply(out.copy(), run.time, acting.values(attachment.parameters)[None])
-        return np.asarray(out[0])
+            given = acting.values(attachment.parameters)[None]
+            if acting.input.nonlinear and run.foretold is not None:
+                # By the motion of the same time, however late the effort came to it.
+                sent = run.foretold[:, j]
+                out = out - (sent - acting.input.apply(sent[None].copy(), run.time, given)[0])
+            else:
+                out = acting.input.apply(out[None].copy(), run.time, given)[0]
+        return np.asarray(out)
 
     probe = INPUT_DIFFERENCE * float(np.std(run.raw[:, j])) + 1e-12
     slope = float(np.mean(arrives(run.raw[:, j] + probe) - arrives(run.raw[:, j] - probe))) / (2.0 * probe)

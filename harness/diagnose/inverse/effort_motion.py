@@ -52,6 +52,7 @@ class EffortRun:
     short: how long those stretches are, for each joint [s], shape (n,).
     driven: joints with a recorded effort, shape (n,). still: such a velocity below which a joint may rest, shape (n,).
     usable: samples that can be compared, shape (T,). bandwidth: cutoff [Hz].
+    foretold: efforts that ordinary torques along the motion foretell, before smoothing, shape (T, n); None where that is not known.
     """
 
     name: str
@@ -67,6 +68,7 @@ class EffortRun:
     still: Array
     usable: NDArray[np.bool_]
     bandwidth: float
+    foretold: Array | None = None
 
     @property
     def inner(self) -> NDArray[np.bool_]:

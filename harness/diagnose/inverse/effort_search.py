@@ -18,6 +18,8 @@ from harness.diagnose.inverse.constants import (
     MOST_EFFECTS,
     MOST_RIVALS,
     MOST_STARTS,
+    PARTED_SIGMAS,
+    RIVAL_LACK,
     RIVAL_TRACE_RATIO,
     TRACE_RATIO,
 )
@@ -237,9 +239,14 @@ class EffortStudy:
         return min(options, key=self.criterion)
 
     def rivals(self, best: EffortFit, k: int) -> list[tuple[Candidate, EffortFit]]:
-        """Candidates that could stand in the place of member ``k``, likeliest first, with their fits."""
+        """Candidates that could stand in the place of member ``k``, likeliest first, with their fits.
+
+        Those are about as likely, or do about as much and are less likely by what a few stretches say (``parting``).
+        """
         without = self.reduce(best, k)
         limit = self.weight(best) + UNPARTED_EVIDENCE
+        # A rival that does about as much may be so much less likely.
+        lack = max(UNPARTED_EVIDENCE, RIVAL_LACK * (self.criterion(without) - self.criterion(best)))
         # What a few steps bring not half as near as the member came will not come near it.
         hopeless = max(3.0 * UNPARTED_EVIDENCE, 0.5 * (self.criterion(without) - self.criterion(best)))
         out = []
@@ -249,7 +256,7 @@ class EffortStudy:
             # Where what a trace explains is far off, so is the candidate. A law of a single number explains no more than its trace.
             most = gain if linear(candidate) else RIVAL_TRACE_RATIO * gain
             asks = self.criterion(without) + self.asks(without, candidate)
-            if asks - most > self.criterion(best) + UNPARTED_EVIDENCE:
+            if asks - most > self.criterion(best) + lack:
                 continue
             hypothesis = without.hypothesis.with_(candidate)
             if hypothesis.identity not in self.fits:
@@ -258,9 +265,26 @@ class EffortStudy:
                     continue
                 start = seen.x[self.nominal + without.hypothesis.size :]
             found = self.extend(without, candidate, start)
-            if self.criterion(found) < self.criterion(best) + UNPARTED_EVIDENCE and self.weight(found) < limit:
+            near = self.criterion(found) < self.criterion(best) + UNPARTED_EVIDENCE and self.weight(found) < limit
+            if near or (
+                self.criterion(found) < self.criterion(best) + lack and self.parting(best, found) < PARTED_SIGMAS
+            ):
                 out.append((candidate, found))
         return sorted(out, key=lambda pair: self.weight(pair[1]))
+
+    def parting(self, better: EffortFit, other: EffortFit) -> float:
+        """How surely all recordings, those held out too, say throughout that one set is better than another [standard deviations]
+        (Vuong, Econometrica 57 (1989) 307).
+
+        A likelihood adds up what all rows say. Where a few stretches decide, such as the turns of a joint, whose friction no law
+        has quite right, it is the laws' errors there that speak.
+        """
+        size = self.data.size_of_each(self.data.rows(better.hypothesis, better.x))
+        one, two = (
+            np.concatenate([d.rows(f.hypothesis, f.x) / size[d.whitened.which] for d in (self.data, self.held)])
+            for f in (other, better)
+        )
+        return heldout_gain(one, two)
 
 
 def linear(candidate: Candidate) -> bool:

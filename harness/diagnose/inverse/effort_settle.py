@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import chi2
 
-from harness.diagnose.inverse.constants import FROM_NOTHING_SIGMAS, HELD_OUT_SIGMAS, STRETCHED_CHANCE
+from harness.diagnose.inverse.constants import FROM_NOTHING_SIGMAS, HELD_OUT_SIGMAS, STRETCHED_CHANCE, THROUGHOUT_SIGMAS
 from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
@@ -84,17 +84,29 @@ def surely_standing(study: EffortStudy, fitted: EffortFit) -> EffortFit:
 def _stands(study: EffortStudy, fitted: EffortFit, k: int, smaller: EffortFit) -> float:
     """How firmly member ``k`` stands against a fit without it; not at all where this is negative."""
     pays = study.criterion(smaller) - study.criterion(fitted) - UNPARTED_EVIDENCE
-    carries = 100.0 * (study.heldout_z(smaller, fitted) - _needed(smaller, fitted))
+    needed = _needed(smaller, fitted)
+    carries = 100.0 * (study.heldout_z(smaller, fitted) - needed)
     clear = 100.0 * (study.from_nothing(fitted, k) - FROM_NOTHING_SIGMAS)
+    if needed > 0.0:
+        # What pays by a few stretches makes up for what a law has wrong there.
+        clear = min(clear, 100.0 * (study.parting(fitted, smaller) - THROUGHOUT_SIGMAS))
     return min(pays, carries, clear)
 
 
 def _swapped(study: EffortStudy, fitted: EffortFit) -> EffortFit:
-    """The set with rivals in the place of members that are less likely than they."""
+    """The set with rivals in the place of members that are less likely than they, and plain laws in that of what is no better.
+
+    Of what efforts do not part, a plain law of the joint says most: that a wrist rubs comes before that its drive is deaf.
+    """
     for _ in range(len(fitted.hypothesis.members)):
         options = [f for k in range(len(fitted.hypothesis.members)) for _, f in study.rivals(fitted, k)]
-        better = min(options, key=study.weight, default=fitted)
-        if study.weight(better) >= study.weight(fitted) - 1e-9:
+        better = min(options, key=lambda f: (_curious(f), study.weight(f)), default=fitted)
+        if (_curious(better), study.weight(better)) >= (_curious(fitted), study.weight(fitted) - 1e-9):
             break
         fitted = better
     return fitted
+
+
+def _curious(fitted: EffortFit) -> int:
+    """How many members are no plain laws."""
+    return sum(not member.effect.plain for member in fitted.hypothesis.members)

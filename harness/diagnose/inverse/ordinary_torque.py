@@ -38,7 +38,7 @@ DRY = 4  # column of dry friction among the ordinary terms
 
 
 def ordinary_terms(system: System, run: EffortRun, joint: int) -> Array:
-    """Torques that any model of the mechanism could have at a joint, up to a factor each, smoothed, shape (T, 7).
+    """Torques that any model of the mechanism could have at a joint, up to a factor each, before smoothing, shape (T, 7).
 
     Inertia, gravity and velocity-product torque of the nominal model, then viscous, dry, quadratic and constant torque.
     """
@@ -57,21 +57,21 @@ def ordinary_terms(system: System, run: EffortRun, joint: int) -> Array:
         v * np.abs(v),
         np.ones(len(v)),
     ]
-    return run.smooth(np.stack(terms, axis=1))
+    return np.stack(terms, axis=1)
 
 
 def joint_terms(run: EffortRun, joint: int) -> Array:
-    """Torques of laws that act at the joint alone, smoothed, (T, m): a rotor's, springs', cogging's, breaking loose."""
+    """Torques of laws that act at the joint alone, before smoothing, (T, m): a rotor's, springs', cogging's, breaking loose."""
     q, v, a = run.q[:, joint], run.qd[:, joint], run.qdd[:, joint]
     terms = [a, q, q**3]
     for k in range(1, MOST_COGGING_WAVES + 1):
         terms += [np.sin(k * q), np.cos(k * q)]
     terms += [np.exp(-((v / (f * run.still[joint])) ** 2)) * run.direction[:, joint] for f in FALLING_SPEEDS]
-    return run.smooth(np.stack(terms, axis=1))
+    return np.stack(terms, axis=1)
 
 
 def link_terms(system: System, runs: Sequence[EffortRun]) -> list[Array]:
-    """Of every run the smoothed torques that one more of each inertial number of a link takes, (T, numbers, n).
+    """Of every run the torques that one more of each inertial number of a link takes, before smoothing, (T, numbers, n).
 
     Torques are linear in those numbers (Atkeson, An and Hollerbach, Int. J. Robotics Res. 5(3) (1986) 101). None where a system has
     no row of them.
@@ -80,11 +80,7 @@ def link_terms(system: System, runs: Sequence[EffortRun]) -> list[Array]:
         return [np.zeros((len(run.time), 0, run.q.shape[1])) for run in runs]
     rows = NominalRows(system, nominal_quantities(system))
     models = [rows.model.with_row(row) for row in rows.of_each_number()]
-    out = []
-    for run in runs:
-        torques = np.stack([model.inverse_dynamics(run.q, run.qd, run.qdd) for model in models], axis=1)
-        out.append(run.smooth(torques.reshape(len(run.time), -1)).reshape(torques.shape))
-    return out
+    return [np.stack([model.inverse_dynamics(run.q, run.qd, run.qdd) for model in models], axis=1) for run in runs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,12 +88,14 @@ class OrdinaryTorque:
     """What a joint's ordinary torques leave of its effort in every run, (T,) each.
 
     reach: standard deviations of what is left over those of the noise, (T,) each: one where the regression has looked, elsewhere
-    the more the less a motion is like those that it has seen. dry: their level of dry friction [N·m].
+    the more the less a motion is like those that it has seen. dry: their level of dry friction [N·m]. foretold: the effort that
+    they make up, before smoothing, in every run and then in others that the regression has not seen, (T,) each.
     """
 
     left: list[Array]
     reach: list[Array]
     dry: float
+    foretold: list[Array]
 
     def surely(self, runs: Sequence[EffortRun], joint: int) -> list[Array]:
         """What is left less what dry friction may do while the joint turns about, and by as much smaller as it is less certain."""
@@ -107,15 +105,20 @@ class OrdinaryTorque:
         ]
 
 
-def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links: Sequence[Array]) -> OrdinaryTorque:
+def ordinary_torque(
+    system: System, runs: Sequence[EffortRun], joint: int, links: Sequence[Array], unseen: Sequence[EffortRun] = ()
+) -> OrdinaryTorque:
     """A robust regression of a joint's effort (Tukey's biweight, iteratively reweighted) on what pays of ordinary torques.
 
-    runs: those with a recorded effort at the joint; links: their ``link_terms``.
+    runs: those with a recorded effort at the joint. unseen: others, whose efforts are foretold by what is found. links: the
+    ``link_terms`` of both.
     """
-    whole = [
+    every_run = [*runs, *unseen]
+    rough = [
         np.concatenate([ordinary_terms(system, run, joint), joint_terms(run, joint), own[:, :, joint]], axis=1)
-        for run, own in zip(runs, links, strict=True)
+        for run, own in zip(every_run, links, strict=True)
     ]
+    whole = [run.smooth(table) for run, table in zip(runs, rough, strict=False)]
     step = max(1, round(SAMPLE_PERIODS / (runs[0].bandwidth * float(runs[0].time[1] - runs[0].time[0]))))
     every = max(1, step // SAMPLE_DENSITY)
     use = np.concatenate([run.usable[::every] for run in runs])
@@ -143,6 +146,7 @@ def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links
         further.remove(best)
         found, spread, weight = _robust(seen[:, chosen], target, certain)
     dry = abs(float(found[chosen.index(DRY)] / size[DRY])) if DRY in chosen else 0.0
+    foretold = [np.asarray(table[:, chosen] @ (found / size[chosen])) for table in rough]
     left = [run.effort[:, joint] - w[:, chosen] @ (found / size[chosen]) for run, w in zip(runs, whole, strict=True)]
     # The variance of a prediction is 1 + x (X' X)⁻¹ x' of the noise's; neighbours in X tell as much as one. X has all torques that
     # might have been chosen: which of them were says nothing of motions unlike those seen.
@@ -153,7 +157,7 @@ def ordinary_torque(system: System, runs: Sequence[EffortRun], joint: int, links
         )
         for run, w in zip(runs, whole, strict=True)
     ]
-    return OrdinaryTorque(left, reach, dry)
+    return OrdinaryTorque(left, reach, dry, foretold)
 
 
 def _robust(columns: Array, target: Array, certain: Array) -> tuple[Array, float, Array]:
