@@ -41,12 +41,15 @@ def settle(study: EffortStudy, fitted: EffortFit) -> EffortFit:
 
 
 def standing(study: EffortStudy, fitted: EffortFit) -> EffortFit:
-    """The set less what does not plainly pay, or does not improve data held out, or may as well be absent."""
+    """The set less what does not plainly pay, or does not improve data held out, or may as well be absent.
+
+    What has a special case stands against that, however sure it is that something is there.
+    """
     while fitted.hypothesis.members:
         doubtful = [
             k
-            for k in range(len(fitted.hypothesis.members))
-            if _stands(study, fitted, k, study.seen_without(fitted, k)) < UNPARTED_EVIDENCE
+            for k, member in enumerate(fitted.hypothesis.members)
+            if member.effect.simpler or _stands(study, fitted, k, study.seen_without(fitted, k)) < UNPARTED_EVIDENCE
         ]
         judged = [
             (_stands(study, fitted, k, smaller), k, smaller) for k in doubtful for smaller in [study.plainer(fitted, k)]
