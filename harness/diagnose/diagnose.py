@@ -131,8 +131,8 @@ def diagnose(
     tell("reading")
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     register(further)
+    second = links_apart(system, read, held, second)
     if fit_effort:
-        second = links_apart(system, read, held, second)
         rigid, last = as_of_one_body(system, read, held, second)
         by_effort = diagnose_effort(system, rigid, last, only=only, further=further, tell=tell, deadline=deadline)
         by_effort = with_second_encoders(by_effort, system, read, held, second)

@@ -14,8 +14,6 @@ NOISE_ROUNDS = 3
 COMPLETE_RATIO = 2.0
 # of a shape's length; of what is left beside a recording's zero, below which it is rounding; chosen above double rounding (2e-16)
 ROUNDING = 1e-9
-# states; of a recording, at which loads of other masses and lengths are compared; chosen
-LOAD_SAMPLES = 200
 # rounds; of where links are and what their encoders' errors are in turn; chosen
 PLACING_ROUNDS = 4
 # of a share; that a law which physics gives its sign has at least, so that a stiffness stays a number; chosen

@@ -19,7 +19,7 @@ class TwistLaw:
     """One way in which a link's encoder reads otherwise than its drive's.
 
     effect: of the catalogue. shapes: twist for a share of one each, (N,). values: parameters, by shares. positive: whether physics
-    gives the shares' signs. sensor: whether it is the second encoder's own. of_load: whether its first share is as unsure as loads.
+    gives the shares' signs. sensor: whether it is the second encoder's own.
     """
 
     effect: str
@@ -27,7 +27,6 @@ class TwistLaw:
     values: Callable[[Sequence[float]], dict[str, float]]
     positive: bool = False
     sensor: bool = False
-    of_load: bool = False
 
     def site(self, joint: str) -> str:
         """Where it acts: at the joint, or at the channel of its second encoder."""
@@ -38,13 +37,12 @@ class TwistLaw:
 # J. Dyn. Syst. Meas. Control 109 (1987) 310). In a gap the link rests against the tooth that its load pushes it to. An encoder that
 # is late by T reads T times the speed less.
 LAWS = (
-    TwistLaw("joint_flexibility", (lambda run: run.load,), lambda s: {"stiffness": 1.0 / s[0]}, positive=True, of_load=True),
+    TwistLaw("joint_flexibility", (lambda run: run.load,), lambda s: {"stiffness": 1.0 / s[0]}, positive=True),
     TwistLaw(
         "joint_flexibility",
         (lambda run: run.load, lambda run: -run.load_rate),
         lambda s: {"stiffness": 1.0 / s[0], "damping": s[1] / s[0] ** 2},
         positive=True,
-        of_load=True,
     ),
     TwistLaw("backlash", (lambda run: run.push,), lambda s: {"gap": 2.0 * s[0]}, positive=True),
     TwistLaw("sensor_delay", (lambda run: run.speed,), lambda s: {"delay": s[0]}, sensor=True),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,7 +103,8 @@ def _noise(runs: Sequence[TwistRun], laws: Laws) -> EffortNoise:
 
 
 def _spread(runs: Sequence[TwistRun], noise: EffortNoise, laws: Laws) -> Array:
-    """Standard deviations by the curvature, or by leaving blocks of the recordings out in turn, whichever is more.
+    """Standard deviations by the curvature, or by leaving blocks of the recordings out in turn, whichever is more; and by what
+    loads that are off by the model's tolerances make of the shares.
 
     The delete-a-group jackknife knows of what is left over longer times than the noise's memory (Künsch 1989).
     """
@@ -118,7 +119,13 @@ def _spread(runs: Sequence[TwistRun], noise: EffortNoise, laws: Laws) -> Array:
         again.append(_Rows(kept, noise).fit(laws)[0] if kept else shares)
     count = len(again)
     by_blocks = np.sqrt((count - 1.0) / count * np.sum((np.array(again) - np.mean(again, axis=0)) ** 2, axis=0))
-    return np.maximum(by_curvature, by_blocks)
+    by_loads = np.zeros(len(shares))
+    for k in range(len(runs[0].errors)):
+        off = [
+            replace(run, load=run.load + run.errors[k, 0], load_rate=run.load_rate + run.errors[k, 1]) for run in runs
+        ]
+        by_loads += (_Rows(off, noise).fit(laws)[0] - shares) ** 2
+    return np.sqrt(np.maximum(by_curvature, by_blocks) ** 2 + by_loads)
 
 
 class _Rows:

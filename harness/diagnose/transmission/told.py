@@ -28,10 +28,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class JointTwist:
-    """A joint's twist and what explains it.
-
-    candidates: of every law. unit: of the joint's position. unsure: relative standard deviation of its load.
-    """
+    """A joint's twist and what explains it. candidates: of every law; unit: of the joint's position."""
 
     joint: str
     unit: str
@@ -40,7 +37,6 @@ class JointTwist:
     held: Sequence[TwistRun]
     fitted: TwistFit
     candidates: Sequence[Candidate]
-    unsure: float
 
     @property
     def channel(self) -> str:
@@ -104,8 +100,6 @@ class JointTwist:
         law, span = LAWS[self.fitted.laws[k]], self.fitted.laws.spans[k]
         own = (self.fitted.shares if shares is None else shares)[span].tolist()
         away = (self.fitted.spread if spread is None else spread)[span].tolist()
-        if law.of_load:
-            away[0] = float(np.hypot(away[0], self.unsure * own[0]))
         best, out = law.values(own), {}
         for name, value in best.items():
             low = high = value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -19,7 +19,14 @@ from harness.diagnose.transmission.laws import LAWS
 from harness.diagnose.transmission.regression import explained
 from harness.diagnose.transmission.second_encoders import SecondEncoders
 from harness.diagnose.transmission.told import JointTwist, sentence
-from harness.diagnose.transmission.twist import TwistRun, behind_the_gears, cutoff_for, given_way, twists, unsure_load
+from harness.diagnose.transmission.twist import (
+    TwistRun,
+    behind_the_gears,
+    cutoff_for,
+    given_way,
+    off_by_tolerance,
+    twists,
+)
 from harness.effects.catalogue import effect
 from harness.effects.scale import references
 from harness.recording.recording import Recording
@@ -45,7 +52,7 @@ def links_apart(
     for _ in range(PLACING_ROUNDS):
         # Loads are those where the links are, which lateness and gain tell, which loads tell.
         late, gains = dict[str, float](), dict[str, float]()
-        for joint in _joints(system, system, every, second, {}):
+        for joint in _joints(system, system, every, second):
             found: dict[str, dict[str, float]] = {}
             for law, span in zip(joint.fitted.laws, joint.fitted.laws.spans, strict=True):
                 found[LAWS[law].effect] = LAWS[law].values(joint.fitted.shares[span].tolist())
@@ -93,25 +100,21 @@ def with_second_encoders(
         return replace(found, quality=[*found.quality, *_passed_over(every, second, why)])
     if not second.cutoff:
         second = replace(second, cutoff=cutoff_for(system, every))
-    unsure = unsure_load(system, every[0], second.cutoff)
-    joints = _joints(system, found.augmented or system, every, second, unsure)
+    joints = _joints(system, found.augmented or system, every, second, judged=True)
     return _told(found, joints) if joints else found
 
 
 def _joints(
-    system: System,
-    whole: System,
-    recordings: Sequence[Recording],
-    second: SecondEncoders,
-    unsure: Mapping[str, float],
+    system: System, whole: System, recordings: Sequence[Recording], second: SecondEncoders, *, judged: bool = False
 ) -> list[JointTwist]:
     """The twist of every joint with a second encoder, explained.
 
-    whole: the system that loads are of; unsure: their relative standard deviations by joint.
+    whole: the system that loads are of. judged: whether the model's tolerances count.
     """
     links = behind_the_gears(whole)
+    others = off_by_tolerance(system, links) if judged else []
     runs = [
-        twists(system, recording, channels, there, second.late, second.cutoff, links) if channels else {}
+        twists(system, recording, channels, there, second.late, second.cutoff, links, others) if channels else {}
         for recording, channels, there in zip(recordings, second.channels, second.motion, strict=True)
     ]
     joints = []
@@ -123,9 +126,7 @@ def _joints(
         candidates = [_candidate(system, name, law, recordings) for law in range(len(LAWS))]
         fitted = explained(*divided, partial(_surprise, candidates))
         joint = system.joint(name)
-        joints.append(
-            JointTwist(name, joint.position_unit, joint.prismatic, *divided, fitted, candidates, unsure.get(name, 0.0))
-        )
+        joints.append(JointTwist(name, joint.position_unit, joint.prismatic, *divided, fitted, candidates))
     return joints
 
 

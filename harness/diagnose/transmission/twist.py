@@ -23,7 +23,7 @@ from harness.diagnose.inverse.constants import (
 from harness.diagnose.inverse.effort_motion import ZeroPhase, driven_at, low_pass, motion_noise, reading_noise
 from harness.diagnose.problem.hypothesis import nominal_quantities, scaled
 from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
-from harness.diagnose.transmission.constants import FEWEST_SAMPLES, LOAD_SAMPLES
+from harness.diagnose.transmission.constants import FEWEST_SAMPLES
 from harness.effects.catalogue import effect
 from harness.effects.scale import swings
 from harness.engines.expressed import express
@@ -42,13 +42,17 @@ AT_THE_DRIVE = (
 )  # fmt: skip
 
 
+ROWS = ("time", "twist", "position", "speed", "load", "load_rate", "push", "errors")
+
+
 @dataclass(frozen=True, eq=False)
 class TwistRun:
     """The twist of one joint in one recording, at samples that a low-pass lets be independent; all (N,).
 
     name: of the recording. time [s]; twist, position [rad]; speed [rad/s], a mean over as long as the second
     encoder is late; load: torque that the link asks of the coupling [N·m], load_rate [N·m/s]; push: its direction, -1 to 1 (m and N
-    at slides). step: between samples [s]. noise: of the twist, by the encoders' own [rad].
+    at slides). step: between samples [s]. noise: of the twist, by the encoders' own [rad]. errors: by how much load and its rate
+    are another if one nominal quantity is off by its tolerance, (quantities, 2, N).
     """
 
     name: str
@@ -61,10 +65,11 @@ class TwistRun:
     push: Array
     step: float
     noise: float
+    errors: Array
 
     def part(self, keep: slice | NDArray[np.intp]) -> TwistRun:
         """Some of the samples, which follow one another."""
-        rows = {k: getattr(self, k)[keep] for k in ("time", "twist", "position", "speed", "load", "load_rate", "push")}
+        rows = {k: getattr(self, k)[..., keep] for k in ROWS}
         return replace(self, **rows)
 
 
@@ -97,11 +102,13 @@ def twists(
     late: Mapping[str, float],
     cutoff: float,
     links: System,
+    others: Sequence[System] = (),
 ) -> dict[str, TwistRun]:
     """The twist of every joint with a second encoder, by its name.
 
     second: what those read. there: positions of links by joint, where they are not the drives'. late: by how much second encoders
-    are, as far as known [s]. cutoff: of the low-pass [Hz]. links: the system as ``behind_the_gears`` leaves it.
+    are, as far as known [s]. cutoff: of the low-pass [Hz]. links: the system as ``behind_the_gears`` leaves it. others: the
+    same, each with a nominal quantity off by its tolerance.
     """
     read = {channel.site: channel for channel in second}
     (q, qd, qdd), time = _motion(system, recording, there, cutoff)
@@ -116,6 +123,8 @@ def twists(
     out: dict[str, TwistRun] = {}
     if len(taken) < FEWEST_SAMPLES:
         return out
+    stated = Denoc(whole.system).inverse_dynamics_batch(q, qd, qdd)
+    off = [Denoc(express(other).system).inverse_dynamics_batch(q, qd, qdd) - stated for other in others]
     for name, channel in read.items():
         j = system.joint_names.index(name)
         drive = recording.channel(f"{name}.position")
@@ -126,12 +135,14 @@ def twists(
             speed = (q[:, j] - CubicSpline(time, q[:, j])(time - late[name])) / late[name]
         own = (torque[:, j], np.gradient(torque[:, j], step), np.sign(torque[:, j]), q[:, j], speed)
         load, rate, push, position, speed = smooth(np.stack(own, axis=1))[taken].T
+        errors = [smooth(np.stack([o[:, j], np.gradient(o[:, j], step)], axis=1))[taken].T for o in off]
         noises = [reading_noise(recording, c) for c in (drive, channel)]
         # Of white noise a low-pass leaves as much as it lets through of all frequencies up to Nyquist's.
         left = float(np.linalg.norm(noises) * np.sqrt(min(2.0 * cutoff * recording.interval, 1.0)))
         out[name] = TwistRun(
-            recording.name, time[taken], twist[taken], position, speed, load, rate, push, every * step, left
-        )
+            recording.name, time[taken], twist[taken], position, speed, load, rate, push, every * step, left,
+            np.array(errors).reshape(-1, 2, len(taken)),
+        )  # fmt: skip
     return out
 
 
@@ -147,24 +158,16 @@ def given_way(system: System, recording: Recording, there: Mapping[str, Channel]
     return np.asarray(model(q, qd, qdd) - model(*behind)), time
 
 
-def unsure_load(system: System, recording: Recording, cutoff: float) -> dict[str, float]:
-    """Relative standard deviation of the load behind every joint, by the tolerances of what the model states."""
-    (q, qd, qdd), time = _motion(system, recording, {}, cutoff)
-    taken = slice(None, None, max(1, len(time) // LOAD_SAMPLES))
+def off_by_tolerance(system: System, links: System) -> list[System]:
+    """``links`` with each nominal quantity that loads depend on off by its tolerance."""
     quantities = nominal_quantities(system)
-
-    def loads(factors: Array) -> Array:
-        whole = express(behind_the_gears(scaled(system, quantities, list(factors)))).system
-        return np.asarray(Denoc(whole).inverse_dynamics_batch(q[taken], qd[taken], qdd[taken]))
-
-    stated = loads(np.ones(len(quantities)))
-    power = np.maximum(np.sum(stated**2, axis=0), 1e-300)
-    total = np.zeros(len(system.joint_names))
+    out = []
     for k, quantity in enumerate(quantities):
-        factors = np.ones(len(quantities))
-        factors[k] += quantity.tolerance
-        total += (np.sum((loads(factors) - stated) * stated, axis=0) / power) ** 2
-    return dict(zip(system.joint_names, np.sqrt(total).tolist(), strict=True))
+        if quantity.kind not in ("armature", "damping"):
+            factors = np.ones(len(quantities))
+            factors[k] += quantity.tolerance
+            out.append(scaled(links, quantities, list(factors)))
+    return out
 
 
 def behind_the_gears(system: System) -> System:
