@@ -163,16 +163,17 @@ def beside_a_remainder(
     gain: float,
     excess: float,
     itself: bool,
+    whole: bool = False,
 ) -> str:
     """How firmly an effect stands where more than noise is left, by its own numbers.
 
     gain: what it explains (squares); excess: what is left beyond the noise, in the same unit; itself: whether nothing else may be
-    in its place.
+    in its place; whole: whether so much was seen of what was chosen among many places that no smooth force looks like it.
     """
     effect = member.effect
     if gain < (PLAIN_LAW_RATIO if effect.plain else FAKED_RATIO) * excess:
         return POSSIBLE
-    if placed(member) or _may_be_absent(member, values):
+    if (placed(member) and not whole) or _may_be_absent(member, values):
         return POSSIBLE
     first = next(iter(effect.parameters), None)
     stands = [

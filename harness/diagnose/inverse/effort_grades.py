@@ -5,7 +5,7 @@ The same grades as those of free runs (``claims.grades``), by fits of efforts: w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, beside_a_remainder
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
+from harness.diagnose.inverse.constants import FEWEST_WAVES, WAVE_RATIO
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_model import EffortModel
 from harness.diagnose.inverse.effort_search import EffortStudy
+from harness.diagnose.problem.hypothesis import Candidate
 
 Array = NDArray[np.float64]
 
@@ -86,11 +88,26 @@ def grade(
     gains = np.maximum(other - own, 0.0)
     # What is left at joints that an effect does nothing at says nothing of it.
     beside = gains / max(float(gains.max()), 1e-300)
+    gain, excess = float(np.sum(other - own)), float(beside @ (own - data.counts))
     return beside_a_remainder(
         best.hypothesis.members[k],
         values,
         rows,
-        gain=float(np.sum(other - own)),
-        excess=float(beside @ (own - data.counts)),
+        gain=gain,
+        excess=excess,
         itself=rivals is False,
+        whole=_whole(data, best.hypothesis.members[k], values, gain, excess),
     )
+
+
+def _whole(data: EffortData, member: Candidate, values: Mapping[str, Estimate], gain: float, excess: float) -> bool:
+    """Whether a wave over the angle was seen so often, and explains so much of what there is, that no smooth force looks like it.
+
+    Less than a whole wave is a piece of any curve.
+    """
+    if "periods" not in values or gain < WAVE_RATIO * excess:
+        return False
+    j = data.model.system.joint_names.index(member.site)
+    turned = [run.q[run.usable, j] for run in data.model.runs if run.usable.any()]
+    seen = max(float(q.max()) for q in turned) - min(float(q.min()) for q in turned)
+    return bool(values["periods"].low * seen >= FEWEST_WAVES * 2.0 * np.pi)
