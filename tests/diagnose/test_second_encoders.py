@@ -17,6 +17,7 @@ from harness.diagnose.transmission.second_encoders import parted
 from harness.diagnose.transmission.transmission import with_second_encoders
 from harness.errors import InputError
 from harness.recording import read_recordings
+from harness.recording.recording import QualityNote
 from harness.system import load
 
 MASS, LENGTH, ROTOR, GRAVITY = 2.0, 0.5, 0.05, 9.81
@@ -174,6 +175,17 @@ def test_a_second_encoder_alone_is_refused_in_one_line(tmp_path: Path) -> None:
         file.write_text(file.read_text(encoding="utf-8").replace("shoulder.position", "other"), encoding="utf-8")
     with pytest.raises(InputError, match=r"shoulder.link_position is read behind the gear.*name it shoulder\.position"):
         diagnose(files, model(tmp_path), fit_effort=True)
+
+
+def test_recordings_too_short_for_it_are_told(tmp_path: Path) -> None:
+    system = load(model(tmp_path))
+    read = read_recordings(written(tmp_path), system=system)
+    note = QualityNote("carried_start", "shoulder", "", "left out")
+    short, second = parted([r.only(r.time < 0.5, note) for r in read])
+    nothing = Diagnosis("consistent", "", [], [], [], [], [], {}, {})
+    found = with_second_encoders(nothing, system, short, None, second)
+    assert [q["kind"] for q in found.quality] == ["ignored_column"] * 3
+    assert "too little is recorded" in found.quality[0]["what"]
 
 
 def test_a_mechanism_that_is_no_tree_says_that_it_is_left_out(tmp_path: Path) -> None:

@@ -101,7 +101,10 @@ def with_second_encoders(
     if not second.cutoff:
         second = replace(second, cutoff=cutoff_for(system, every))
     joints = _joints(system, found.augmented or system, every, second, judged=True)
-    return _told(found, joints) if joints else found
+    if not joints:
+        why = f"too little is recorded to compare encoders below {second.cutoff:.2g} Hz"
+        return replace(found, quality=[*found.quality, *_passed_over(every, second, why)])
+    return _told(found, joints)
 
 
 def _joints(
