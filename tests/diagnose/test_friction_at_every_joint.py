@@ -106,14 +106,15 @@ def test_what_one_joint_leaves_says_nothing_of_the_others(system: System) -> Non
         assert own["coulomb_friction"]["parameters"]["torque"]["value"] == pytest.approx(dry, rel=0.1)
 
 
+def over(*_: object) -> None:
+    raise TimeUp
+
+
 def test_what_stands_is_told_where_there_was_no_time_to_weigh_rivals(
     system: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def late(*_: object) -> None:
-        raise TimeUp
-
-    monkeypatch.setattr(effort, "settle", late)
-    monkeypatch.setattr(EffortStudy, "rivals", late)
+    monkeypatch.setattr(effort, "settle", over)
+    monkeypatch.setattr(EffortStudy, "rivals", over)
     found = diagnose([recorded(1), recorded(2), recorded(3)], system, fit_effort=True)
     assert set(numbers(found, "viscous_damping")) == set(JOINTS)
     assert {f["grade"] for f in found.findings} <= {"likely", "possible"}
@@ -124,9 +125,6 @@ def test_what_stands_is_told_where_there_was_no_time_to_weigh_rivals(
 def test_what_stands_without_a_doubt_is_told_where_there_was_no_time_to_judge_each_member(
     system: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def over(*_: object) -> None:
-        raise TimeUp
-
     known = EffortStudy.reduce
 
     def reduce(study: EffortStudy, base: EffortFit, k: int) -> EffortFit:
@@ -149,9 +147,6 @@ def test_what_stands_without_a_doubt_is_told_where_there_was_no_time_to_judge_ea
 def test_rivals_that_take_all_the_time_leave_the_answer_standing(
     system: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def over(*_: object) -> None:
-        raise TimeUp
-
     def until_the_end(*_: object) -> None:
         # From now on nothing at all is predicted any more, not even what is spared.
         monkeypatch.setattr(Deadline, "check", over)

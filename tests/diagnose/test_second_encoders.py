@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from harness.diagnose import diagnose
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.transmission.second_encoders import parted
-from harness.diagnose.transmission.transmission import with_second_encoders
+from harness.diagnose.transmission.transmission import links_apart, with_second_encoders
 from harness.errors import InputError
 from harness.recording import read_recordings
 from harness.recording.recording import QualityNote
@@ -183,7 +183,7 @@ def test_recordings_too_short_for_it_are_told(tmp_path: Path) -> None:
     note = QualityNote("carried_start", "shoulder", "", "left out")
     short, second = parted([r.only(r.time < 0.5, note) for r in read])
     nothing = Diagnosis("consistent", "", [], [], [], [], [], {}, {})
-    found = with_second_encoders(nothing, system, short, None, second)
+    found = with_second_encoders(nothing, system, short, None, links_apart(system, short, None, second))
     assert [q["kind"] for q in found.quality] == ["ignored_column"] * 3
     assert "too little is recorded" in found.quality[0]["what"]
 

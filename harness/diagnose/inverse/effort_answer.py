@@ -48,7 +48,7 @@ class EffortAnswer:
     notes: Sequence[QualityNote]
     cutoff: float
     training: int
-    _errors: dict[int, dict[str, float]] = field(default_factory=dict)  # on data held out, by fit
+    _errors: dict[EffortFit, dict[str, float]] = field(default_factory=dict)  # on data held out, by fit
 
     def document(self) -> Diagnosis:
         study, best = self.study, self.best
@@ -144,11 +144,11 @@ class EffortAnswer:
         others = sorted((f for f in study.fits.values() if f is not self.best), key=study.weight)
         rows = []
         for f in [self.best, *others][:SHOWN_HYPOTHESES]:
-            if id(f) not in self._errors:
-                self._errors[id(f)] = {
+            if f not in self._errors:
+                self._errors[f] = {
                     channel(self.system, j): root_mean_square(study.held, f, j) for j in study.data.joints
                 }
-            errors = self._errors[id(f)]
+            errors = self._errors[f]
             rows.append(
                 {
                     "effects": list(f.hypothesis.keys),

@@ -75,10 +75,9 @@ def summary(
 ) -> str:  # fmt: skip
     """The sentences about what was found and what is left.
 
-    hurried: whether the time was up before all was tried.
-
     severity: of the nominal model [standard deviations of noise]; cutoff: of the low-pass [Hz]; firm: findings in words that are
-    more than possible; explained: share of the mismatch on data held out that all of them remove.
+    more than possible; explained: share of the mismatch on data held out that all of them remove; hurried: whether the time was
+    up before all was tried.
     """
     size = f"by {times(severity)} times the noise"
     off = f"The effort that the nominal model needs for the recorded motion leaves the recorded one {size}"

@@ -23,7 +23,7 @@ class SecondEncoders:
 
     motion: positions of links by joint, from the drives' zeros and less the second encoders' own errors, where a joint gives.
     late: by how much each joint's second encoder is, as far as known [s]. cutoff: up to which twists are compared [Hz]; 0 before
-    that is asked for.
+    ``links_apart``.
     """
 
     channels: Sequence[tuple[Channel, ...]]

@@ -163,14 +163,14 @@ class JointTwist:
         )
 
 
-def sentence(joints: Sequence[JointTwist], rows: Sequence[dict[str, Any]]) -> str:
-    """What second encoders show, in words."""
+def sentence(joints: Sequence[JointTwist], rows: Sequence[Sequence[dict[str, Any]]]) -> str:
+    """What second encoders show, in words; rows: the findings of each joint."""
     found, unsure = [], []
-    for joint in joints:
-        for k, law in enumerate(joint.fitted.laws):
-            row = next(r for r in rows if (r["effect"], r["site"]) == (LAWS[law].effect, LAWS[law].site(joint.joint)))
+    for joint, own in zip(joints, rows, strict=True):
+        for k, row in enumerate(own):
             if row["grade"] == POSSIBLE:
                 continue
+            law = joint.fitted.laws[k]
             title, values, units = joint.candidates[law].effect.title, joint.values(k), joint.units(law)
             found.append(InWords(title, row["site"], values, {name: units[name] for name in values}))
             if row["indistinguishable_from"]:

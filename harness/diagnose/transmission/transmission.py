@@ -90,7 +90,8 @@ def with_second_encoders(
 ) -> Diagnosis:
     """A diagnosis with what second encoders tell of its joints.
 
-    recordings, held: without what those read; loads are those of the model with what was found.
+    recordings, held: without what those read. second: as ``links_apart`` leaves them. Loads are those of the model with what was
+    found.
     """
     if not second:
         return found
@@ -98,8 +99,6 @@ def with_second_encoders(
     why = _unusable(system, every)
     if why:
         return replace(found, quality=[*found.quality, *_passed_over(every, second, why)])
-    if not second.cutoff:
-        second = replace(second, cutoff=cutoff_for(system, every))
     joints = _joints(system, found.augmented or system, every, second, judged=True)
     if not joints:
         why = f"too little is recorded to compare encoders below {second.cutoff:.2g} Hz"
@@ -182,7 +181,8 @@ def _candidate(system: System, joint: str, law: int, recordings: Sequence[Record
 
 def _told(found: Diagnosis, joints: Sequence[JointTwist]) -> Diagnosis:
     """The diagnosis with rows and words of its joints' second encoders."""
-    rows = [row for joint in joints for row in joint.findings()]
+    each = [joint.findings() for joint in joints]
+    rows = [row for own in each for row in own]
     firm = [row for row in rows if row["grade"] != POSSIBLE]
     complete = all(joint.complete for joint in joints)
     verdict = found.verdict
@@ -201,7 +201,7 @@ def _told(found: Diagnosis, joints: Sequence[JointTwist]) -> Diagnosis:
     return replace(
         found,
         verdict=verdict,
-        summary=f"{found.summary} {sentence(joints, rows)}",
+        summary=f"{found.summary} {sentence(joints, each)}",
         noise=[*found.noise, *noise],
         findings=[*found.findings, *rows],
         fit=[*found.fit, *(joint.fit() for joint in joints)],

@@ -115,15 +115,13 @@ def twists(
     step = float(time[1] - time[0])
     smooth = ZeroPhase(low_pass(cutoff, step))
     whole = express(links)
-    torque = Denoc(whole.system).inverse_dynamics_batch(q, qd, qdd)
-    if whole.forces.any:
-        torque = torque - whole.forces(q, qd)
+    stated = Denoc(whole.system).inverse_dynamics_batch(q, qd, qdd)
+    torque = stated - whole.forces(q, qd) if whole.forces.any else stated
     edge, every = round(EDGE_PERIODS / (cutoff * step)), max(1, round(SAMPLE_PERIODS / (cutoff * step)))
     taken = np.arange(edge, len(time) - edge, every)
     out: dict[str, TwistRun] = {}
     if len(taken) < FEWEST_SAMPLES:
         return out
-    stated = Denoc(whole.system).inverse_dynamics_batch(q, qd, qdd)
     off = [Denoc(express(other).system).inverse_dynamics_batch(q, qd, qdd) - stated for other in others]
     for name, channel in read.items():
         j = system.joint_names.index(name)
