@@ -10,7 +10,7 @@ import pytest
 
 import harness
 from harness.compare import bench
-from harness.compare.bench import diagnosis, flexible, measure, peers, scaling, simulation, single_call
+from harness.compare.bench import diagnosis, flexible, loop_scaling, measure, peers, scaling, simulation, single_call
 from harness.compare.bench.batch import native_batch, pinocchio_batch
 from harness.compare.bench.row import Row, document, skipped
 from harness.compare.bench.two_threads import two_threads
@@ -177,3 +177,19 @@ def test_every_benchmark_has_its_file() -> None:
         module = import_module(f"harness.compare.bench.{name}")
         assert callable(module.run)
         assert module.__doc__
+
+
+def test_growth_of_closed_mechanisms_is_told_by_exponents_and_sizes() -> None:
+    pytest.importorskip("pinocchio")
+    rows = list(loop_scaling.run(bench.Options(quick=True, rounds=1)))
+    assert [row.what for row in rows if row.unit == "1"] == ["loop_tree_exponent", "loop_count_exponent"]
+    sizes = {row.case: [r.n for r in rows if r.case == row.case and r.n] for row in rows}
+    # N four-bars have N + 1 cranks and N bars.
+    assert sizes == {"a chain of n joints with one loop": [10, 30, 50], "N four-bars side by side": [5, 11, 21]}
+    assert {row.what for row in rows} == set(bench.BENCHMARKS["loop_scaling"].rows)
+
+
+def test_the_ring_of_a_chain_is_closed_where_it_is_measured() -> None:
+    model = harness.Denoc(loop_scaling.ring(12))
+    assert np.abs(model.open_by(np.zeros(12))).max() < 1e-12
+    assert len(model.conditions) == 3

@@ -144,6 +144,18 @@ def test_a_parallelogram_rubs_as_the_pendulum_that_it_is():
     np.testing.assert_allclose(ours.velocity[-1], 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("windows", [3, 40])
+def test_four_bars_side_by_side_fall_as_the_pendulum_that_they_are(windows):
+    """With inertia (N+1)/3 + N and moment of weight (N+1)/2 + N from upright; cuts of many loops have little in common."""
+    model = harness.Denoc(four_bars(windows))
+    q = np.array([0.7 if name.startswith("crank") else -0.7 for name in model.names])
+    qd = np.array([0.9 if name.startswith("crank") else -0.9 for name in model.names])
+    assert np.abs(model.open_by(q)).max() < 1e-14
+    expected = 9.81 * np.sin(0.7) * ((windows + 1) / 2 + windows) / ((windows + 1) / 3 + windows)
+    signs = np.array([1.0 if name.startswith("crank") else -1.0 for name in model.names])
+    np.testing.assert_allclose(model.forward_dynamics(q, qd), expected * signs, rtol=1e-12)
+
+
 def test_dry_friction_at_several_joints_is_refused():
     window = four_bars(1)
     model = harness.Denoc(replace(window, joints=tuple(replace(j, friction=0.1) for j in window.joints)))

@@ -59,6 +59,10 @@ BENCHMARKS = {
     ),
     "floating": Benchmark("many states of floating robots on one thread", ("floating_forward_dynamics_batch",)),
     "loops": Benchmark("a planar four-bar mechanism at equal error", ("four_bar",)),
+    "loop_scaling": Benchmark(
+        "growth of cost with the tree around a loop, and with the number of loops",
+        ("loop_tree_exponent", "loop_count_exponent", "loop_scaling"),
+    ),
     "diagnosis": Benchmark(
         "a full diagnosis against one mujoco.sysid fit of the same recordings",
         ("diagnosis", "diagnosis_memory", "diagnosis_one_recording", "diagnosis_one_recording_memory"),

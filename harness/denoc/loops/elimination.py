@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from harness.denoc.compiling.compiled import internal
-from harness.denoc.loops.places import condition, copy, row
+from harness.denoc.loops.places import condition, copy, list_of_coefficients, list_of_rows, row
 from harness.denoc.loops.tables import CONDITIONS, KIND, OF, RANK, N
 
 Places = Any
@@ -22,6 +22,8 @@ Numbers = Any
 
 # What is left of a row of length one below which rows are taken to depend on one another.
 _DEPENDENT = 1e-3
+# Times as many coefficients as a row has, that there are in all: from here on they are worth a list.
+_FEW = 4
 # Of rows made orthogonal, the longest that is left out, relative to the longest of all: it is rounding.
 NOTHING = 1e-11
 # Next to a singular position, where a row vanishes, rounding of positions turns the motion that is lost there into the wrong way
@@ -51,11 +53,12 @@ def shortest(places: Places, x: Numbers, out: int, least: float) -> int:
     for k in range(c):
         for i in range(n + 1):
             x[copy(places, k) + i] = x[row(places, k) + i]
-    if places[RANK] < c or not _gram_schmidt(places, x, max(_DEPENDENT, least)):
-        for k in range(c):
-            for i in range(n + 1):
-                x[row(places, k) + i] = x[copy(places, k) + i]
-        _jacobi(places, x)
+    if places[RANK] >= c and _gram_schmidt(places, x, max(_DEPENDENT, least)):
+        return _sum_of_all(places, x, out)
+    for k in range(c):
+        for i in range(n + 1):
+            x[row(places, k) + i] = x[copy(places, k) + i]
+    _jacobi(places, x)
     return _sum(places, x, out, least)
 
 
@@ -102,20 +105,58 @@ def _normalise(x: Numbers, at: int, n: int) -> None:
 
 @internal
 def _gram_schmidt(places: Places, x: Numbers, least: float) -> bool:
-    """Make rows orthogonal, of length one; False where less than ``least`` is left of one."""
+    """Make rows orthogonal, of length one; False where less than ``least`` is left of one.
+
+    A cut moves the joints of its own loop alone: of many loops most rows have nothing in common, which the few coefficients that
+    a row has tell. What a row has nothing of it need not be freed of a second time either.
+    """
     n = places[N]
+    has, met = list_of_coefficients(places), list_of_rows(places)
     for k in range(places[CONDITIONS]):
-        at = row(places, k)
-        for _ in range(2):
-            for j in range(k):
-                before = row(places, j)
-                share = dot(x, at, before, n)
+        at, stated = row(places, k), copy(places, k)
+        count = 0
+        for i in range(n):
+            if x[stated + i] != 0.0:
+                x[has + count] = i
+                count += 1
+        few = _FEW * count < n
+        meets = 0
+        for j in range(k):
+            before = row(places, j)
+            share = 0.0
+            if few:
+                for i in range(count):
+                    place = int(x[has + i])
+                    share += x[stated + place] * x[before + place]
+            else:
+                share = dot(x, stated, before, n)
+            if share != 0.0:
+                x[met + meets] = j
+                meets += 1
                 for i in range(n + 1):
                     x[at + i] -= share * x[before + i]
+        for m in range(meets):
+            before = row(places, int(x[met + m]))
+            share = dot(x, at, before, n)
+            for i in range(n + 1):
+                x[at + i] -= share * x[before + i]
         if not dot(x, at, at, n) > least * least:
             return False
         _normalise(x, at, n)
     return True
+
+
+@internal
+def _sum_of_all(places: Places, x: Numbers, out: int) -> int:
+    """Σ r_k y_k over rows that are orthogonal and of length one."""
+    c, n = places[CONDITIONS], places[N]
+    for i in range(n):
+        x[out + i] = 0.0
+    for k in range(c):
+        at = row(places, k)
+        for i in range(n):
+            x[out + i] += x[at + n] * x[at + i]
+    return c
 
 
 @internal

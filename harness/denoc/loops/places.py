@@ -35,7 +35,7 @@ def places_of(header: Any) -> Any:
 @allocating
 def numbers_of(header: Any, places: Any) -> Any:
     """The loops' floats, workspace included."""
-    return vector_at(header[CUT_NUMBERS], nq_vector(places) + places[NQ])
+    return vector_at(header[CUT_NUMBERS], list_of_rows(places) + places[CONDITIONS])
 
 
 @internal
@@ -114,3 +114,15 @@ def vector(places: Places, k: int) -> int:
 def nq_vector(places: Places) -> int:
     """A vector of nq."""
     return vector(places, 6)
+
+
+@internal
+def list_of_coefficients(places: Places) -> int:
+    """Which coefficients of an equation are not zero, up to n."""
+    return nq_vector(places) + places[NQ]
+
+
+@internal
+def list_of_rows(places: Places) -> int:
+    """Which equations another one has something in common with, up to c."""
+    return list_of_coefficients(places) + places[N]

@@ -78,5 +78,5 @@ def tables(
 
 
 def workspace(loops: int, c: int, n: int, nq: int) -> int:
-    """Numbers of workspace: frames, conditions, rows and their copy, twists of the frames by velocity, mass matrix, vectors."""
-    return 2 * loops * MOVING + c * STATE + 2 * c * (n + 1) + 12 * loops * n + n * n + 6 * n + nq
+    """Numbers of workspace: frames, conditions, rows and their copy, twists of frames by velocity, mass matrix, vectors, lists."""
+    return 2 * loops * MOVING + c * STATE + 2 * c * (n + 1) + 12 * loops * n + n * n + 6 * n + nq + n + c
