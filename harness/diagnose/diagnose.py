@@ -43,6 +43,7 @@ from harness.parallel import one_blas_thread
 from harness.recording import Recording, read_recordings
 from harness.system import System, load
 from harness.system.charted import turning
+from harness.system.followers import screws_apart
 from harness.system.loop import explicit
 from harness.system.lowering import freed, one_degree
 
@@ -89,7 +90,7 @@ def diagnose(
     models = [model] if isinstance(model, (str, Path, System)) else list(model)
     if not models:
         raise InputError("no model given", mend="name the model of the rig")
-    stated = [one if isinstance(one, System) else load(one, physical=False) for one in models]
+    stated = [screws_apart(one if isinstance(one, System) else load(one, physical=False)) for one in models]
     if fit_effort and len(stated) > 1:
         raise InputError(
             "efforts are fitted to one model", mend="diagnose the recordings of each payload by themselves"

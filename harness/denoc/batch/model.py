@@ -25,6 +25,7 @@ from harness.denoc.lanes.threads import share
 from harness.denoc.simd.vector import aligned
 from harness.errors import InputError, UnsupportedError
 from harness.system import System
+from harness.system.lowering import one_degree
 
 Array = NDArray[np.float64]
 
@@ -43,7 +44,8 @@ class BatchModel:
     def __init__(self, system: System, *, threads: int = 1) -> None:
         if system.flexible:
             raise UnsupportedError(f"{system.name}: batches of flexible links", mend="use System.rigid() or Denoc")
-        model = LaneModel(system)
+        # Of single states nothing holds loops and followers here.
+        model = LaneModel(one_degree(system, "a computation of many states at once"))
         self.lanes = model
         self.names, self.n, self.threads = model.names, model.n, threads
         self._tree, self._accumulators = _integers(model)

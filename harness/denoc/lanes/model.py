@@ -60,6 +60,7 @@ from harness.denoc.lanes.rows import (
 from harness.denoc.lanes.threads import share
 from harness.errors import InputError, UnsupportedError
 from harness.system import Link, System
+from harness.system.followers import mimics_apart, screws_apart
 from harness.system.inertia import inertial_numbers
 from harness.system.lowering import one_degree
 
@@ -170,14 +171,16 @@ class LaneModel:
     plane says that it is, and what plane.
     Loops of a system are held closed: a motion begins where ``dependent`` coordinates follow the others; a loop has the slot
     ``gap`` [m], 0 where it has no clearance. Of gimbals, what acts on three joints together has slots by their name
-    (``closing.GROUP_SLOTS``).
-    Raises UnsupportedError for links that bend in two planes or twist, for joints that turn in space or follow others, and for
-    loops beside links that bend.
+    (``closing.GROUP_SLOTS``). Screws and joints that mimic others are couplings of joints with coordinates of their own
+    (``system.followers``); balls and free joints are to be taken apart in a chart that suits their motion (``system.charted``).
+    Raises UnsupportedError for links that bend in two planes or twist, for joints that turn in space, and for loops beside links
+    that bend.
     """
 
     def __init__(self, system: System, *, law: Callable[..., float] | None = None, planar: bool = True) -> None:
         if not system.coordinate_names:
             raise InputError(f"{system.name}: nothing moves", mend="give at least one revolute or prismatic joint")
+        system = mimics_apart(screws_apart(system))
         # Loops are this model's own; what else has none may not be joined by them.
         loops = system.loops
         system = one_degree(replace(system, loops=()), "a computation of many copies at once")
@@ -261,7 +264,7 @@ class LaneModel:
 
     def row(self, system: System | None = None) -> Array:
         """Parameter row of a system of the same topology (by default the model's own), shape (P,)."""
-        system = self.system if system is None else system
+        system = self.system if system is None else mimics_apart(screws_apart(system))
         if [(j.name, j.type, j.parent, j.child) for j in system.joints] != self._joints:
             raise InputError(f"{system.name}: not the joints of {self.system.name}", mend="make a LaneModel of its own")
         row = np.zeros(self.P)
