@@ -9,13 +9,19 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import multivariate_normal
 
-from harness.diagnose.estimation.constants import USUAL_STATE_FORCE
+from harness.diagnose.estimation.constants import FORCE_LENGTH_SPREAD, USUAL_FORCE_LENGTH, USUAL_STATE_FORCE
 from harness.diagnose.estimation.discrepancy import Profiled
 from harness.diagnose.estimation.state_force import Force, Numbers, StateForce, Sums
 from harness.diagnose.problem.windows import Window
 
 ONE = Force(np.array([0.3, 0.05]), np.array([0.5, 1.5]), np.array([1.2, 2.0]))
 TWO = Force(np.array([1.0, 0.4]), np.array([2.0, 0.3]), np.array([1.0, 1.1]))
+
+
+def _usual(own: Force) -> float:
+    """−2 log of the priors: Cauchy for sizes, log-normal for lengths, up to a constant."""
+    sizes = 2.0 * np.sum(np.log1p((own.sizes / USUAL_STATE_FORCE) ** 2))
+    return float(sizes + np.sum((np.log(own.lengths / USUAL_FORCE_LENGTH) / FORCE_LENGTH_SPREAD) ** 2))
 
 
 @pytest.fixture
@@ -42,8 +48,7 @@ def test_how_likely_residuals_are_is_that_of_one_gaussian_over_all_recordings(
         root = force.prior_root(own)
         loud = np.tile(np.repeat(own.louder, 30), 2)
         covariance = answers @ root @ root.T @ answers.T + np.diag(loud)
-        usual = 2.0 * np.sum(np.log1p((own.sizes / USUAL_STATE_FORCE) ** 2))
-        return -2.0 * multivariate_normal(cov=covariance).logpdf(residual) + usual
+        return -2.0 * multivariate_normal(cov=covariance).logpdf(residual) + _usual(own)
 
     one = Force(np.array([0.3, 0.05]), np.array([0.5, 1.5]), np.array([1.2, 2.0]))
     two = Force(np.array([1.0, 0.4]), np.array([2.0, 0.3]), np.array([1.0, 1.1]))
@@ -81,9 +86,7 @@ def test_numbers_of_the_set_are_where_that_gaussian_is_likeliest(
             held = (step[0] + 1.5) ** 2 + 0.01 * float(step[1:] @ step[1:])
             return -2.0 * law.logpdf(residual + shared @ step) + held
 
-        return minimize(surprise, np.zeros(3), tol=1e-10).fun + 2.0 * float(
-            np.sum(np.log1p((own.sizes / USUAL_STATE_FORCE) ** 2))
-        )
+        return minimize(surprise, np.zeros(3), tol=1e-10).fun + _usual(own)
 
     difference = force.surprise(sums, ONE) - force.surprise(sums, TWO)
     assert difference == pytest.approx(dense(ONE) - dense(TWO), abs=1e-6)

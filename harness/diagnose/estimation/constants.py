@@ -188,6 +188,12 @@ MOST_NODES_A_SIDE = 11
 SHORTEST_FORCE_LENGTH = 0.15
 # standard deviations of position and velocity; longest length over which the force changes; chosen
 LONGEST_FORCE_LENGTH = 5.0
+# standard deviations of position and velocity; length over which a force changes that is no plain law: what is
+# straight over all that was visited, two of these either way, is a constant, a spring or damping; chosen
+USUAL_FORCE_LENGTH = 0.7
+# in the logarithm of that length; standard deviation of its prior, so that most are a third of what was visited to
+# all of one side of it; chosen
+FORCE_LENGTH_SPREAD = 0.5
 # of the natural torque; what a model that is right leaves of the forces that it has: the scale of a Cauchy prior;
 # chosen
 USUAL_STATE_FORCE = 0.01

@@ -26,6 +26,7 @@ from harness.diagnose.estimation.constants import (
     COVARIANCE_JITTER,
     FEWEST_NODES_A_SIDE,
     FIRST_ADDED,
+    FORCE_LENGTH_SPREAD,
     LARGEST_ADDED,
     LARGEST_FORCE,
     LONGEST_FORCE_LENGTH,
@@ -36,6 +37,7 @@ from harness.diagnose.estimation.constants import (
     SHORTEST_FORCE_LENGTH,
     SMALLEST_FORCE,
     TURNING_SPEED,
+    USUAL_FORCE_LENGTH,
     USUAL_LEVEL,
     USUAL_STATE_FORCE,
 )
@@ -120,7 +122,7 @@ class StateForce:
     motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the joints; torque:
     natural force that nodes are in. together: samples of every channel that err together beside the force. shape: of the force
     that the reference leaves, where the search for that of others begins. known: what has been worked out beside the force, by set
-    and windows; begun: the same from parts of these sets.
+    and windows; begun: the same from parts of these sets; left: squares that the fits left which sets were begun from.
     """
 
     joint: NDArray[np.intp]
@@ -138,6 +140,7 @@ class StateForce:
     units: Array = field(default_factory=lambda: np.ones((0, 2)))
     known: dict[Set, Any] = field(default_factory=dict)
     begun: set[tuple[Set, frozenset[str]]] = field(default_factory=set)
+    left: dict[Set, float] = field(default_factory=dict)
     level: NDArray[np.bool_] | None = None
 
     @property
@@ -226,7 +229,7 @@ class StateForce:
                 continue
             own = [found.moved(motion, place, shares[self.joint == k]) for k, place in enumerate(found.places)]
             answers[window] = np.nan_to_num(np.hstack(own))
-        return replace(self, answers={**self.answers, **answers}, known={}, begun=set())
+        return replace(self, answers={**self.answers, **answers}, known={}, begun=set(), left={})
 
     def with_levels(self, predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> StateForce | None:
         """The same with friction that every recording has by itself, dry and viscous, as the motion of a fit answers to it.
@@ -249,7 +252,7 @@ class StateForce:
             answers[window] = np.hstack([self.answers[window], *columns])
         levels = size * self.joints
         return replace(
-            self, answers=answers, known={}, begun=set(), at=np.vstack([self.at, np.zeros((levels, 2))]),
+            self, answers=answers, known={}, begun=set(), left={}, at=np.vstack([self.at, np.zeros((levels, 2))]),
             joint=np.concatenate([self.joint, np.repeat(np.arange(self.joints), size)]),
             level=np.repeat([False, True], [len(self.joint), levels]),
         )  # fmt: skip
@@ -301,7 +304,7 @@ class StateForce:
 
     def without(self, sums: Sums) -> float:
         """The same with no force at all."""
-        none = Force(np.full(len(self.usual), SMALLEST_FORCE), np.ones(2), sums.louder)
+        none = Force(np.full(len(self.usual), SMALLEST_FORCE), np.full(2, USUAL_FORCE_LENGTH), sums.louder)
         return self._noise(sums, none, float(np.sum(sums.left / sums.louder / self.together))) + float(
             np.sum(sums.deviations**2)
         )
@@ -323,7 +326,7 @@ class StateForce:
         return np.asarray(scale), np.asarray(inside)
 
     def _noise(self, sums: Sums, force: Force, left: float) -> float:
-        usual = float(np.sum(cauchy_surprise(force.sizes / self.usual)))
+        usual = float(np.sum(cauchy_surprise(force.sizes / self.usual))) + _smooth_surprise(force.lengths)
         return usual + float(np.sum(sums.counts / self.together * np.log(force.louder))) + float(left)
 
     def _at(self, sums: Sums, force: Force) -> tuple[Likeliest, Array]:
@@ -353,7 +356,8 @@ class StateForce:
         rows = change.sum(axis=1)
         usual = force.sizes / self.usual
         sizes = 2.0 * np.bincount(self.group, rows, len(usual)) + 4.0 * usual**2 / (1.0 + usual**2)
-        lengths = [float(np.sum(change * (self._apart[:, :, d] / force.lengths[d]) ** 2)) for d in (0, 1)]
+        lengths = np.array([float(np.sum(change * (self._apart[:, :, d] / force.lengths[d]) ** 2)) for d in (0, 1)])
+        lengths += 2.0 * np.log(force.lengths / USUAL_FORCE_LENGTH) / FORCE_LENGTH_SPREAD**2
         return Likeliest(value, force, both[:k], both[k:]), np.concatenate([sizes, slope_louder, lengths])
 
     def likeliest(self, sums: Sums, near: Force | None = None, *, levels: bool = True) -> Likeliest:
@@ -465,6 +469,14 @@ def _axis(values: Array, count: int) -> Array:
 def _alike(apart: Array, lengths: Array) -> Array:
     """How alike a smooth force is at states so far apart, (…, 2): a squared exponential."""
     return np.asarray(np.exp(-0.5 * np.sum((apart / lengths) ** 2, axis=-1)))
+
+
+def _smooth_surprise(lengths: Array) -> float:
+    """−2 log of how usual the lengths are over which a force changes, less its least value (log-normal).
+
+    A force that is nearly straight over all states that were visited is a constant, a spring or damping: laws that have a name.
+    """
+    return float(np.sum((np.log(lengths / USUAL_FORCE_LENGTH) / FORCE_LENGTH_SPREAD) ** 2))
 
 
 def _further(axis: Array) -> Array:

@@ -15,7 +15,9 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector, to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
 from harness.diagnose.selection.constants.search import EXTENDING_STEPS
+from harness.diagnose.selection.multi_start import bent_back
 from harness.diagnose.selection.study import Study
+from harness.diagnose.selection.wald_test import carried
 
 Array = NDArray[np.float64]
 
@@ -55,8 +57,13 @@ def with_one_change(study: Study, near: Fit) -> list[Fit]:
             for start in _starts(study, hypothesis, near)
             for size in sizes
         ]
+        starts += _from(near, hypothesis, starts[0])
         known = study.fits.get(hypothesis.identity)
-        found.append(known or study.fit(hypothesis, starts, near, most_steps=EXTENDING_STEPS))
+        fitted = known or study.fit(hypothesis, starts, near, most_steps=EXTENDING_STEPS)
+        if rubbing.members and study.stretched(fitted):
+            # What was bent for want of the change is still on its way back.
+            fitted = bent_back(study, found[0], starts[0], hypothesis, EXTENDING_STEPS)
+        found.append(fitted)
     return sorted(found, key=study.criterion)
 
 
@@ -102,7 +109,20 @@ def _by_site(study: Study, names: Sequence[str]) -> list[tuple[Candidate, ...]]:
 
 def _fitted(study: Study, members: tuple[Candidate, ...], near: Fit) -> Fit:
     hypothesis = Hypothesis(members)
-    return study.fits.get(hypothesis.identity) or study.fit(hypothesis, _starts(study, hypothesis, near), near)
+    known = study.fits.get(hypothesis.identity)
+    if known is not None:
+        return known
+    starts = list(_starts(study, hypothesis, near))
+    return study.fit(hypothesis, starts + _from(near, hypothesis, starts[0]), near)
+
+
+def _from(near: Fit, hypothesis: Hypothesis, usual: Array) -> list[Array]:
+    """Where a fit stands, what it has not being absent: nothing that leaves more than that has ended in the right valley.
+
+    The nominal quantities are bent there, which is what a further member is to do instead.
+    """
+    _, absent = carried(near.hypothesis, near.x, hypothesis, usual)
+    return [absent] if np.isfinite(absent).all() else []
 
 
 def _starts(study: Study, hypothesis: Hypothesis, near: Fit) -> Sequence[Array]:

@@ -7,7 +7,7 @@ those that are not parted so the plainest is taken: what nobody would look for f
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.state_force import StateForce
 from harness.diagnose.problem.constants import STRONG_EVIDENCE, UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate, Hypothesis
+from harness.diagnose.problem.windows import Window
+from harness.diagnose.selection.constants.weighing import NEARER_FIT_RATIO
 from harness.diagnose.selection.scans.catalogue import scanned
 from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.study import Study
@@ -32,10 +34,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What recordings say of sets with the force that these leave integrated out. rough: noise as the channels scatter."""
+    """What recordings say of sets with the force that these leave integrated out.
+
+    rough: noise as the channels scatter; looked: squares that fits leave without the force.
+    """
 
     force: StateForce
     rough: Likelihood
+    looked: dict[tuple[frozenset[str], tuple[Window, ...], bytes], float] = field(default_factory=dict)
 
     def has(self, fitted: Fit) -> bool:
         """Whether a set has been looked at in its windows."""
@@ -56,11 +62,15 @@ class Evidence:
 
         def begun(at: Beside | None) -> Beside | None:
             pair = key, own if at is None else at.hypothesis.identity
+            if at is None and self._far_nearer(study, fitted):
+                self.force.begun.discard(pair)
             if pair in self.force.begun:
                 return found
             self.force.begun.add(pair)
             starts = () if at is None else self._starts(study, fitted, at)
             objective = study.objective_under(self.rough, fitted)
+            if at is None:
+                self.force.left[key] = self._left_alone(study, fitted)
             other = beside(self.force, objective, fitted, study.whole(fitted.hypothesis), starts)
             return other if found is None or other.surprise < found.surprise else found
 
@@ -70,11 +80,25 @@ class Evidence:
             found = begun(part)
         if behind(whole, 2.0 * UNPARTED_EVIDENCE):
             found = begun(whole)
-        if by_itself or found is None or (part is None and behind(whole, 2.0 * UNPARTED_EVIDENCE)):
+        alone = part is None and behind(whole, 2.0 * UNPARTED_EVIDENCE)
+        if by_itself or found is None or alone or self._far_nearer(study, fitted):
             found = begun(None)
         assert found is not None  # begun by itself at the latest
         self.force.known[key] = found
         return found
+
+    def _far_nearer(self, study: Study, fitted: Fit) -> bool:
+        """Whether a fit leaves far less than the one from which its set was begun: that one had ended in a wrong valley."""
+        before = self.force.left.get((fitted.hypothesis.identity, fitted.windows))
+        return before is not None and self._left_alone(study, fitted) < NEARER_FIT_RATIO * before
+
+    def _left_alone(self, study: Study, fitted: Fit) -> float:
+        """Squares that a fit leaves without the force, under the sensors' noise."""
+        key = fitted.hypothesis.identity, fitted.windows, fitted.x.tobytes()
+        if key not in self.looked:
+            objective = study.objective_under(self.rough, fitted)
+            self.looked[key] = objective.residuals([(fitted.x, fitted.states)])[0][0]
+        return self.looked[key]
 
     def _likeliest_of(self, fitted: Fit, such: Callable[[frozenset[str]], bool]) -> Beside | None:
         """The likeliest of such sets that have been looked at in the same windows, with a force beside it."""

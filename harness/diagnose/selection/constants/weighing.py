@@ -45,6 +45,8 @@ LINEAR_VIEW_ERROR = 0.2
 # of what a set leaves (squares); by which one without a law leaves plainly more: three times the error is more than
 # a law costs, whatever else is fitted anew; closed form: 3² - 1
 PLAINLY_MORE_LEFT = 8.0
+# of what the fit left that a set was begun from (squares); a fit that leaves less has left a wrong valley; chosen
+NEARER_FIT_RATIO = 0.5
 # times the noise (RMS); nearer to it, noise is the measure; chosen
 LOUD_RATIO = 3.0
 
