@@ -127,10 +127,13 @@ def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[st
     progress("few effects that leave only noise")
     nothing = study.empty()
     tests: dict[frozenset[str], dict[str, Score | None]] = {}
+    known = {id(beginning): {beginning.hypothesis.identity: beginning} for beginning in (nothing, usual)}
     for beginning, candidates in ((nothing, study.cheap), (usual, study.cheap), (nothing, study.candidates)):
-        fits = {beginning.hypothesis.identity: beginning}
+        # What was fitted without what is dear is fitted no other way beside it.
+        fits = known[id(beginning)]
         apart = replace(study.unfitted(study.likelihood), candidates=candidates, fits=fits, tests=tests)
-        found = grow(apart, [beginning], effort, progress, to_begin_with=True, stop=_OffCourse(apart, beginning))
+        stop = _OffCourse(study.samples, beginning.score - study.samples)
+        found = grow(apart, [beginning], effort, progress, to_begin_with=True, stop=stop)
         study.fits.update({key: fitted for key, fitted in apart.fits.items() if key not in study.fits})
         if study.only_noise(found[0]):
             return True
@@ -140,10 +143,10 @@ def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[st
 class _OffCourse:
     """Whether a search, asked after every round, takes away too little of what is left above the noise."""
 
-    def __init__(self, study: Study, beginning: Fit) -> None:
-        self.study = study
-        self.above = beginning.score - study.samples
+    def __init__(self, samples: float, above: float) -> None:
+        self.samples = samples
+        self.above = above
 
     def __call__(self, best: Fit) -> bool:
-        before, self.above = self.above, min(f.score for f in self.study.fits.values()) - self.study.samples
+        before, self.above = self.above, best.score - self.samples
         return self.above > ON_COURSE_SHARE * before
