@@ -20,7 +20,9 @@ def plain_laws(outcome: Outcome, best: Fit, *, sure: bool) -> Fit | None:
     """The fewest plain laws that by free runs are likelier than a set beyond doubt, and foretell clearly more; None where none do.
 
     best: the set that stands beside the force; sure: whether the evidence there speaks for any member of it beyond doubt, so that
-    others have to foretell amply more. What is left counts as noise as loud as that set leaves it.
+    others have to foretell amply more. What is left counts as noise as loud as that set leaves it. Where that set runs so well only
+    with nominal quantities far outside their tolerance, the drawing speaks against it, and laws that need none of that have to
+    foretell no worse.
     """
     study = outcome.study
     plain = [f for f in study.fits.values() if f.hypothesis.members and f.score < LOST and not curious(f)]
@@ -34,4 +36,6 @@ def plain_laws(outcome: Outcome, best: Fit, *, sure: bool) -> Fit | None:
     ]
     fewest = min(likeliest, key=lambda f: (len(f.hypothesis.members), study.criterion(f)))
     times = AMPLY_CARRIES_RATIO if sure else CARRIES_RATIO
+    if study.stretched(best) and not study.stretched(fewest):
+        times = 1.0
     return fewest if times**2 * judge(outcome, fewest).cost < judge(outcome, best).cost else None

@@ -167,3 +167,10 @@ SHAPES_DEPENDENT = 1e-8
 FORGOTTEN_SHARE = np.exp(-1.0)
 # samples; of a stretch that say how long something keeps; chosen
 FEWEST_MEMORY_SAMPLES = 8
+
+# --- what efforts do not turn on ---
+
+# of the largest information; below which a direction of the numbers is rounding; chosen above double rounding (2e-16)
+ROUNDED_INFORMATION = 1e-12
+# of a direction that nothing turns on; that a number may have a part in and is still known; chosen
+UNSEEN_PART = 1e-3

@@ -21,6 +21,7 @@ from harness.diagnose.inverse.constants import (
     NOISE_ROUNDS,
     NOMINAL_DIFFERENCE,
     PARAMETER_DIFFERENCE,
+    ROUNDED_INFORMATION,
     SETTLED_COST,
     SETTLED_SIZE,
     SIZE_SAMPLES,
@@ -28,6 +29,7 @@ from harness.diagnose.inverse.constants import (
     STALE_SHARE,
     STALE_SIGMAS,
     STRETCHES_A_PARAMETER,
+    UNSEEN_PART,
 )
 from harness.diagnose.inverse.effort_model import LAWS, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun
@@ -264,7 +266,7 @@ def _as_fit(data: EffortData, hypothesis: Hypothesis, x: Array, rows: Array, jac
 
 
 def spread(fitted: EffortFit, nominal: int) -> Array:
-    """Standard deviations of all parameters, shape of x; nan where undetermined.
+    """Standard deviations of all parameters, shape of x; infinite where undetermined.
 
     From the curvature, and from the scatter of the gradient between stretches (the cluster-robust estimate of Liang and
     Zeger, Biometrika 73 (1986) 13) where there are enough of them; the larger one.
@@ -272,7 +274,7 @@ def spread(fitted: EffortFit, nominal: int) -> Array:
     count = len(fitted.x)
     information = fitted.jacobian.T @ fitted.jacobian + np.diag([1.0] * nominal + [0.0] * (count - nominal))
     size = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    inverse = np.linalg.pinv(information / np.outer(size, size), rcond=1e-12) / np.outer(size, size)
+    inverse = np.linalg.pinv(information / np.outer(size, size), rcond=ROUNDED_INFORMATION) / np.outer(size, size)
     plain = np.diag(inverse)
     clusters = np.unique(fitted.clusters)
     if len(clusters) >= STRETCHES_A_PARAMETER * max(count - nominal, 1):
@@ -282,4 +284,8 @@ def spread(fitted: EffortFit, nominal: int) -> Array:
         factor = len(clusters) / max(len(clusters) - (count - nominal), 1)
         robust = np.diag(inverse @ (factor * gradients.T @ gradients) @ inverse)
         plain = np.maximum(plain, robust)
-    return np.sqrt(np.maximum(plain, 0.0))
+    # A pseudo-inverse is blind to what it leaves out: a number that nothing turns on would pass for known exactly.
+    values, vectors = np.linalg.eigh(information / np.outer(size, size))
+    open_ = np.abs(vectors[:, values < ROUNDED_INFORMATION * max(float(values[-1]), 1e-300)]).max(axis=1, initial=0.0)
+    unseen = (open_ > UNSEEN_PART) | (np.diag(information) <= 1e-300)
+    return np.where(unseen, np.inf, np.sqrt(np.maximum(plain, 0.0)))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, beside_a_remainder
-from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
+from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95, WIDEST_INTERVAL
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.constants import FEWEST_WAVES, WAVE_RATIO
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
@@ -61,7 +61,9 @@ def estimates(fitted: EffortFit, nominal: int, k: int) -> dict[str, Estimate]:
     first, sigma = nominal + fitted.hypothesis.span(k).start, spread(fitted, nominal)
     out = {}
     for j, parameter in enumerate(member.effect.parameters):
-        value, s = float(fitted.x[first + j]), float(sigma[first + j])
+        value = float(fitted.x[first + j])
+        # What the efforts do not turn on has an information of nothing, and a deviation of any size.
+        s = min(float(sigma[first + j]), WIDEST_INTERVAL * float(member.scales[j]))
         span = 1e-6 * float(member.scales[j])
         bound = value <= parameter.lower + span or value >= parameter.upper - span
         low, high = max(value - NORMAL_95 * s, parameter.lower), min(value + NORMAL_95 * s, parameter.upper)
