@@ -127,7 +127,8 @@ def grade(
     whatever can be bent).
 
     Where the time was up before sets could be weighed beside the force that they leave out, possible, whatever they leave; or where
-    free runs of what is told are no nearer to the data held out than those of the nominal model.
+    free runs of what is told are no nearer to the data held out than those of the nominal model. Where it was up before all that
+    could be in its place was asked, likely at most.
 
     Beside a force that is left out: possible, if sets without it and all that it cannot be told from are not much less likely
     (averaged over all; Hoeting et al., Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some
@@ -138,6 +139,19 @@ def grade(
 
     values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
+    found = _grade(outcome, conclusion, claim, values, rows, foretold)
+    return LIKELY if found == ESTABLISHED and conclusion.hurried else found
+
+
+def _grade(
+    outcome: Outcome,
+    conclusion: Conclusion,
+    claim: Claim,
+    values: Mapping[str, Estimate],
+    rows: Sequence[Mapping[str, Any]],
+    foretold: bool,
+) -> str:
+    """The same by what was found, whether or not there was time for the rest."""
     unweighed = conclusion.hurried and outcome.evidence is None
     if unweighed and (outcome.force is not None or above_floor(conclusion.level, outcome.study.likelihood)):
         return POSSIBLE
