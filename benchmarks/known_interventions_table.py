@@ -87,7 +87,8 @@ def sentence(document: Mapping[str, Any]) -> str:
     named, low, high = told["named"], *(100.0 * x for x in told["named"]["wilson95"])
     return (
         f"On **real hardware with a known change** (a weight added or moved, a rod exchanged; {len(told['rigs'])} rigs, "
-        f"answers sealed, those of fourteen cases seen in earlier runs, {document['time_limit_s']:.0f} s a case) the tool, given the model of the "
+        f"answers sealed, those of fourteen cases seen in earlier runs, {document['time_limit_s']:.0f} s a case) "
+        "the tool, given the model of the "
         f"other state, names the change in {named['hits']} of {named['of']} cases ({low:.0f}–{high:.0f} %), "
         f"{told['named_exactly']['hits']} of them exactly, and tells it as possible in {told['told_as_possible']['hits']} more; "
         f"{holds['hits']} of {holds['of']} intervals of 95 % hold its size; in {told['false_headline']['hits']} something else is "
