@@ -127,10 +127,10 @@ def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[st
     progress("few effects that leave only noise")
     nothing = study.empty()
     tests: dict[frozenset[str], dict[str, Score | None]] = {}
-    known = {id(beginning): {beginning.hypothesis.identity: beginning} for beginning in (nothing, usual)}
+    known = {first.hypothesis.identity: {first.hypothesis.identity: first} for first in (nothing, usual)}
     for beginning, candidates in ((nothing, study.cheap), (usual, study.cheap), (nothing, study.candidates)):
         # What was fitted without what is dear is fitted no other way beside it.
-        fits = known[id(beginning)]
+        fits = known[beginning.hypothesis.identity]
         apart = replace(study.unfitted(study.likelihood), candidates=candidates, fits=fits, tests=tests)
         stop = _OffCourse(study.samples, beginning.score - study.samples)
         found = grow(apart, [beginning], effort, progress, to_begin_with=True, stop=stop)
@@ -141,7 +141,10 @@ def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[st
 
 
 class _OffCourse:
-    """Whether a search, asked after every round, takes away too little of what is left above the noise."""
+    """Whether a search, asked after every round, takes away too little of what is left above the noise.
+
+    samples: what noise alone leaves; above: what the beginning leaves beyond that.
+    """
 
     def __init__(self, samples: float, above: float) -> None:
         self.samples = samples
