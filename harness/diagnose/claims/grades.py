@@ -139,19 +139,7 @@ def grade(
 
     values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
-    found = _grade(outcome, conclusion, claim, values, rows, foretold)
-    return LIKELY if found == ESTABLISHED and conclusion.hurried else found
-
-
-def _grade(
-    outcome: Outcome,
-    conclusion: Conclusion,
-    claim: Claim,
-    values: Mapping[str, Estimate],
-    rows: Sequence[Mapping[str, Any]],
-    foretold: bool,
-) -> str:
-    """The same by what was found, whether or not there was time for the rest."""
+    firmest = LIKELY if conclusion.hurried else ESTABLISHED
     unweighed = conclusion.hurried and outcome.evidence is None
     if unweighed and (outcome.force is not None or above_floor(conclusion.level, outcome.study.likelihood)):
         return POSSIBLE
@@ -159,14 +147,15 @@ def _grade(
         if effect_says_not_what(claim.candidate, values):
             return POSSIBLE
         if not conclusion.remains.significant:
-            return ESTABLISHED
+            return firmest
         return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim.candidate, values) else LIKELY
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
     itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
-    return beside_a_remainder(
+    found = beside_a_remainder(
         claim.candidate, values, rows, gain=claim.gain, excess=conclusion.remains.excess, itself=itself
     )
+    return firmest if found == ESTABLISHED else found
 
 
 def beside_a_remainder(

@@ -122,7 +122,8 @@ class StateForce:
     motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the joints; torque:
     natural force that nodes are in. together: samples of every channel that err together beside the force. shape: of the force
     that the reference leaves, where the search for that of others begins. known: what has been worked out beside the force, by set
-    and windows; begun: the same from parts of these sets; left: squares that the fits left which sets were begun from.
+    and windows; begun: from which sets' places these were
+    begun, their own among them, with the squares that a set's own fit left there.
     """
 
     joint: NDArray[np.intp]
@@ -139,8 +140,7 @@ class StateForce:
     axes: Sequence[Sequence[Array]] = ()
     units: Array = field(default_factory=lambda: np.ones((0, 2)))
     known: dict[Set, Any] = field(default_factory=dict)
-    begun: set[tuple[Set, frozenset[str]]] = field(default_factory=set)
-    left: dict[Set, float] = field(default_factory=dict)
+    begun: dict[tuple[Set, frozenset[str]], float] = field(default_factory=dict)
     level: NDArray[np.bool_] | None = None
 
     @property
@@ -229,7 +229,7 @@ class StateForce:
                 continue
             own = [found.moved(motion, place, shares[self.joint == k]) for k, place in enumerate(found.places)]
             answers[window] = np.nan_to_num(np.hstack(own))
-        return replace(self, answers={**self.answers, **answers}, known={}, begun=set(), left={})
+        return replace(self, answers={**self.answers, **answers}, known={}, begun={})
 
     def with_levels(self, predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> StateForce | None:
         """The same with friction that every recording has by itself, dry and viscous, as the motion of a fit answers to it.
@@ -252,7 +252,7 @@ class StateForce:
             answers[window] = np.hstack([self.answers[window], *columns])
         levels = size * self.joints
         return replace(
-            self, answers=answers, known={}, begun=set(), left={}, at=np.vstack([self.at, np.zeros((levels, 2))]),
+            self, answers=answers, known={}, begun={}, at=np.vstack([self.at, np.zeros((levels, 2))]),
             joint=np.concatenate([self.joint, np.repeat(np.arange(self.joints), size)]),
             level=np.repeat([False, True], [len(self.joint), levels]),
         )  # fmt: skip

@@ -38,4 +38,4 @@ def in_parts(force: StateForce, runs: Sequence[Run], parts: Sequence[Window]) ->
             last = int(np.searchsorted(motion.time, ends)) + 1 if part.last < window.last else len(motion.time)
             motions[part] = motion.within(part, slice(first, last), begins)
             shares[part] = force.shares[window][:, first:last]
-    return replace(force, answers=answers, motions=motions, shares=shares, known={}, begun=set(), left={})
+    return replace(force, answers=answers, motions=motions, shares=shares, known={}, begun={})

@@ -274,7 +274,8 @@ def spread(fitted: EffortFit, nominal: int) -> Array:
     count = len(fitted.x)
     information = fitted.jacobian.T @ fitted.jacobian + np.diag([1.0] * nominal + [0.0] * (count - nominal))
     size = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    inverse = np.linalg.pinv(information / np.outer(size, size), rcond=ROUNDED_INFORMATION) / np.outer(size, size)
+    alike = information / np.outer(size, size)
+    inverse = np.linalg.pinv(alike, rcond=ROUNDED_INFORMATION) / np.outer(size, size)
     plain = np.diag(inverse)
     clusters = np.unique(fitted.clusters)
     if len(clusters) >= STRETCHES_A_PARAMETER * max(count - nominal, 1):
@@ -285,7 +286,7 @@ def spread(fitted: EffortFit, nominal: int) -> Array:
         robust = np.diag(inverse @ (factor * gradients.T @ gradients) @ inverse)
         plain = np.maximum(plain, robust)
     # A pseudo-inverse is blind to what it leaves out: a number that nothing turns on would pass for known exactly.
-    values, vectors = np.linalg.eigh(information / np.outer(size, size))
+    values, vectors = np.linalg.eigh(alike)
     open_ = np.abs(vectors[:, values < ROUNDED_INFORMATION * max(float(values[-1]), 1e-300)]).max(axis=1, initial=0.0)
     unseen = (open_ > UNSEEN_PART) | (np.diag(information) <= 1e-300)
     return np.where(unseen, np.inf, np.sqrt(np.maximum(plain, 0.0)))

@@ -62,15 +62,11 @@ class Evidence:
 
         def begun(at: Beside | None) -> Beside | None:
             pair = key, own if at is None else at.hypothesis.identity
-            if at is None and self._far_nearer(study, fitted):
-                self.force.begun.discard(pair)
-            if pair in self.force.begun:
+            if pair in self.force.begun and not (at is None and self._far_nearer(study, fitted)):
                 return found
-            self.force.begun.add(pair)
+            self.force.begun[pair] = self._left_alone(study, fitted) if at is None else 0.0
             starts = () if at is None else self._starts(study, fitted, at)
             objective = study.objective_under(self.rough, fitted)
-            if at is None:
-                self.force.left[key] = self._left_alone(study, fitted)
             other = beside(self.force, objective, fitted, study.whole(fitted.hypothesis), starts)
             return other if found is None or other.surprise < found.surprise else found
 
@@ -89,7 +85,8 @@ class Evidence:
 
     def _far_nearer(self, study: Study, fitted: Fit) -> bool:
         """Whether a fit leaves far less than the one from which its set was begun: that one had ended in a wrong valley."""
-        before = self.force.left.get((fitted.hypothesis.identity, fitted.windows))
+        own = fitted.hypothesis.identity
+        before = self.force.begun.get(((own, fitted.windows), own))
         return before is not None and self._left_alone(study, fitted) < NEARER_FIT_RATIO * before
 
     def _left_alone(self, study: Study, fitted: Fit) -> float:
