@@ -25,7 +25,7 @@ from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.known_error import worth_of_known_error
 from harness.diagnose.problem.acting import acting, coupled
 from harness.diagnose.problem.candidates import candidates
-from harness.diagnose.problem.deadline import Deadline, TimeUp, deadline_of
+from harness.diagnose.problem.deadline import Deadline, Spared, TimeUp, deadline_of
 from harness.diagnose.problem.payloads import one_each, payload
 from harness.diagnose.problem.problem import pose
 from harness.diagnose.problem.tolerances import Tolerance, with_tolerances
@@ -163,7 +163,9 @@ def diagnose(
     levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
     tell("telling")
     notes += assemblies.told(outcome.predictor, outcome.problem.runs)
-    found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+    with deadline.spared(Spared.TO_ITS_END):
+        # What takes long in it is an attempt, with an end of its own.
+        found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
     found = with_second_encoders(instead(found, first) or found, system, read, held, second)
     return replace(found, provenance=made_from, notes=notes)
 

@@ -1,4 +1,4 @@
-"""Friction that every recording has a little more or less of, beside a force over the state that all of them share.
+"""Friction and efforts that every recording has a little more or less of, beside a force over the state that all of them share.
 
 Recordings by SciPy's integration; levels as bearings that warm up have them.
 """
@@ -49,3 +49,45 @@ def test_by_how_much_friction_differs_between_recordings_is_told(levels, tmp_pat
     # Dry friction differs by a quarter of 0.02 N·m, viscous friction by a quarter of 0.05 N·m·s/rad times 3 rad/s.
     assert 0.3 * 0.02 * np.std(levels) < row["between_recordings"] < 3.0 * 0.05 * 3.0 * np.std(levels)
     assert "Friction differs from recording to recording" in found.summary
+
+
+GAINS = (1.0, 1.06, 0.95, 1.02)
+
+
+def driven(gains: tuple[float, ...]) -> list[Recording]:
+    """The same arm driven by four torques that a drive makes more or less of, with damping and the same unknown force."""
+    random, out = np.random.default_rng(4), []
+    time = np.arange(0.0, 4.0, 0.01)
+    for k, gain in enumerate(gains):
+        about, phases = random.uniform(0.3, 2.0, 4), random.uniform(0.0, 6.28, 4)
+
+        def torque(t, about=about, phases=phases):
+            waves = np.sin(2.0 * np.pi * about * np.asarray(t)[..., None] + phases)
+            return 0.15 * np.minimum(np.asarray(t) / 0.3, 1.0) * waves.sum(axis=-1)
+
+        def slope(t, y, gain=gain, torque=torque):
+            other = 0.02 * np.tanh(y[1] / 1e-3) + 0.05 * y[1] - 0.03 * np.sin(3.0 * y[0] + 0.2 * y[1])
+            return y[1], (gain * torque(t) - WEIGHT * np.sin(y[0]) - other) / ABOUT
+
+        exact = solve_ivp(slope, (0.0, 4.0), (0.0, 0.0), t_eval=time, method="LSODA", rtol=1e-8, atol=1e-10).y[0]
+        read = constant(exact + 2e-4 * random.normal(size=len(time)))
+        channels = (
+            Channel("servo.position", "servo", "position", "rad", read),
+            Channel("servo.effort", "servo", "effort", "N·m", constant(torque(time))),
+        )
+        out.append(Recording(f"drive{k}", f"drive{k}", constant(time), channels))
+    return out
+
+
+@pytest.mark.parametrize("gains", [GAINS, (1.0,) * 4])
+def test_by_how_much_efforts_differ_between_recordings_is_told(gains, tmp_path) -> None:
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    found = harness.diagnose(driven(gains), model, only=("viscous_damping", "coulomb_friction", "payload_mass"))
+    (row,) = found.to_json()["discrepancy"]
+    if np.std(gains) == 0.0:
+        assert "effort_gain_between_recordings" not in row
+        return
+    assert row["effort_gain_between_recordings"] == pytest.approx(np.std(gains), rel=0.7)
+    assert "differs from recording to recording" in found.summary
+    assert "between_recordings" not in row

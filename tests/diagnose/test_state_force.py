@@ -11,7 +11,7 @@ from scipy.stats import multivariate_normal
 
 from harness.diagnose.estimation.constants import FORCE_LENGTH_SPREAD, USUAL_FORCE_LENGTH, USUAL_STATE_FORCE
 from harness.diagnose.estimation.discrepancy import Profiled
-from harness.diagnose.estimation.state_force import Force, Numbers, StateForce, Sums
+from harness.diagnose.estimation.state_force import Force, Level, Numbers, StateForce, Sums
 from harness.diagnose.problem.windows import Window
 
 ONE = Force(np.array([0.3, 0.05]), np.array([0.5, 1.5]), np.array([1.2, 2.0]))
@@ -140,14 +140,14 @@ def test_numbers_are_as_uncertain_as_generalised_least_squares_says(
     assert force.spread(sums, None) == pytest.approx(np.sqrt(np.diag(np.linalg.inv(information))), rel=1e-9)
 
 
-LEVEL = np.array([False, False, True, False, False, True])
+LEVEL = np.array([False, False, True, False, False, True])  # of six nodes
 
 
 @pytest.fixture
 def with_levels(two_windows: tuple[StateForce, list[Window], list[Profiled]]) -> StateForce:
     """The same nodes, of which the last one of each joint is what one recording has of friction beside all."""
     force, _, _ = two_windows
-    return replace(force, level=LEVEL)
+    return replace(force, level=LEVEL.astype(np.intp) * Level.FRICTION)
 
 
 def test_what_is_one_recordings_own_has_a_size_of_its_own_and_goes_with_nothing_else(with_levels: StateForce) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.claims_as_data import finding_rows, plainer_rivals, rivals_as_data, units_of
-from harness.diagnose.answer.constants import REPLAY_TIME
+from harness.diagnose.answer.constants import INTERVALS_SHARE, PREDICTING_SHARE, REPLAY_TIME
 from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import Diagnosis
@@ -39,7 +39,7 @@ from harness.diagnose.criticism.check import Form
 from harness.diagnose.criticism.locate import Mismatch, locate
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.estimation.intervals import Estimate
-from harness.diagnose.levels.between_recordings import between_recordings
+from harness.diagnose.levels.between_recordings import Between, between_recordings
 from harness.diagnose.levels.differing_levels import Differing
 from harness.diagnose.problem.deadline import Stage
 from harness.diagnose.selection.outcome import Outcome, as_read
@@ -59,7 +59,8 @@ RANKED = ("the errors of other sets on data held out", NO_FINDING)
 ERRORS = ("errors before and after", NO_FINDING)
 LEFT = ("where the force that is left out lies", NO_FINDING)
 FORMULA = ("what the force that is left out looks like", NO_FINDING)
-BETWEEN = ("by how much friction differs between recordings", NO_FINDING)
+BETWEEN = ("by how much friction and efforts differ between recordings", NO_FINDING)
+REPEATED = ("how numbers spread over the recordings", "intervals may be too narrow")
 PREDICTING = ("the model that predicts best", NO_FINDING)
 
 
@@ -78,17 +79,22 @@ def answer(
     places: Sequence[Mismatch] = ()
     if conclusion.verdict != "consistent":
         places = deadline.attempt(*LOCATED, lambda: locate(outcome, *_side_and_site(outcome, conclusion)), lambda: ())
-    how = repeated(outcome, conclusion)
-    told = deadline.attempt(*PROFILED, lambda: intervals(outcome, conclusion), lambda: curvatures(outcome, conclusion))
+    how = deadline.attempt(*REPEATED, lambda: repeated(outcome, conclusion), lambda: None)
+    told = deadline.attempt(
+        *PROFILED,
+        lambda: intervals(outcome, conclusion),
+        lambda: curvatures(outcome, conclusion),
+        share=INTERVALS_SHARE,
+    )
     values = {key: loosened(outcome, how, key, own) for key, own in told.items()}
     claims = {claim.candidate.key: claim for claim in conclusion.claims}
     again = {key: repeatability(outcome, how, key) for key in claims}
     foretold = deadline.attempt(*FORETOLD, lambda: foretells(outcome, conclusion), lambda: False, spared=True)
     grades = {k: grade(outcome, conclusion, claim, values[k], again[k], foretold) for k, claim in claims.items()}
-    between = deadline.attempt(*BETWEEN, lambda: between_recordings(outcome, conclusion.best), dict[str, float])
+    between = deadline.attempt(*BETWEEN, lambda: between_recordings(outcome, conclusion.best), Between)
     left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion, between), lambda: None, spared=True)
     form = deadline.attempt(*FORMULA, lambda: formula(outcome, conclusion), lambda: None)
-    best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None)
+    best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None, share=PREDICTING_SHARE)
     zeros: dict[str, list[Zero]] = {key: [] for key in values}
     rows, drawn = deadline.attempt(
         *ERRORS,

@@ -4,6 +4,12 @@
 stands in ``reference/sensitivity.json``.
 """
 
+# --- time limits ---
+
+# of what is left of the time for telling; that intervals, and the search for what predicts best, may take: errors on
+# data held out come after them; chosen
+INTERVALS_SHARE, PREDICTING_SHARE = 0.6, 0.6
+
 # --- the sentences ---
 
 # of the mismatch on data held out; that laws must remove to be told as possible in so many words; chosen

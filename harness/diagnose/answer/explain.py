@@ -162,6 +162,12 @@ def _beside_a_force(
         sentences.append(
             f"Friction differs from recording to recording, by {' and '.join(differing)} (standard deviation)."
         )
+    gains = [f"{percent(one.gain)} at {one.joint}" for one in left.joints if one.gain > 0.0]
+    if gains:
+        sentences.append(
+            f"What efforts do differs from recording to recording, by {' and '.join(gains)} (standard deviation), as of a drive "
+            "that warms up or a supply that sags."
+        )
     if conclusion.doubted:
         sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
     return sentences

@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.left_force import Place, left_force, place_of
+from harness.diagnose.levels.between_recordings import Between
 from harness.diagnose.selection.outcome import Outcome
 from harness.effects.scale import references
 
@@ -18,7 +19,8 @@ from harness.effects.scale import references
 class AtJoint:
     """The force left out at one joint: standard deviation, its unit, its share of the natural force there, its memory [s].
 
-    between: standard deviation between recordings of friction there; 0 where they need none of their own.
+    between, gain: standard deviation between recordings of friction there, and of the effort as a share of it; 0 where they need
+    none of their own.
     """
 
     joint: str
@@ -27,6 +29,7 @@ class AtJoint:
     share: float
     memory: float
     between: float = 0.0
+    gain: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -50,16 +53,18 @@ class LeftOut:
             }  # fmt: skip
             if one.between > 0.0:
                 row["between_recordings"] = one.between
+            if one.gain > 0.0:
+                row["effort_gain_between_recordings"] = one.gain
             if self.place is not None and self.place.joint == one.joint:
                 row["place"] = {"where": self.place.where, "share": self.place.share, "of_time": self.place.of_time}
             rows.append(row)
         return rows
 
 
-def left_out(outcome: Outcome, conclusion: Conclusion, between: Mapping[str, float]) -> LeftOut | None:
+def left_out(outcome: Outcome, conclusion: Conclusion, between: Between) -> LeftOut | None:
     """The force that the best set leaves out; None where noise is all that is left.
 
-    between: by how much friction differs between recordings, by joint.
+    between: what differs between recordings.
     """
     force = outcome.force
     if force is None:
@@ -68,7 +73,8 @@ def left_out(outcome: Outcome, conclusion: Conclusion, between: Mapping[str, flo
     for joint, size in zip(force.joints, force.sizes, strict=True):
         unit = outcome.problem.system.joint(joint).force_unit
         natural = references(outcome.problem.system, joint).torque
-        rows.append(AtJoint(joint, size, unit, size / natural, force.memory, between.get(joint, 0.0)))
+        apart = (of.get(joint, 0.0) for of in (between.friction, between.gain))
+        rows.append(AtJoint(joint, size, unit, size / natural, force.memory, *apart))
     problem = outcome.problem
     left = left_force(outcome, conclusion.best, force)
     return LeftOut(tuple(rows), place_of(problem.system, [run.name for run in problem.runs], left))

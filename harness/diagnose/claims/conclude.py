@@ -39,8 +39,8 @@ from harness.diagnose.criticism.residual_correlation import by_channel, follows_
 from harness.diagnose.criticism.unparted import special_case, unparted
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linearisation import linearise
-from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
-from harness.diagnose.problem.deadline import Stage, TimeUp
+from harness.diagnose.problem.constants import REMAINDER_SHARE, UNPARTED_EVIDENCE
+from harness.diagnose.problem.deadline import Spared, Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.constants.search import STRETCHED_CHANCE, VIBRATION_PRICE
 from harness.diagnose.selection.constants.starts import FOLLOWED_FREQUENCY_RATIO
@@ -213,7 +213,7 @@ def conclude(outcome: Outcome) -> Conclusion:
     try:
         found = _concluded(outcome, reached)
     except TimeUp:
-        with deadline.spared():
+        with deadline.spared(Spared.TO_ITS_END):
             found = _as_far_as(outcome, reached)
     if unsearched and found.verdict == "consistent":
         found = replace(found, verdict="unexplained", cut_short=UNSEARCHED)
@@ -234,20 +234,28 @@ def _as_far_as(outcome: Outcome, reached: Reached) -> Conclusion:
     claims = _claims(outcome, best, None)
     firm = reached.criticised and not reached.incomplete
     without, with_ = ("consistent", "explained") if firm else ("unexplained", "partly_explained")
-    own, held = _so_far(outcome, best)
+    own, held = _so_far(outcome, best, by_free_runs=reached.by_free_runs)
     remains = reached.remains or Remains(False, (), 0.0)
     return Conclusion(
         with_ if claims else without, best, own, held, claims, remains, reached.doubted, _level(outcome, held),
-        cut_short="" if reached.criticised else UNCRITICISED,
+        cut_short="" if reached.criticised else UNCRITICISED, by_free_runs=reached.by_free_runs,
     )  # fmt: skip
 
 
-def _so_far(outcome: Outcome, best: Fit) -> tuple[Fit, Fit]:
+def _so_far(outcome: Outcome, best: Fit, *, by_free_runs: bool = False) -> tuple[Fit, Fit]:
     """The set on the training data and on those held out, or in a pinch as it stands on all of them."""
-    deadline = outcome.predictor.deadline
-    return deadline.attempt(
-        *LEFT["errors"], lambda: (trained(outcome, best), judge(outcome, best)), lambda: (best, best), spared=True
-    )
+    return outcome.predictor.deadline.attempt(
+        *LEFT["errors"],
+        lambda: _numbers(outcome, best, by_free_runs=by_free_runs), lambda: (best, best), spared=True,
+    )  # fmt: skip
+
+
+def _numbers(outcome: Outcome, best: Fit, *, by_free_runs: bool) -> tuple[Fit, Fit]:
+    """The set on the training data, with the numbers that are told, and on those held out. by_free_runs: see ``Conclusion``."""
+    own, evidence = trained(outcome, best), outcome.evidence
+    if evidence is None or by_free_runs or not best.hypothesis.members:
+        return own, judge(outcome, best)
+    return _beside_the_force(outcome, evidence, own)
 
 
 def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
@@ -267,28 +275,43 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     else:
         # What else may have made it, a force that nobody has named above all, is in that evidence, and so are the data held out.
         best, doubted, unproven = outcome.reweigh(wanted), (), ()
-        remains, incomplete = _remains(outcome, best)
+        reached.settled = best
+        if best.hypothesis.members:
+            # Kept for what is told, and worked out while there is time.
+            outcome.evidence.beside(outcome.training, trained(outcome, best))
+        remains, incomplete = _remains_beside(outcome, best)
     # A force that is left out is a remainder, whatever the tests beside it say.
     incomplete = incomplete or bool(doubted) or outcome.force is not None
     reached.settled, reached.remains, reached.incomplete, reached.criticised = best, remains, incomplete, True
-    claims = _claims(outcome, best, remains)
     instead = None
-    if outcome.evidence is not None:
+    if outcome.evidence is None:
+        claims = _claims(outcome, best, remains)
+    else:
+        # Where the time may be up among rivals, what free runs say comes before them.
+        claims = _claims(outcome, best, None if deadline.limited else remains)
         instead = plain_laws(outcome, best, sure=any(claim.of_class >= SURE_PROBABILITY for claim in claims))
-    if instead is not None:
-        best = outcome.reweigh(instead)
-        remains, _ = _remains(outcome, best)
-        reached.settled, reached.remains, claims = best, remains, _claims(outcome, best, remains)
+        if instead is not None:
+            best = outcome.reweigh(instead)
+            remains, _ = _remains_beside(outcome, best)
+            reached.settled, reached.remains, reached.by_free_runs = best, remains, True
+        if instead is not None or deadline.limited:
+            claims = _claims(outcome, best, remains)
     without, with_ = ("unexplained", "partly_explained") if incomplete else ("consistent", "explained")
     only: tuple[str, ...] = ()
     if outcome.evidence is None:
         only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
-    own, held = with_all(outcome, best) if only else (trained(outcome, best), judge(outcome, best))
-    if outcome.evidence is not None and best.hypothesis.members and instead is None:
-        own, held = _beside_the_force(outcome, outcome.evidence, own)
+    own, held = with_all(outcome, best) if only else _numbers(outcome, best, by_free_runs=instead is not None)
     return Conclusion(
         with_ if claims else without, best, own, held, claims, remains, doubted, _level(outcome, held), unproven, only,
         by_free_runs=instead is not None,
+    )  # fmt: skip
+
+
+def _remains_beside(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
+    """What a set leaves beside a force that is left out, and that it is more than noise: that much is known without any test."""
+    return outcome.predictor.deadline.within(
+        REMAINDER_SHARE, *LEFT["remains"],
+        lambda: _remains(outcome, best), lambda: (Remains(True, (), best.linear.cost), True),
     )  # fmt: skip
 
 
@@ -409,7 +432,9 @@ def _level(outcome: Outcome, held: Fit) -> float:
 def _claims(outcome: Outcome, best: Fit, remains: Remains | None) -> tuple[Claim, ...]:
     """What is claimed of a set. remains: what it leaves; None to look for nothing further that could stand in a member's place."""
     study = outcome.study
-    weighed = posterior(outcome, best)
+    weighed = outcome.predictor.deadline.attempt(
+        *LEFT["weighed"], lambda: posterior(outcome, best), lambda: posterior(outcome, best, at_hand=True)
+    )
     claims = []
     for k, member in enumerate(best.hypothesis.members):
         smaller = study.below(best, k)

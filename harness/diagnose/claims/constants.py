@@ -84,3 +84,6 @@ CROSSED_EVIDENCE = 30.0
 FEW_MEMBERS = 2
 # times, either way; that the numbers which shape a law are started anew; chosen
 SHAKEN_RATIO = 4.0
+# of what the set that is told leaves; variance of what free runs of another leave, at least; chosen: less is the error of
+# runs
+QUIETEST_VARIANCE = 1e-8

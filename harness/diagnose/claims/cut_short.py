@@ -17,6 +17,8 @@ LEFT = {
         "what was found may only stand in for something else, and more may be missing",
     ),
     "errors": ("errors on data held out", "those that are told are of a fit to all recordings"),
+    "remains": ("all tests of what is left", "what is left may have a shape that would be told"),
+    "weighed": ("the evidence of all sets that were fitted", "an effect may be more or less probable than it is told"),
     "told": (
         "what else could stand in the place of each effect claimed",
         "more effects may be as likely as those told",
@@ -30,6 +32,7 @@ class Reached:
 
     wanted: the best set. settled: the one that stands on data held out. doubted: keys of what was left out since. remains: what the
     set leaves; incomplete: whether that is more than noise, or something is doubted. criticised: whether nothing in it is doubtful.
+    by_free_runs: see ``Conclusion``.
     """
 
     wanted: Fit
@@ -38,3 +41,4 @@ class Reached:
     remains: Remains | None = None
     incomplete: bool = False
     criticised: bool = False
+    by_free_runs: bool = False

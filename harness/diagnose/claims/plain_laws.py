@@ -8,33 +8,48 @@ claimed either, but who has to act on the answer should know of them.
 
 from __future__ import annotations
 
+import numpy as np
+
+from harness.diagnose.claims.constants import QUIETEST_VARIANCE
 from harness.diagnose.criticism.constants import AMPLY_CARRIES_RATIO, CARRIES_RATIO
 from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.selection.outcome import Outcome, judge
 from harness.diagnose.selection.state_evidence import curious
+from harness.diagnose.selection.study import Study
+
+
+def by_free_runs(study: Study, fitted: Fit) -> float:
+    """−2 log of how likely free runs of a set make the recordings, what they leave being as loud as it is, with the price of its
+    numbers and of its members (``Study.criterion``).
+
+    Under noise as loud as one set leaves, another that leaves a thousandth of that would be likelier by no more than there are
+    samples.
+    """
+    loud = max(fitted.cost / study.samples, QUIETEST_VARIANCE)
+    return study.criterion(fitted) - fitted.cost + study.samples * (1.0 + float(np.log(loud)))
 
 
 def plain_laws(outcome: Outcome, best: Fit, *, sure: bool) -> Fit | None:
     """The fewest plain laws that by free runs are likelier than a set beyond doubt, and foretell clearly more; None where none do.
 
     best: the set that stands beside the force; sure: whether the evidence there speaks for any member of it beyond doubt, so that
-    others have to foretell amply more. What is left counts as noise as loud as that set leaves it. Where that set runs so well only
-    with nominal quantities far outside their tolerance, the drawing speaks against it, and laws that need none of that have to
-    foretell no worse.
+    others have to foretell amply more. Where that set runs so well only with nominal quantities far outside their tolerance, the
+    drawing speaks against it, and laws that need none of that have to foretell no worse.
     """
     study = outcome.study
-    plain = [f for f in study.fits.values() if f.hypothesis.members and f.score < LOST and not curious(f)]
-    lowest = min(map(study.criterion, plain), default=0.0)
-    if not plain or lowest >= study.criterion(best) - UNPARTED_EVIDENCE:
-        return None
-    likeliest = [
-        f
-        for f in plain
-        if study.criterion(f) < min(lowest + UNPARTED_EVIDENCE, study.criterion(best) - UNPARTED_EVIDENCE)
+    plain = [
+        (by_free_runs(study, f), f)
+        for f in study.fits.values()
+        if f.hypothesis.members and f.score < LOST and not curious(f)
     ]
-    fewest = min(likeliest, key=lambda f: (len(f.hypothesis.members), study.criterion(f)))
+    limit = by_free_runs(study, best) - UNPARTED_EVIDENCE
+    lowest = min((value for value, _ in plain), default=limit)
+    if lowest >= limit:
+        return None
+    likeliest = [row for row in plain if row[0] < min(lowest + UNPARTED_EVIDENCE, limit)]
+    _, fewest = min(likeliest, key=lambda row: (len(row[1].hypothesis.members), row[0]))
     times = AMPLY_CARRIES_RATIO if sure else CARRIES_RATIO
     if study.stretched(best) and not study.stretched(fewest):
         times = 1.0

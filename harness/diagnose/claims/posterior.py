@@ -49,8 +49,8 @@ def weighed(outcome: Outcome, *, at_hand: bool = False) -> list[tuple[float, Fit
     return list(zip((weights / weights.sum()).tolist(), fits, strict=True))
 
 
-def posterior(outcome: Outcome, best: Fit) -> Posterior:
-    """Posterior probabilities over the sets fitted.
+def posterior(outcome: Outcome, best: Fit, *, at_hand: bool = False) -> Posterior:
+    """Posterior probabilities over the sets fitted. at_hand: see ``weighed``.
 
     A set speaks for an effect of ``best`` if it has that on the same side of absence: what is more beside one law and less beside
     another is not known.
@@ -58,7 +58,7 @@ def posterior(outcome: Outcome, best: Fit) -> Posterior:
     study, evidence = outcome.study, outcome.evidence
     sides = _sides(study, best.hypothesis, best.x)
     rows = []
-    for weight, f in weighed(outcome):
+    for weight, f in weighed(outcome, at_hand=at_hand):
         own = _sides(study, f.hypothesis, f.x if evidence is None else evidence.beside(study, f).x)
         rows.append((weight, frozenset(key for key, side in own.items() if side * sides.get(key, side) >= 0.0)))
     return Posterior(rows)

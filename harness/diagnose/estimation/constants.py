@@ -200,6 +200,9 @@ USUAL_STATE_FORCE = 0.01
 # of the natural torque; the same of friction that is a recording's own: a tenth of what joints have, a hundredth or
 # two; chosen
 USUAL_LEVEL = 0.001
+# of an effort; the same of a gain that is a recording's own: magnets lose a thousandth a kelvin, and drives warm by
+# ten; chosen
+USUAL_GAIN = 0.01
 # standard deviations of the velocity; over which dry friction changes sides; chosen
 TURNING_SPEED = 0.1
 # steps of a grid; over which a force is continued where no motion passed; chosen

@@ -11,8 +11,9 @@ force could replace gains no more than its own shape deserves.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from enum import IntEnum
 from functools import cached_property
 from typing import Any
 
@@ -38,6 +39,7 @@ from harness.diagnose.estimation.constants import (
     SMALLEST_FORCE,
     TURNING_SPEED,
     USUAL_FORCE_LENGTH,
+    USUAL_GAIN,
     USUAL_LEVEL,
     USUAL_STATE_FORCE,
 )
@@ -51,16 +53,23 @@ from harness.effects.effect import cauchy_surprise
 
 Array = NDArray[np.float64]
 
-KINDS = 2  # of friction that recordings may have more or less of: dry and viscous
+FRICTIONS = 2  # that recordings may have more or less of: dry and viscous
+
+
+class Level(IntEnum):
+    """What recordings may have more or less of than all together: friction [natural torque], of a recorded effort [its share]."""
+
+    FRICTION = 1
+    GAIN = 2
 
 
 @dataclass(frozen=True, eq=False)
 class Force:
     """Size and shape of a force over the state, and the noise beside it.
 
-    sizes: standard deviations at every joint, in natural torques, and after these, of levels if there are any; lengths: over which
-    it changes in position and in velocity, in standard deviations of these; louder: variance beside it of every channel, in units
-    of the sensors'.
+    sizes: standard deviations at every joint, in natural torques, and after these, of each kind of level if there are any; lengths:
+    over which it changes in position and in velocity, in standard deviations of these; louder: variance beside it of every channel,
+    in units of the sensors'.
     """
 
     sizes: Array
@@ -118,7 +127,8 @@ class StateForce:
     """Forces at the nodes of grids over the joints' states, and what the whitened channels answer to them.
 
     joint: (k,) of every node, and where it stands, position and velocity (k, 2), in standard deviations of these. answers: (M, k)
-    by window. level: which nodes are no place of a grid but friction that one recording has more or less of than all, (k,).
+    by window. level: of nodes that are no place of a grid, what it is that one recording has more or less of (``Level``), else 0,
+    (k,).
     motions: that are answered along, in these coordinates, and the shares of the nodes there (k, G). names: of the joints; torque:
     natural force that nodes are in. together: samples of every channel that err together beside the force. shape: of the force
     that the reference leaves, where the search for that of others begins. known: what has been worked out beside the force, by set
@@ -141,7 +151,7 @@ class StateForce:
     units: Array = field(default_factory=lambda: np.ones((0, 2)))
     known: dict[Set, Any] = field(default_factory=dict)
     begun: dict[tuple[Set, frozenset[str]], float] = field(default_factory=dict)
-    level: NDArray[np.bool_] | None = None
+    level: NDArray[np.intp] | None = None
 
     @property
     def joints(self) -> int:
@@ -150,18 +160,18 @@ class StateForce:
     @cached_property
     def over_grid(self) -> NDArray[np.bool_]:
         """Which nodes are places of the grids over the state, (k,)."""
-        return np.ones(len(self.joint), dtype=bool) if self.level is None else ~self.level
+        return np.ones(len(self.joint), dtype=bool) if self.level is None else self.level == 0
 
     @cached_property
     def group(self) -> NDArray[np.intp]:
         """Which of the sizes is that of every node, (k,)."""
-        return np.where(self.over_grid, self.joint, self.joint + self.joints)
+        return self.joint if self.level is None else self.joint + self.joints * self.level
 
     @cached_property
     def usual(self) -> Array:
         """How large each of the sizes usually is."""
-        levels = 0 if self.over_grid.all() else self.joints
-        return np.concatenate([np.full(self.joints, USUAL_STATE_FORCE), np.full(levels, USUAL_LEVEL)])
+        kinds = 0 if self.level is None else int(self.level.max())
+        return np.repeat((USUAL_STATE_FORCE, USUAL_LEVEL, USUAL_GAIN)[: 1 + kinds], self.joints)
 
     def prior_root(self, force: Force) -> Array:
         """L with L Lᵀ the prior covariance of the forces at the nodes, in natural torques."""
@@ -232,7 +242,8 @@ class StateForce:
         return replace(self, answers={**self.answers, **answers}, known={}, begun={})
 
     def with_levels(self, predictor: Predictor, likelihood: Likelihood, fitted: Fit) -> StateForce | None:
-        """The same with friction that every recording has by itself, dry and viscous, as the motion of a fit answers to it.
+        """The same with what every recording has by itself, as the motion of a fit answers to it: dry and viscous friction, and a
+        gain of each effort that was recorded.
 
         None where there is one recording, or channels do not answer linearly.
         """
@@ -240,21 +251,28 @@ class StateForce:
         found = responses(predictor, likelihood, fitted, self.torque, 0.0)
         if found is None or len(runs) < 2:
             return None
-        answers, size = dict(self.answers), KINDS * len(runs)
-        for window in fitted.windows:
-            motion, columns = found.motion(window), []
-            for number, place in enumerate(found.places):
-                if motion is None:
-                    columns.append(np.zeros((self.channels * window.size, size)))
-                    continue
-                own = _frictions(motion.qd[:, place] / self.units[number, 1], runs, window.run)
-                columns.append(np.nan_to_num(found.moved(motion, place, own)))
-            answers[window] = np.hstack([self.answers[window], *columns])
-        levels = size * self.joints
+        motions = {window: found.motion(window) for window in fitted.windows}
+        efforts = {w: _efforts(predictor, fitted, w, m) / self.torque for w, m in motions.items() if m is not None}
+        answers, joint, level = dict(self.answers), [self.joint], [np.zeros(len(self.joint), dtype=np.intp)]
+        for number, place in enumerate(found.places):
+            kinds = [Level.FRICTION] * (FRICTIONS * len(runs))
+            if any(np.any(own[place]) for own in efforts.values()):
+                kinds += [Level.GAIN] * len(runs)
+            joint.append(np.full(len(kinds), number))
+            level.append(np.array(kinds, dtype=np.intp))
+            for window, motion in motions.items():
+                columns = np.zeros((self.channels * window.size, len(kinds)))
+                if motion is not None:
+                    acting = _frictions(motion.qd[:, place] / self.units[number, 1])
+                    if Level.GAIN in kinds:
+                        acting = np.vstack([acting, efforts[window][place]])
+                    columns[:, runs.index(window.run) :: len(runs)] = np.nan_to_num(found.moved(motion, place, acting))
+                answers[window] = np.hstack([answers[window], columns])
+        of_all = np.concatenate(joint)
+        apart = np.zeros((len(of_all) - len(self.joint), 2))
         return replace(
-            self, answers=answers, known={}, begun={}, at=np.vstack([self.at, np.zeros((levels, 2))]),
-            joint=np.concatenate([self.joint, np.repeat(np.arange(self.joints), size)]),
-            level=np.repeat([False, True], [len(self.joint), levels]),
+            self, answers=answers, known={}, begun={}, at=np.vstack([self.at, apart]), joint=of_all,
+            level=np.concatenate(level),
         )  # fmt: skip
 
     def sums(
@@ -360,9 +378,11 @@ class StateForce:
         lengths += 2.0 * np.log(force.lengths / USUAL_FORCE_LENGTH) / FORCE_LENGTH_SPREAD**2
         return Likeliest(value, force, both[:k], both[k:]), np.concatenate([sizes, slope_louder, lengths])
 
-    def likeliest(self, sums: Sums, near: Force | None = None, *, levels: bool = True) -> Likeliest:
-        """The least surprise over size, shape and loudness. near: where to begin, if something is known. levels: whether recordings
-        may have friction of their own."""
+    def likeliest(
+        self, sums: Sums, near: Force | None = None, *, levels: Collection[Level] = tuple(Level)
+    ) -> Likeliest:
+        """The least surprise over size, shape and loudness. near: where to begin, if something is known. levels: what recordings
+        may have of their own."""
         joints, count = len(self.usual), self.channels
         loud = sums.louder
 
@@ -373,7 +393,8 @@ class StateForce:
             found, slope = self._at(sums, force(z))
             return found.value, slope
 
-        largest = np.where(np.arange(joints) < self.joints, LARGEST_FORCE, LARGEST_FORCE if levels else SMALLEST_FORCE)
+        free = np.isin(np.arange(joints) // max(self.joints, 1), [0, *levels])
+        largest = np.where(free, LARGEST_FORCE, SMALLEST_FORCE)
         bounds = [(np.log(SMALLEST_FORCE), high) for high in np.log(largest)] + [
             (0.0, np.log(LOUDEST_VARIANCE))
         ] * count
@@ -440,12 +461,16 @@ def over_the_state(found: Responses) -> StateForce | None:
     )  # fmt: skip
 
 
-def _frictions(velocity: Array, runs: Sequence[int], run: int) -> Array:
-    """Dry and viscous friction of every recording along a motion of one of them, (KINDS·R, G). velocity: in standard deviations."""
-    out = np.zeros((KINDS * len(runs), len(velocity)))
-    own = KINDS * runs.index(run)
-    out[own], out[own + 1] = np.tanh(velocity / TURNING_SPEED), velocity
-    return out
+def _frictions(velocity: Array) -> Array:
+    """Dry and viscous friction along a motion, (FRICTIONS, G). velocity: in standard deviations."""
+    return np.array([np.tanh(velocity / TURNING_SPEED), velocity])
+
+
+def _efforts(predictor: Predictor, fitted: Fit, window: Window, motion: Response) -> Array:
+    """Recorded efforts as they act along a window [N·m or N], by coordinate (n, G)."""
+    mechanism, lanes = predictor.mechanism(fitted.hypothesis), [(0, window, fitted.states[window])]
+    tau = predictor.pushed({}).acting(fitted.hypothesis, fitted.x[None], mechanism, lanes, motion.time)
+    return np.zeros((len(mechanism.names), len(motion.time))) if tau is None else tau[0].T
 
 
 def _root(matrix: Array) -> Array:

@@ -41,7 +41,15 @@ class NotTried:
     may_change: str
 
 
-_spared: ContextVar[bool] = ContextVar("spared", default=False)
+class Spared(IntEnum):
+    """What work is left in peace when its time is over: nothing; for a while; to its end."""
+
+    NOT = 0
+    FOR_LONG = 1
+    TO_ITS_END = 2
+
+
+_spared: ContextVar[Spared] = ContextVar("spared", default=Spared.NOT)
 
 
 class Deadline:
@@ -55,6 +63,7 @@ class Deadline:
         self._ends = [float("inf") if limit is None else self._begun + share * limit for share in STAGE_SHARES]
         self._stage = Stage.SEARCH
         self._left: list[NotTried] = []
+        self._shared = float("inf")
         self._parts: list[Deadline] = []
 
     @property
@@ -76,8 +85,10 @@ class Deadline:
     @property
     def over(self) -> bool:
         """Whether the stage's time is over; of what is spared, whether the next one's is."""
-        later = self._stage < Stage.TELLING and _spared.get()
-        return monotonic() >= self._ends[self._stage + 1 if later else self._stage]
+        spared = _spared.get() is not Spared.NOT
+        later = self._stage < Stage.TELLING and spared
+        end = self._ends[self._stage + 1 if later else self._stage]
+        return monotonic() >= (end if spared else min(end, self._shared))
 
     def begin(self, stage: Stage) -> None:
         """Go on to a stage."""
@@ -93,15 +104,20 @@ class Deadline:
         ]
 
     def check(self) -> None:
-        """Raise TimeUp if the time is over, or of what is spared, if it has been for long."""
-        if monotonic() >= self._ends[-1] + GRACE_TIME if _spared.get() else self.over:
+        """Raise TimeUp if the time is over; of what is spared, if it has been for long, or never."""
+        spared = _spared.get()
+        if spared is Spared.TO_ITS_END:
+            return
+        if self.over if spared is Spared.NOT else monotonic() >= self._ends[-1] + GRACE_TIME:
             raise TimeUp
 
     @contextmanager
-    def spared(self) -> Iterator[None]:
-        """Inside, work goes on though its time is over, if not for long: what no answer should do without. Fits end there as soon
-        as they may."""
-        token = _spared.set(True)
+    def spared(self, how: Spared = Spared.FOR_LONG) -> Iterator[None]:
+        """Inside, work goes on though its time is over: what no answer should do without. Fits end there as soon as they may.
+
+        how: for a while; or to its end, where that is near and nothing could be told without.
+        """
+        token = _spared.set(how)
         try:
             yield
         finally:
@@ -114,21 +130,51 @@ class Deadline:
             self._left.append(note)
 
     def attempt(
-        self, what: str, may_change: str, work: Callable[[], R], otherwise: Callable[[], R], *, spared: bool = False
+        self,
+        what: str,
+        may_change: str,
+        work: Callable[[], R],
+        otherwise: Callable[[], R],
+        *,
+        spared: bool = False,
+        share: float = 1.0,
     ) -> R:
         """The result of some work, or what there is otherwise if its time is over; that is then noted.
 
-        spared: whether the work is; what there is otherwise always is.
+        spared: whether the work is, for a while; what there is otherwise is, to its end. share: of what is left of the stage, that
+        the work may take.
         """
-        token = _spared.set(spared)
+        token = _spared.set(Spared.FOR_LONG if spared else Spared.NOT)
         try:
-            return work()
+            with self._sharing(share):
+                return work()
         except TimeUp:
             self.leave(what, may_change)
         finally:
             _spared.reset(token)
-        with self.spared():
+        with self.spared(Spared.TO_ITS_END):
             return otherwise()
+
+    def within(self, share: float, what: str, may_change: str, work: Callable[[], R], otherwise: Callable[[], R]) -> R:
+        """The same where what is otherwise takes time, too: raises TimeUp where the stage is over as well."""
+        try:
+            with self._sharing(share):
+                return work()
+        except TimeUp:
+            self.check()
+        self.leave(what, may_change)
+        return otherwise()
+
+    @contextmanager
+    def _sharing(self, share: float) -> Iterator[None]:
+        """Inside, time is over after a share of what is left of the stage."""
+        now, before = monotonic(), self._shared
+        if share < 1.0:
+            self._shared = min(before, now + share * (self._ends[self._stage] - now))
+        try:
+            yield
+        finally:
+            self._shared = before
 
 
 def deadline_of(limit: float | Deadline | None) -> Deadline:

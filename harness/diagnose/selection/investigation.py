@@ -11,7 +11,8 @@ from harness.diagnose.estimation.horizon import Horizon
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.reach import check_reach
 from harness.diagnose.prediction.predictor import Predictor
-from harness.diagnose.problem.deadline import Deadline, TimeUp
+from harness.diagnose.problem.constants import NOISE_SEARCH_SHARE
+from harness.diagnose.problem.deadline import Deadline, Spared, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -22,10 +23,12 @@ from harness.diagnose.selection.first_look import first_look
 from harness.diagnose.selection.fitted_again import fitted_again
 from harness.diagnose.selection.model_error import Structure, under_model_error
 from harness.diagnose.selection.noise_behind import under_its_own_noise
-from harness.diagnose.selection.opening import Opened
+from harness.diagnose.selection.opening import Opened, Opening
 from harness.diagnose.selection.openings.catalogue import openings
 from harness.diagnose.selection.outcome import Outcome, as_stated
 from harness.diagnose.selection.study import Study
+
+SEARCHED = "further sets of effects that might leave only noise", "few effects may explain all that is left"
 
 
 def investigate(
@@ -54,10 +57,9 @@ def investigate(
     except TimeUp:
         if not reached:
             raise
-        final = next((s for s in reversed(reached) if any(f.hypothesis.members for f in s.fits.values())), reached[-1])
-        ordered = []
+        final, ordered = _reached_last(reached)[0], []
         deadline.leave(*_left_by_the_search(final))
-    with deadline.spared():
+    with deadline.spared(Spared.TO_ITS_END):
         empty = final.known(Hypothesis()) or final.empty()
         ordered = ordered or sorted(final.fits.values(), key=final.criterion)
         own = tuple(w for w in final.windows if w.run < len(problem.train))
@@ -91,29 +93,21 @@ def _search(
     progress("short windows")
     opened = Opened(short, first, horizon.joined(first), effort, progress, structure, reached)
     progress("free runs of the nominal model")
-    for opening in openings().values():
-        opening.go(opened)
-        if opened.answer is not None:
-            return opened.answer
-    long_study, seeds, empty = opened.long, opened.seeds, opened.empty
-    likeliest = min(seeds, key=long_study.criterion)
-    held_study, _ = either_way(long_study, likeliest)
-    if held_study is not long_study:
-        long_study, seeds = held_study, fitted_again(held_study, seeds, likeliest)
-        reached.append(long_study)
-        progress("efforts held between samples")
-    long_study, ordered = _other_way(long_study, grow(long_study, seeds, effort, progress), effort, progress)
-    reached.append(long_study)
-    quieter = under_its_own_noise(long_study, ordered, motion_hz, effort, progress, quieter=True)
-    if quieter is not None:
-        long_study, ordered = quieter
-        reached.append(long_study)
+    ordinary, *others = openings().values()
+    ordinary.go(opened)
+    if opened.answer is not None:
+        return opened.answer
+    deadline = predictor.deadline
+    long_study, ordered = deadline.within(
+        NOISE_SEARCH_SHARE, *SEARCHED,
+        lambda: _under_noise(opened, others, motion_hz), lambda: _reached_last(reached),
+    )  # fmt: skip
     # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
     under = under_model_error(long_study, ordered, period, effort, progress, structure, reached)
     if under is not None and under[0].likelihood.discrepancy is None:
         long_study, ordered, under = replace(under[0], hints=long_study.hints), under[1], None
         reached.append(long_study)
-    empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [empty.x], empty)
+    empty = long_study.known(Hypothesis()) or long_study.fit(Hypothesis(), [opened.empty.x], opened.empty)
     final = long_study
     if under is None:
         # The noise once more, now behind the best model; a last round under it if it has changed.
@@ -126,6 +120,33 @@ def _search(
     if final.known(Hypothesis()) is None:
         final.fit(Hypothesis(), [empty.x], empty)
     return final, ordered
+
+
+def _under_noise(opened: Opened, others: Sequence[Opening], motion_hz: float) -> tuple[Study, list[Fit]]:
+    """The search for sets that leave nothing but noise: its last study and the fits of that, best first."""
+    effort, progress, reached = opened.effort, opened.progress, opened.reached
+    for opening in others:
+        opening.go(opened)
+    study, seeds = opened.long, opened.seeds
+    likeliest = min(seeds, key=study.criterion)
+    held_study, _ = either_way(study, likeliest)
+    if held_study is not study:
+        study, seeds = held_study, fitted_again(held_study, seeds, likeliest)
+        reached.append(study)
+        progress("efforts held between samples")
+    study, ordered = _other_way(study, grow(study, seeds, effort, progress), effort, progress)
+    reached.append(study)
+    quieter = under_its_own_noise(study, ordered, motion_hz, effort, progress, quieter=True)
+    if quieter is not None:
+        study, ordered = quieter
+        reached.append(study)
+    return study, ordered
+
+
+def _reached_last(reached: Sequence[Study]) -> tuple[Study, list[Fit]]:
+    """The last study of whole runs in which anything was found, and its fits, best first."""
+    study = next((s for s in reversed(reached) if any(f.hypothesis.members for f in s.fits.values())), reached[-1])
+    return study, sorted(study.fits.values(), key=study.criterion)
 
 
 def _left_by_the_search(study: Study) -> tuple[str, str]:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.discrepancy import (
@@ -25,6 +26,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.misfit import Misfit, misfit, squares
 from harness.diagnose.estimation.scatter import crude_colours
+from harness.diagnose.problem.constants import DRAWN_SHARE
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.constants.search import HOPELESS_COST_RATIO, RETAINED_SETS
@@ -46,6 +48,11 @@ from harness.diagnose.selection.state_evidence import Evidence, evidence_over_th
 from harness.diagnose.selection.study import Study
 from harness.diagnose.selection.wald_test import rise_without
 from harness.effects.scale import pull
+
+Array = NDArray[np.float64]
+
+DRAWN = "ordinary dissipation beside each thing that may not be as drawn", "another set may be likelier, or as likely"
+SHAPES = "whether one error of a known shape explains what is left", "what was found may only stand in for that"
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +175,7 @@ def under_model_error(
             if reached is not None:
                 reached.append(wider)
             progress("one thing that is not as drawn")
-            drawn = with_one_change(wider, min([empty, *fits], key=wider.criterion))
+            drawn = _drawn(wider, empty, fits)
             every = [empty, *fits, *drawn]
             nearest = min(every, key=lambda f: f.score)
             evidence = evidence_over_the_state(wider, rough, nearest, drawn[0]) if drawn else None
@@ -176,6 +183,7 @@ def under_model_error(
                 best = likeliest_beside(wider, evidence, every, progress)
                 with study.predictor.deadline.spared():
                     # What the time was up for has been noted; no answer should do without the rest.
+                    best = _out_of_its_valley(wider, evidence, best)
                     replaced = [] if instead is None else [ordered[0]]
                     return _beside_the_state(
                         study, wider, ways, evidence, best, replaced, period, structure, reached, early=early
@@ -202,6 +210,16 @@ def under_model_error(
     return wider, polish(wider, sorted(fits, key=wider.criterion), effort, progress)
 
 
+def _drawn(study: Study, empty: Fit, fits: Sequence[Fit]) -> list[Fit]:
+    """Ordinary dissipation beside one thing that is not as drawn, as far as the time allows; without, what there is."""
+    near = min([empty, *fits], key=study.criterion)
+
+    def so_far() -> list[Fit]:
+        return sorted((f for f in study.fits.values() if f.hypothesis.members), key=study.criterion)
+
+    return study.predictor.deadline.within(DRAWN_SHARE, *DRAWN, lambda: with_one_change(study, near), so_far)
+
+
 def _beside_the_state(
     study: Study,
     wider: Study,
@@ -221,17 +239,34 @@ def _beside_the_state(
     which are kept to be told of.
     """
     found = weighed(wider, ways, best)
-    others = sorted((f for f in wider.fits.values() if f is not best), key=lambda f: evidence.criterion(wider, f))
+    # Once the time is up, what has not been weighed stays so.
+    hurried = study.predictor.deadline.over
+    others = [f for f in wider.fits.values() if f is not best and (evidence.has(f) or not hurried)]
+    others.sort(key=lambda f: evidence.criterion(wider, f))
     ranked = [best, *others[:RETAINED_SETS]]
     if found.force is None:
         return _noise_after_all(study, found, ranked)
-    if early and not _of_no_known_shape(study.unfitted(evidence.rough), best, period, structure, False):
+    alone = study.unfitted(evidence.rough)
+    if early and not study.predictor.deadline.attempt(
+        *SHAPES, lambda: _of_no_known_shape(alone, best, period, structure, False), lambda: True
+    ):
         return None
     final = study.unfitted(_left(evidence.rough, wider, best, found.force, evidence).likelihood)
     final.fit(Hypothesis(), [study.empty().x], study.empty())
     if reached is not None:
         reached.append(final)
     return final, [final.fit(f.hypothesis, [f.x], f) for f in [*ranked, *replaced]]
+
+
+def _out_of_its_valley(study: Study, evidence: Evidence, fitted: Fit) -> Fit:
+    """A set fitted again from where it is likeliest beside its force, if that is elsewhere and leaves less.
+
+    Free runs without the force may have ended in a wrong valley.
+    """
+    there = evidence.beside(study, fitted)
+    if np.all(np.abs(there.x - fitted.x) <= there.spread):
+        return fitted
+    return study.fit(fitted.hypothesis, [there.x], replace(fitted, x=there.x, states=there.states))
 
 
 def _noise_after_all(study: Study, found: Weighed, ranked: Sequence[Fit]) -> tuple[Study, list[Fit]]:

@@ -54,6 +54,8 @@ class Evidence:
         """
         own, key = fitted.hypothesis.identity, (fitted.hypothesis.identity, fitted.windows)
         found: Beside | None = self.force.known.get(key)
+        if found is not None and study.predictor.deadline.over:
+            return found
         part = self._likeliest_of(fitted, lambda other: other < own)
         whole = self._likeliest_of(fitted, lambda other: own < other and len(other) == len(own) + 1)
 
@@ -64,10 +66,11 @@ class Evidence:
             pair = key, own if at is None else at.hypothesis.identity
             if pair in self.force.begun and not (at is None and self._far_nearer(study, fitted)):
                 return found
-            self.force.begun[pair] = self._left_alone(study, fitted) if at is None else 0.0
+            left = self._left_alone(study, fitted) if at is None else 0.0
             starts = () if at is None else self._starts(study, fitted, at)
             objective = study.objective_under(self.rough, fitted)
             other = beside(self.force, objective, fitted, study.whole(fitted.hypothesis), starts)
+            self.force.begun[pair] = left
             return other if found is None or other.surprise < found.surprise else found
 
         # No part of a set is likelier than the set: where it seems so, the set has ended elsewhere. What is far less likely than a

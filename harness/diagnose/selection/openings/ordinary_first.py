@@ -7,10 +7,13 @@ from __future__ import annotations
 
 from functools import partial
 
+from harness.diagnose.problem.constants import FEW_EFFECTS_SHARE
 from harness.diagnose.selection.effort_hold import either_way
 from harness.diagnose.selection.model_error import begun_ordinary
 from harness.diagnose.selection.opening import Opened, Opening
 from harness.diagnose.selection.short_window_starts import begun, branching, few_suffice, ordinary_by_way_of_shorter
+
+FEW = "whether few effects leave only noise on short windows", "what is told may stand in for few others"
 
 
 def _go(opened: Opened) -> None:
@@ -30,9 +33,10 @@ def _go(opened: Opened) -> None:
     if other is not opened.short:
         opened.restart(other)
     short, long = opened.short, opened.long
+    few = partial(few_suffice, short, usual, opened.effort, opened.progress)
     early = begun_ordinary(
         long, usual, short.swing, opened.effort, opened.progress, opened.structure, opened.reached,
-        partial(few_suffice, short, usual, opened.effort, opened.progress),
+        lambda: short.predictor.deadline.within(FEW_EFFECTS_SHARE, *FEW, few, lambda: False),
     )  # fmt: skip
     if early is None:
         return

@@ -30,6 +30,7 @@ class Remainder:
             "tests": tests,
             "sizes": sizes,
             "between": any(row.get("between_recordings") for row in sizes),
+            "gain": any(row.get("effort_gain_between_recordings") for row in sizes),
             "figure": rounded,
             "unit": written,
         }
