@@ -71,11 +71,9 @@ def driven(gains: tuple[float, ...]) -> list[Recording]:
 
         exact = solve_ivp(slope, (0.0, 4.0), (0.0, 0.0), t_eval=time, method="LSODA", rtol=1e-8, atol=1e-10).y[0]
         read = constant(exact + 2e-4 * random.normal(size=len(time)))
-        channels = (
-            Channel("servo.position", "servo", "position", "rad", read),
-            Channel("servo.effort", "servo", "effort", "N·m", constant(torque(time))),
-        )
-        out.append(Recording(f"drive{k}", f"drive{k}", constant(time), channels))
+        seen = Channel("servo.position", "servo", "position", "rad", read)
+        acting = Channel("servo.effort", "servo", "effort", "N·m", constant(torque(time)))
+        out.append(Recording(f"drive{k}", f"drive{k}", constant(time), (seen,), efforts=(acting,)))
     return out
 
 

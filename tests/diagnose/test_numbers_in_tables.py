@@ -21,7 +21,7 @@ EXEMPT = {
     "conditioning.TIMES",
     "criticism.AT_ONCE",
     "estimation.BLOCK",
-    "estimation.KINDS",
+    "estimation.FRICTIONS",
     "estimation.TOGETHER",
     "inverse.AT_ONCE",
     "inverse.COLUMNS",

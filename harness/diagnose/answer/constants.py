@@ -6,9 +6,10 @@ stands in ``reference/sensitivity.json``.
 
 # --- time limits ---
 
-# of what is left of the time for telling; that intervals, and the search for what predicts best, may take: errors on
-# data held out come after them; chosen
-INTERVALS_SHARE, PREDICTING_SHARE = 0.6, 0.6
+# of what is left of the time for telling; that intervals may take: errors on data held out come after them; chosen
+INTERVALS_SHARE = 0.6
+# of what is left of the time for telling; that looking for what predicts best may take, for the same reason; chosen
+PREDICTING_SHARE = 0.6
 
 # --- the sentences ---
 

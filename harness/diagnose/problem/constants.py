@@ -82,10 +82,11 @@ HELD_EXTENT = {"rad": 0.02, "m": 0.001}
 # one's: what is found counts for nothing until it is judged on data held out, so that the search has not much more
 # than half; chosen
 STAGE_SHARES = (0.55, 0.7, 0.9, 1.0)
-# of what is left of the search's time; that looking for few effects which leave only noise may take, and the whole
-# search under noise alone: what is more than noise has to be weighed beside a force that is left out, which takes as
-# long; chosen
-FEW_EFFECTS_SHARE, NOISE_SEARCH_SHARE = 0.35, 0.5
+# of what is left of the search's time; that looking for few effects which leave only noise may take: what is more than
+# noise has to be weighed beside a force that is left out; chosen
+FEW_EFFECTS_SHARE = 0.35
+# of what is left of the search's time; that the search under noise alone may take, for the same reason; chosen
+NOISE_SEARCH_SHARE = 0.5
 # of what is then left; that fitting what may not be as drawn may take, before sets are weighed; chosen
 DRAWN_SHARE = 0.4
 # of the time of criticism; that tests of what is left may take beside a force that is a remainder whatever they say;
