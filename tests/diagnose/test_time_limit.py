@@ -10,15 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from simulated_recordings import Rig, nominal, recording, releases
+from simulated_recordings import ARM, Rig, nominal, recording, releases
+from test_friction_between_recordings import LEVELS, drops
 
 from harness.cases.single_run import run_once
 from harness.diagnose.claims import conclude as conclusions
 from harness.diagnose.diagnose import diagnose
 from harness.diagnose.problem import deadline as module
-from harness.diagnose.problem.constants import STAGE_SHARES, STAGE_TIMES_AT_INTERRUPT
 from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
-from harness.errors import InputError
 from harness.recording import Channel, Recording
 from harness.system import Attachment, System, load
 from harness.system.description import constant
@@ -31,58 +30,6 @@ UNJUDGED, UNCRITICISED, UNSEARCHED = (
 )
 FEW = ("coulomb_friction", "viscous_damping", "constant_torque")
 LATEST = 5.0  # s after the limit
-
-
-def test_every_stage_has_its_share_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 100.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
-    end = Deadline(10.0)
-    for stage, share in zip(Stage, STAGE_SHARES, strict=True):
-        end.begin(stage)
-        now = 100.0 + 10.0 * share - 0.01
-        end.check()
-        now += 0.02
-        with pytest.raises(TimeUp):
-            end.check()
-        with end.spared():
-            end.check()
-
-
-def test_what_is_left_is_noted_once_and_what_there_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
-    end = Deadline(1.0)
-    now = 2.0
-
-    def work() -> str:
-        end.check()
-        return "all"
-
-    with end.spared():
-        assert work() == "all"
-        # What is attempted is not spared, wherever it is begun.
-        assert [end.attempt("rivals", "nothing", work, lambda: "some") for _ in range(2)] == ["some", "some"]
-    assert [(n.what, n.may_change) for n in end.not_tried] == [("rivals", "nothing")]
-
-
-def test_an_interrupt_brings_every_stage_to_its_end_soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
-    end = Deadline()
-    now = 1e6
-    end.check()
-    end.interrupt()
-    assert end.over
-    end.begin(Stage.TELLING)
-    assert not end.over
-    now += STAGE_TIMES_AT_INTERRUPT[-1]
-    assert end.over
-
-
-def test_no_time_at_all_is_refused() -> None:
-    for limit in (0.0, -1.0, float("nan")):
-        with pytest.raises(InputError, match="more than 0 seconds"):
-            Deadline(limit)
 
 
 class After(Deadline):
@@ -253,3 +200,35 @@ def test_the_first_interrupt_is_answered_and_the_second_ends(times: int, outcome
     )  # fmt: skip
     assert child.returncode == 0, child.stderr
     assert child.stdout.strip() == outcome
+
+
+class Gone(After):
+    """Over for good from its ``count``-th question of a stage on, for what is spared for a while, too."""
+
+    @property
+    def over(self) -> bool:
+        return self.now > self.ending or (self.now == self.ending and self.asked[self.now] >= self.count)
+
+    def check(self) -> None:
+        if module._spared.get() is module.Spared.TO_ITS_END:
+            return
+        self.asked[self.now] += 1
+        if self.over:
+            raise TimeUp
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", Stage)
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.9])
+def test_a_rig_that_leaves_a_force_out_has_an_answer_wherever_the_time_is_up(
+    stage: Stage, share: float, tmp_path: Path
+) -> None:
+    model = tmp_path / "arm.toml"
+    model.write_text(ARM)
+    asked = Gone(Stage.TELLING)
+    named = ("viscous_damping", "coulomb_friction", "payload_mass")
+    diagnose(drops(LEVELS), model, only=named, time_limit=asked)
+    found = diagnose(drops(LEVELS), model, only=named, time_limit=Gone(stage, share * asked.asked[stage]))
+    assert not found.complete and "time was up" in found.summary
+    assert found.verdict in ("unexplained", "partly_explained")
+    assert all(finding["grade"] != "established" for finding in found.findings)
