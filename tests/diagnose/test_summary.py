@@ -76,6 +76,15 @@ def test_what_is_left_is_told_in_the_channels_unit_against_its_noise_and_as_a_fo
     ) in text
 
 
+def test_errors_that_there_was_no_time_for_are_no_numbers() -> None:
+    text = summary(_conclusion("unexplained"), float("nan"), [], [], Foretold(), None, LEFT)
+    assert "nan" not in text and "0 times" not in text
+    assert text.startswith(
+        "The nominal model leaves the recordings to an extent that has not been worked out, and nothing "
+    )
+    assert "What is left of the data held out is a force of 0.048 N·m at servo" in text
+
+
 def test_a_catalogue_that_was_not_gone_through_is_not_said_to_hold_nothing() -> None:
     whole = summary(_conclusion("unexplained"), 30.0, [], [], Foretold(1.4))
     cut = summary(replace(_conclusion("unexplained"), hurried=True), 30.0, [], [], Foretold(1.4))

@@ -93,11 +93,9 @@ def summary(
         return " ".join(
             [*_beside_a_force(conclusion, severity, findings, foretold, explained, left, possible), *rivals]
         )
-    size = "to an extent that has not been worked out"
-    if severity >= 0.0:
-        size = (
-            f"by {times(severity)} times the noise" if severity > 1.05 else "by less than the noise, but significantly"
-        )
+    size = _by(severity, "the noise")
+    if severity <= 1.05:
+        size = "by less than the noise, but significantly"
     rest = "a significant remainder stays"
     if not conclusion.remains.significant and not conclusion.doubted:
         rest = f"these are not yet predicted down to the noise ({times(conclusion.level, 2)} times it)"
@@ -149,7 +147,7 @@ def _beside_a_force(
     possible: Sequence[str],
 ) -> list[str]:  # fmt: skip
     """Sentences where the model leaves a force out that is more than noise: what is explained, what is left, where that lies."""
-    size = f"by {times(severity)} times the sensors' noise"
+    size = _by(severity, "the sensors' noise")
     if findings:
         text = f"The nominal model leaves the recordings {size}; {holding_up(findings, explained)}."
     else:
@@ -173,6 +171,11 @@ def _beside_a_force(
     return sentences
 
 
+def _by(severity: float, noise: str) -> str:
+    """By how much a model leaves recordings; nan where time was up before errors were worked out."""
+    return f"by {times(severity)} times {noise}" if severity >= 0.0 else "to an extent that has not been worked out"
+
+
 def holding_up(findings: Sequence[str], explained: float | None) -> str:
     """Findings, and what share of the mismatch on data held out they remove, as half a sentence."""
     several = len(findings) > 1
@@ -186,7 +189,7 @@ def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
     """What is left of the data held out: in the channel's unit, against noise of this name, and as a force; and where it lies."""
     force = left.largest
     sentences = [
-        f"What is left of the data held out is {_error(foretold, noise)}: a force of {force.size:.2g} {written(force.unit)} at "
+        f"What is left of the data held out is {_error(foretold, noise)}a force of {force.size:.2g} {written(force.unit)} at "
         f"{force.joint}, {percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
         f"{force.memory:.2g} s."
     ]
@@ -199,8 +202,10 @@ def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
 
 
 def _error(foretold: Foretold, noise: str) -> str:
-    """What is left, in the channel's unit and against its noise."""
-    against = f"{times(foretold.times, 2)} times {noise}"
+    """What is left, in the channel's unit and against its noise, up to a colon; nothing where that was not worked out."""
+    if not foretold.times > 0.0:
+        return ""
+    against = f"{times(foretold.times, 2)} times {noise}: "
     if not foretold.channel:
         return against
     return f"{foretold.error:.2g} {written(foretold.unit)} at {foretold.channel}, {against}"
