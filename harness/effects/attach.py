@@ -10,6 +10,7 @@ from harness.effects.effect import Effect
 from harness.effects.room import with_room
 from harness.errors import InputError
 from harness.system import Attachment, Joint, System
+from harness.system.closure import pins
 from harness.system.suggest import did_you_mean
 
 # Laws that the description of a joint has fields for.
@@ -31,7 +32,7 @@ def apply(system: System, attachment: Attachment) -> System:
     values = law.named(law.values(attachment.parameters))
     if law.reshape is not None:
         return law.reshape.change(system, attachment.site, values)
-    if law.name in JOINT_FIELDS:
+    if law.name in JOINT_FIELDS and attachment.site not in [loop.name for loop in system.loops]:
         joint = system.joint(attachment.site)
         if joint not in system.joints:
             return _in_space(system, attachment.site, law.name, values)
@@ -85,7 +86,7 @@ def input_chain(attachments: Sequence[Attachment], joint: str) -> tuple[tuple[Ef
 def _check_site(law: Effect, system: System, site: str) -> None:
     known: tuple[str, ...]
     if law.site == "joint":
-        known = (*system.joint_names, *(gimbal.name for gimbal in system.gimbals))
+        known = (*system.joint_names, *(gimbal.name for gimbal in system.gimbals), *pins(system))
     elif law.site == "loop":
         known = tuple(loop.name for loop in system.loops)
     elif law.site == "link":

@@ -11,6 +11,7 @@ from harness.effects.measured import Measured
 from harness.errors import InputError
 from harness.registered import registered
 from harness.system import Coupling, Loop, System
+from harness.system.closure import pins
 from harness.system.suggest import did_you_mean
 
 NAMES = (
@@ -131,10 +132,10 @@ def _followers(system: System) -> tuple[str, ...]:
 
 
 def _joints(effect: Effect, system: System) -> tuple[str, ...]:
-    """The joints; of those that are one in space together, they as one, by laws that act along their velocity."""
+    """The joints; those that are one in space together as one, and where loops are cut, by laws that act along their velocity."""
     single = tuple(name for name in system.joint_names if system.gimbal_of(name) is None)
     whole = effect.law is not None and set(effect.law.slots) <= IN_SPACE
-    return single + (tuple(gimbal.name for gimbal in system.gimbals) if whole else ())
+    return single + ((*(gimbal.name for gimbal in system.gimbals), *pins(system)) if whole else ())
 
 
 def _met(need: str, system: System, recording: Measured | None) -> bool:

@@ -8,8 +8,8 @@ from functools import lru_cache
 import numpy as np
 
 from harness.effects.measured import Measured
-from harness.system import Gimbal, Link, System
-from harness.system.closure import close, closed_position, opening
+from harness.system import Gimbal, Link, Loop, System
+from harness.system.closure import close, closed_position, opening, pins, turning
 from harness.system.closure import size as size_of
 from harness.system.description import Array
 from harness.system.inertia import about_origin, point_inertia
@@ -87,8 +87,11 @@ def references(system: System, site: str, recording: Measured | None = None) -> 
     """
     owner = site.rsplit(".", 1)[0] if "." in site and site not in system.joint_names else site
     owner = next((g.coordinates[0] for g in system.gimbals if site == g.name), owner)
+    # Where a loop is cut, what turns there is seen from the joint that carries it.
+    if site in pins(system):
+        owner = next(loop.second.link for loop in system.loops if isinstance(loop, Loop) and loop.name == site)
     joint_name = _joint_of(system, owner)
-    sizes = _mechanical(system, joint_name)
+    sizes = (_closed(system).get(site) if site in pins(system) else None) or _mechanical(system, joint_name)
     signal, effort, duration, interval = 1.0, 0.0, 10.0, 0.01
     if recording is not None:
         time = np.asarray(recording.time)
@@ -261,7 +264,7 @@ def _in_space(system: System, gimbal: Gimbal, gravity: float) -> tuple[float, fl
 
 @lru_cache(maxsize=8)
 def _closed(system: System) -> dict[str, tuple[float, float, float, float, float, float]]:
-    """The same of every joint of a closed mechanism of one degree of freedom, seen from that joint; nothing of others.
+    """The same of every joint and pin of a closed mechanism of one degree of freedom, seen from there; nothing of others.
 
     Gravity and inertia are those of the whole mechanism, over positions all along its motion, by how far each joint moves.
     """
@@ -269,13 +272,15 @@ def _closed(system: System) -> dict[str, tuple[float, float, float, float, float
     if system.flexible or not system.simple:
         return {}
     q = closed_position(system)
-    ways, pulls, inertias = list[Array](), list[float](), list[float]()
+    cuts = [loop for loop in system.loops if isinstance(loop, Loop) and loop.name in pins(system)]
+    ways, turns, pulls, inertias = list[Array](), list[Array](), list[float](), list[float]()
     for _ in range(POSITIONS):
         _, sizes, rows = np.linalg.svd(opening(system, q).jacobian)
         if len(names) - int(np.sum(sizes > 1e-7 * sizes.max(initial=0.0))) != 1:
             return {}
         way = rows[-1] if not ways or rows[-1] @ ways[-1] >= 0.0 else -rows[-1]
         ways.append(way)
+        turns.append(np.array([np.linalg.norm(turning(system, q, loop) @ way) for loop in cuts]))
         inertias.append(float(way @ mass_matrix(system, q) @ way))
         pulls.append(abs(float(way @ gravity_forces(system, q))))
         q = close(system, q + way * (0.5 / np.abs(way).max()))[0]
@@ -283,12 +288,12 @@ def _closed(system: System) -> dict[str, tuple[float, float, float, float, float
     rate = float(np.sqrt(torque / inertia))
     if rate < 1e-3:
         rate, torque = 2.0 * np.pi, inertia * (2.0 * np.pi) ** 2
-    moved = np.sqrt(np.mean(np.square(ways), axis=0))
+    moved = np.sqrt(np.mean(np.square(np.hstack([ways, turns])), axis=0))
     moved = np.maximum(moved, 1e-2 * moved.max())
     mass = sum(link.mass for link in system.links)
     return {
         name: (torque / share, inertia / share**2, rate, mass or 1.0, size_of(system), gravity or 9.81)
-        for name, share in zip(names, moved.tolist(), strict=True)
+        for name, share in zip((*names, *(loop.name for loop in cuts)), moved.tolist(), strict=True)
     }
 
 

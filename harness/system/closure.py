@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NoReturn
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from harness.errors import InputError, UnsupportedError
 from harness.system.description import Array, System
 from harness.system.kinematics import Pose, mass_matrix, poses
-from harness.system.loop import SHIFTS, Coupling, Frame, Loop, turn_pairs
+from harness.system.loop import SHIFTS, TURNS, Coupling, Frame, Loop, turn_pairs
 from harness.system.lowering import lower, neutral_position
 from harness.system.manifold import integrate
 
@@ -340,6 +341,31 @@ def usual_rank(system: System, q: Array) -> int:
         if worst(system, found) <= CLOSED:
             most = max(most, rank(system, near))
     return most
+
+
+def turning(system: System, q: Array, loop: Loop) -> Array:
+    """Angular velocity of a cut joint's second frame against its first at positions q, by every velocity (3, nv)."""
+    rigid = system.rigid()
+    at = poses(lower(rigid), q[_rigid_places(system)])
+    first, second = (_pose(at, frame) for frame in (loop.first, loop.second))
+    rows = np.zeros((3, system.nv))
+    rates = [system.coordinate_names.index(name) for name in rigid.coordinate_names]
+    rows[:, rates] = second.jacobian[:3] - first.jacobian[:3]
+    return rows
+
+
+@lru_cache(maxsize=16)
+def pins(system: System) -> tuple[str, ...]:
+    """Cut joints of which no joint has the name and whose frames turn against one another where all loops stay closed."""
+    cuts = [loop for loop in system.loops if isinstance(loop, Loop) and set(TURNS) - set(loop.closed)]
+    taken = {joint.name for joint in system.joints} | {gimbal.name for gimbal in system.gimbals}
+    cuts = [loop for loop in cuts if loop.name not in taken]
+    if not cuts:
+        return ()
+    q = closed_position(system)
+    _, sizes, rows = np.linalg.svd(_scaled(opening(system, q)))
+    ways = rows[int((sizes > RANK * sizes.max(initial=0.0)).sum()) :]
+    return tuple(loop.name for loop in cuts if np.abs(turning(system, q, loop) @ ways.T).max(initial=0.0) > RANK)
 
 
 def completed(system: System, kinds: Sequence[tuple[str, ...]]) -> tuple[Loop, ...]:

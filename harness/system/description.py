@@ -487,13 +487,16 @@ class System:
         return any(link.flexible for link in self.links)
 
     def joint(self, name: str) -> Joint:
-        """The joint of that name, or what a gimbal of that name is as one; KeyError if there is none."""
+        """The joint of that name, or what a gimbal or a cut of that name is as one; KeyError if there is none."""
         for joint in self.joints:
             if joint.name == name:
                 return joint
         for gimbal in self.gimbals:
             if gimbal.name == name:
                 return gimbal.as_joint()
+        for loop in self.loops:
+            if isinstance(loop, Loop) and loop.name == name:
+                return Joint(name, JointType.REVOLUTE, loop.first.link, loop.second.link)
         raise KeyError(name)
 
     def gimbal_of(self, coordinate: str) -> Gimbal | None:

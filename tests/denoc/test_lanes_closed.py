@@ -13,7 +13,7 @@ from harness.cases.loop_mechanisms import hinge, pin, rod
 from harness.denoc import Denoc
 from harness.denoc.lanes.closing import GIVES
 from harness.denoc.lanes.model import LaneModel
-from harness.system import Frame, Joint, JointType, Link, Loop, System
+from harness.system import Coupling, Frame, Joint, JointType, Link, Loop, System
 from harness.system.charted import Chart, charted
 from harness.system.description import constant
 
@@ -220,6 +220,46 @@ def test_a_gap_is_fallen_through_and_then_rested_on() -> None:
     # The contact gives by its stated share of the size, under the weight of all that there is.
     given = GIVES * 1.0 * mass / (mass + 1.0)
     np.testing.assert_allclose(found[-1], [0.0, -gap - given], atol=1e-6)
+
+
+def test_within_a_clearance_a_gear_beside_it_is_closed_all_the_same() -> None:
+    """What of a mechanism is apart stays as given; a motor at twice the crank's angle follows it there too."""
+    joints = (*parallelogram().joints, hinge("motor", "base", "rotor", (-1.0, 0.0, 0.0)))
+    links = (*parallelogram().links, rod("rotor", MASS, (0.0, -LENGTH, 0.0)))
+    gear = Coupling("gear", "motor", "left", (0.0, 2.0, 0.0, 0.0, 0.0))
+    system = replace(
+        parallelogram(), joints=joints, links=links, loops=(*parallelogram().loops, gear), leading=("left",)
+    )
+    model = LaneModel(system)
+    assert set(model.dependent) == {"pin", "right", "motor"}
+    assert model.following({"knee"}) == ("motor",)
+    row = model.row()
+    row[model.slot("knee", "gap")] = 0.02
+    # The rocker a hundredth of a radian ahead of the crank: 3 mm of 20 mm, and both velocities as they please.
+    given = np.array([[0.3, -0.3, 0.31, 0.0, 1.0, -1.0, 1.2, 0.0]])
+    (found,) = model.closed(row[None], given)
+    np.testing.assert_allclose(found, [0.3, -0.3, 0.31, 0.6, 1.0, -1.0, 1.2, 2.0], atol=1e-12)
+    (whole,) = model.closed(model.row()[None], given)
+    np.testing.assert_allclose(whole, [0.3, -0.3, 0.3, 0.6, 1.0, -1.0, 1.0, 2.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("law", ["damping", "coulomb_torque", "quadratic_drag"])
+def test_what_rubs_where_a_loop_is_cut_acts_against_how_its_frames_turn(law: str) -> None:
+    """Without weight a parallelogram's cranks turn alike, its coupler not at all: closed forms of one inertia that slows down."""
+    value, speed = 0.02, 1.2
+    model = LaneModel(replace(parallelogram(), gravity=constant(np.zeros(3))))
+    row = model.row()
+    row[model.slot("knee", law)] = value
+    time = np.linspace(0.0, 1.0, 51)
+    found = model.simulate(row, np.array([0.1, -0.1, 0.1]), speed * np.array([1.0, -1.0, 1.0]), time)[1][0]
+    rate = value / INERTIA
+    truth = {
+        "damping": speed * np.exp(-rate * time),
+        "coulomb_torque": speed - rate * time,
+        "quadratic_drag": speed / (1.0 + rate * speed * time),
+    }[law]
+    # Dry friction gives way below a thousandth of a radian a second, which is felt by its square.
+    np.testing.assert_allclose(found[:, 0], truth, atol=1e-5 if law == "coulomb_torque" else 1e-9)
 
 
 def ball(inertia: float = 0.02) -> System:

@@ -27,7 +27,7 @@ def spatial() -> None:
 def closed() -> None:
     """What goes around a recursion of a mechanism with loops or balls, and what closes its states."""
     address.closed()
-    signature.compile_for(close_states, MATRIX, MATRIX, WHOLE, WHOLE, 1, VECTOR, WHOLE, 1.0, 1.0)
+    signature.compile_for(close_states, MATRIX, MATRIX, WHOLE, WHOLE, 1, VECTOR, WHOLE, WHOLE, WHOLE, 1.0, 1.0)
 
 
 def lane_parameters() -> None:

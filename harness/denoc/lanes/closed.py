@@ -14,7 +14,8 @@ forces within what each can bear that leave the least motion (Gauss's principle;
 Gauss-Seidel method solves however many joints stick: Moreau, in Nonsmooth Mechanics and Applications, CISM 302 (1988) 1).
 
 A ball is three turns about x, y and z (Cardan angles) within lanes, of which the middle one keeps off a quarter of a turn. What
-acts on it acts on its angular velocity ω: a torque of −(c + F / |ω| + d |ω|) ω, in which F / |ω| stays finite near rest.
+acts on it acts on its angular velocity ω: a torque of −(c + F / |ω| + d |ω|) ω, in which F / |ω| stays finite near rest. What rubs
+where a loop is closed acts in the same way on how fast its two frames turn against one another, which is no coordinate's rate.
 
 The plan is an array of integers (``closing.Beyond``); numbers stand behind the workspace of the tree, in vectors of eight lanes.
 """
@@ -54,7 +55,8 @@ FIXED, TURNS, SLIDES = 0, 1, 2
 ALONG, ACROSS, COUPLED = 0, 1, 2
 # Numbers: of a group its laws, of a body rotation, origin and axis, of a condition axis and point of the first, those of the
 # second, of a loop gap, stiffness and damping.
-GROUP_NUMBERS, BODY_NUMBERS, CONDITION_NUMBERS, LOOP_NUMBERS = 4, 15, 9, 3
+GROUP_NUMBERS, BODY_NUMBERS, CONDITION_NUMBERS, LOOP_NUMBERS = 4, 15, 9, 6
+TURNING = 3  # of a loop's numbers, those before its laws
 # A body in motion: rotation, origin, angular and linear velocity, their accelerations, axis.
 MOTION = 27
 KEPT_BY = 20.0  # rad/s
@@ -354,19 +356,31 @@ def _solve(ws: Any, at: int, m: int, lane: int) -> bool:
     return True
 
 
+@in_place
+def _resistance(laws: Any, rate: Any) -> Any:
+    """What damping, dry friction and drag do against a velocity or an angular velocity as a vector."""
+    damping, dry, drag = laws
+    speed = square_root(dot3(rate, rate))
+    return _times(-(damping + drag * speed + dry / square_root(speed * speed + ALMOST_REST * ALMOST_REST)), rate)
+
+
+@inner
+def _acts(ws: Any, own: int) -> bool:
+    """Whether any lane has a law among the three whose numbers begin at ``own``."""
+    for k in range(24):  # noqa: SIM110 - a generator is not compiled
+        if ws[own + k] != 0.0:
+            return True
+    return False
+
+
 @inner
 def act_on_groups(plan: Any, ws: Any) -> None:
     """Add to the forces what acts on turns in space and shifts in space as a whole."""
     for g in range(plan[GROUPS]):
         first, kind = plan[PLAN + 2 * g], plan[PLAN + 2 * g + 1]
         own = (plan[TAIL] + GROUP_NUMBERS * g) * 8
-        acts = False
-        for k in range(24):
-            if ws[own + k] != 0.0:
-                acts = True
-        if not acts:
+        if not _acts(ws, own):
             continue
-        damping, dry, drag = load_run(ws, own, 3)
         j1 = first * JOINT * 8
         j2, j3 = j1 + JOINT * 8, j1 + 2 * JOINT * 8
         one, zero = spread(1.0), spread(0.0)
@@ -377,12 +391,38 @@ def act_on_groups(plan: Any, ws: Any) -> None:
             sc, cc = sine_cosine(load(ws, j3 + Q * 8))
             a1, a2 = (cb * cc, -cb * sc, sb), (sc, cc, zero)
             x, y, z = x * a1[0] + y * a2[0], x * a1[1] + y * a2[1], x * a1[2] + z
-        speed = square_root(x * x + y * y + z * z)
-        factor = -(damping + drag * speed + dry / square_root(speed * speed + ALMOST_REST * ALMOST_REST))
-        force = factor * x, factor * y, factor * z
+        force = _resistance(load_run(ws, own, 3), (x, y, z))
         store(ws, j1 + TAU * 8, load(ws, j1 + TAU * 8) + dot3(a1, force))
         store(ws, j2 + TAU * 8, load(ws, j2 + TAU * 8) + dot3(a2, force))
         store(ws, j3 + TAU * 8, load(ws, j3 + TAU * 8) + force[2])
+
+
+@inner
+def _rub(plan: Any, ws: Any, pushed: int) -> bool:
+    """Add to the forces at ``pushed`` what resists the turning of closed loops' frames, once bodies move; whether anything does."""
+    here, bodies, motion = _conditions_at(plan), _bodies_at(plan), _motion_at(plan)
+    any_rubs = False
+    for loop in range(plan[LOOPS]):
+        own = (_loop_numbers(plan) + LOOP_NUMBERS * loop + TURNING) * 8
+        if not _acts(ws, own):
+            continue
+        any_rubs = True
+        one, other = -1, -1
+        for k in range(plan[CONDITIONS]):
+            place = here + CONDITION_PLACES * k
+            if plan[place + 3] == loop:
+                one, other = plan[place + 1], plan[place + 2]
+        torque = _resistance(
+            load_run(ws, own, 3), minus(_of_body(ws, motion, other, 12), _of_body(ws, motion, one, 12))
+        )
+        for side in range(2):
+            body, way = (other, 1.0) if side == 0 else (one, -1.0)
+            while body >= 0:
+                if plan[bodies + 3 * body + 1] == TURNS:
+                    p = (pushed + plan[bodies + 3 * body + 2]) * 8
+                    store(ws, p, load(ws, p) + way * dot3(_get(ws, motion + MOTION * body, 24), torque))
+                body = plan[bodies + 3 * body]
+    return any_rubs
 
 
 @inner
@@ -484,7 +524,7 @@ def accelerations(
     for lane in range(8):
         if _push_back(plan, ws, pushed, lane):
             parted = True
-    if parted:
+    if _rub(plan, ws, pushed) or parted:
         for i in range(n):
             store(ws, (i * JOINT + TAU) * 8, load(ws, (pushed + i) * 8))
     jacobian, answers, equations, states = _jacobian_at(plan), _answers_at(plan), _system_at(plan), _states_at(plan)
@@ -764,22 +804,20 @@ def _hold(plan: Any, ws: Any, dry: Any, found: int, response: int, lane: int) ->
 
 @lane_stepper
 def close_states(
-    rows: Any, states: Any, plan: Any, sizes: Any, size: int, stated: Any, dependent: Any, length: float, near: float
-) -> None:
+    rows: Any, states: Any, plan: Any, sizes: Any, size: int, stated: Any, dependent: Any, kept: Any, following: Any,
+    length: float, near: float,
+) -> None:  # fmt: skip
     """Close positions and rates of states (B, 2 n) of rows (B, P) in place, independent coordinates as they are.
 
     size: vectors of the workspace. stated: a closed position (n,), from where others are reached by and by; dependent: the
-    coordinates that follow, as many as there are conditions; length: of the mechanism [m]. near: of that length or in radians,
-    within which a state is closed from where it is. What cannot be closed becomes nan.
+    coordinates that follow, as many as there are conditions; kept, following: the conditions that still hold where loops with
+    clearance are within it, and the coordinates that follow by these. length: of the mechanism [m]. near: of that length or in
+    radians, within which a state is closed from where it is. What cannot be closed becomes nan.
     """
-    n, m = plan[COORDINATES], plan[CONDITIONS]
+    n, whole = plan[COORDINATES], plan[CONDITIONS]
     ws = vectors(size)
     states_at, jacobian, equations = _states_at(plan), _jacobian_at(plan), _system_at(plan)
     free = vectors(n)
-    for i in range(n):
-        free[i] = 1.0
-    for k in range(m):
-        free[dependent[k]] = 0.0
     for b in range(len(rows)):
         for c in range(sizes[2]):
             ws[(sizes[3] + c) * 8] = rows[b, sizes[4] + c]
@@ -788,14 +826,22 @@ def close_states(
             ws[(i * JOINT + QD) * 8] = states[b, n + i]
         move_bodies(plan, ws)
         measure_conditions(plan, ws)
-        open_by, within = 0.0, True
-        for k in range(m):
+        within = True
+        for k in range(whole):
             opening, gap = abs(ws[(states_at + 3 * k) * 8]), _gap(plan, ws, k, 0)
-            open_by = max(open_by, opening / length)
             # Within a gap, and a little beyond where a contact gives, frames may be apart.
-            within = within and gap > 0.0 and opening < WITHIN * gap + YIELDS * length
-        if within:
+            within = within and (gap == 0.0 or opening < WITHIN * gap + YIELDS * length)
+        m = len(kept) if within else whole
+        led = following if within else dependent
+        if m == 0:
             continue
+        for i in range(n):
+            free[i] = 1.0
+        open_by = 0.0
+        for k in range(m):
+            free[led[k]] = 0.0
+            own = kept[k] if within else k
+            open_by = max(open_by, abs(ws[(states_at + 3 * own) * 8]) / length)
         paces = 1
         if not open_by < near:
             farthest = 0.0
@@ -815,9 +861,10 @@ def close_states(
                 move_bodies(plan, ws)
                 measure_conditions(plan, ws)
                 for k in range(m):
+                    own = kept[k] if within else k
                     for c in range(m):
-                        ws[(equations + k * (m + 1) + c) * 8] = ws[(jacobian + n * k + dependent[c]) * 8]
-                    ws[(equations + k * (m + 1) + m) * 8] = -ws[(states_at + 3 * k) * 8]
+                        ws[(equations + k * (m + 1) + c) * 8] = ws[(jacobian + n * own + led[c]) * 8]
+                    ws[(equations + k * (m + 1) + m) * 8] = -ws[(states_at + 3 * own) * 8]
                 if not _solve(ws, equations, m, 0):
                     break
                 step = 0.0
@@ -827,7 +874,7 @@ def close_states(
                     break
                 share = 0.5 / step if step > 0.5 else 1.0
                 for k in range(m):
-                    ws[(dependent[k] * JOINT + Q) * 8] += share * ws[(equations + k * (m + 1) + m) * 8]
+                    ws[(led[k] * JOINT + Q) * 8] += share * ws[(equations + k * (m + 1) + m) * 8]
                 if step < CLOSED:
                     closed = True
                     break
@@ -837,15 +884,16 @@ def close_states(
         move_bodies(plan, ws)
         measure_conditions(plan, ws)
         for k in range(m):
+            own = kept[k] if within else k
             right = 0.0
             for i in range(n):
                 if free[i] != 0.0:
-                    right -= ws[(jacobian + n * k + i) * 8] * states[b, n + i]
+                    right -= ws[(jacobian + n * own + i) * 8] * states[b, n + i]
             for c in range(m):
-                ws[(equations + k * (m + 1) + c) * 8] = ws[(jacobian + n * k + dependent[c]) * 8]
+                ws[(equations + k * (m + 1) + c) * 8] = ws[(jacobian + n * own + led[c]) * 8]
             ws[(equations + k * (m + 1) + m) * 8] = right
         solved = closed and _solve(ws, equations, m, 0)
         for k in range(m):
-            i = dependent[k]
+            i = led[k]
             states[b, i] = ws[(i * JOINT + Q) * 8] if solved else math.nan
             states[b, n + i] = ws[(equations + k * (m + 1) + m) * 8] if solved else math.nan

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,8 +39,8 @@ class Beyond:
     """Integers for the kernels and where their numbers stand.
 
     plan: see ``lanes.closed``; without the tree's recursion. count: of numbers in a row. room: vectors of workspace.
-    conditions: loop and motion of each that says something of its own. dependent: coordinates that follow (m,); stated: positions
-    (n,) that close the loops; length: of the mechanism [m].
+    conditions: loop and motion of each that says something of its own. dependent: coordinates that follow (m,); jacobian: of the
+    conditions (m, n), where these tell the others well; stated: positions (n,) that close the loops; length: of the mechanism [m].
     """
 
     plan: Integers
@@ -47,8 +48,18 @@ class Beyond:
     room: int
     conditions: tuple[tuple[Loop | Coupling, str], ...]
     dependent: Integers
+    jacobian: Array
     stated: Array
     length: float
+
+    def kept(self, system: System, parted: Collection[str]) -> tuple[Integers, Integers]:
+        """The conditions that hold where some loops' frames go free of each other, and which coordinates follow by these."""
+        held = [
+            k for k, (loop, motion) in enumerate(self.conditions) if loop.name not in parted or motion not in SHIFTS
+        ]
+        rows = np.zeros((len(held), self.jacobian.shape[1]))
+        rows[:, self.dependent] = self.jacobian[held][:, self.dependent]
+        return np.array(held, dtype=np.int64), _followers(system, rows)
 
     @property
     def loops(self) -> bool:
@@ -82,7 +93,7 @@ class Beyond:
         for loop, motion in self.conditions:
             found.append(_numbers(loops[loop.name], motion))
         stiffness, damping = contact(system)
-        found += [np.array([0.0, stiffness, damping]) for _ in self.loop_names]
+        found += [np.array([0.0, stiffness, damping, 0.0, 0.0, 0.0]) for _ in self.loop_names]
         return np.concatenate(found)
 
 
@@ -103,7 +114,7 @@ def beyond(system: System) -> Beyond | None:
     n = system.nv
     names = list(system.coordinate_names)
     conditions: tuple[tuple[Loop | Coupling, str], ...] = ()
-    dependent, stated, length = np.zeros(0, dtype=np.int64), np.zeros(n), 1.0
+    dependent, jacobian, stated, length = np.zeros(0, dtype=np.int64), np.zeros((0, n)), np.zeros(n), 1.0
     if system.loops:
         if system.flexible:
             raise UnsupportedError(
@@ -111,7 +122,7 @@ def beyond(system: System) -> Beyond | None:
                 mend="take the loops or the beams out, or use harness.Denoc",
                 source=system.source,
             )
-        conditions, stated, dependent = _independent(system)
+        conditions, stated, dependent, jacobian = _independent(system)
         length = size(system)
     bodies = {joint.child: k for k, joint in enumerate(system.joints)} if conditions else {}
     names_of_loops = list(dict.fromkeys(loop.name for loop, _ in conditions if isinstance(loop, Loop)))
@@ -144,7 +155,7 @@ def beyond(system: System) -> Beyond | None:
         + closed.LOOP_NUMBERS * len(names_of_loops)
     )
     room = count + closed.MOTION * len(bodies) + 3 * m + 2 * m * n + m * (m + 1) + 8 * n + 2 * n * n + 8
-    return Beyond(np.array(plan, dtype=np.int64), count, room, conditions, dependent, stated, length)
+    return Beyond(np.array(plan, dtype=np.int64), count, room, conditions, dependent, jacobian, stated, length)
 
 
 def contact(system: System) -> tuple[float, float]:
@@ -155,14 +166,14 @@ def contact(system: System) -> tuple[float, float]:
     return stiffness, 2.0 * DAMPED * float(np.sqrt(stiffness * mass))
 
 
-def _independent(system: System) -> tuple[tuple[tuple[Loop | Coupling, str], ...], Array, Integers]:
-    """Conditions of which none says what others do, a position that closes them, and which coordinates then follow."""
+def _independent(system: System) -> tuple[tuple[tuple[Loop | Coupling, str], ...], Array, Integers, Array]:
+    """Conditions of which none says what others do, a position that closes them, which coordinates then follow, by what rows."""
     # Stretched or folded, a mechanism may be open where its file places it and know no way from there.
     stated = closed_position(system)
     rank = usual_rank(system, stated)
     at = stated
     rng = np.random.default_rng(3)
-    best: tuple[tuple[int, float], tuple[tuple[Loop | Coupling, str], ...], Integers] | None = None
+    best: tuple[tuple[int, float], tuple[tuple[Loop | Coupling, str], ...], Integers, Array] | None = None
     by_name = {loop.name: loop for loop in system.loops}
     least = max(rank - (system.nv - _led(system, np.arange(system.nv))), 0)
     for _ in range(_TRIES):
@@ -177,13 +188,13 @@ def _independent(system: System) -> tuple[tuple[tuple[Loop | Coupling, str], ...
             # At a dead point of what is to lead it follows; elsewhere it need not.
             needless = _led(system, dependent) - least
             if best is None or (-needless, clear) > best[0]:
-                best = (-needless, clear), conditions, dependent
+                best = (-needless, clear), conditions, dependent, jacobian
             if clear > _FREE_ENOUGH and needless <= 0:
                 break
         near, left = close(system, stated + 0.3 * rng.standard_normal(system.nv))
         at = near if worst(system, left) <= CLOSED else at
     assert best is not None
-    return best[1], stated, best[2]
+    return best[1], stated, best[2], best[3]
 
 
 def _followers(system: System, jacobian: Array) -> Integers:

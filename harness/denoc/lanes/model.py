@@ -5,7 +5,7 @@ This is the workhorse of fitting and sweeping: a Jacobian is a few extra lanes. 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -19,7 +19,7 @@ from harness.denoc.compiling import ahead
 from harness.denoc.joint_laws import laws
 from harness.denoc.joint_laws.address import compiled_law
 from harness.denoc.lanes.beams import beam_block_size, most_points, write_beams
-from harness.denoc.lanes.closed import GROUP_NUMBERS, LOOP_NUMBERS, NEAR
+from harness.denoc.lanes.closed import GROUP_NUMBERS, LOOP_NUMBERS, NEAR, TURNING
 from harness.denoc.lanes.closing import GROUP_SLOTS, Beyond, beyond, marked
 from harness.denoc.lanes.nodes import (
     BEAM,
@@ -170,9 +170,10 @@ class LaneModel:
     planar: whether a mechanism that moves in one plane is computed as such, which is faster and the same to rounding;
     plane says that it is, and what plane.
     Loops of a system are held closed: a motion begins where ``dependent`` coordinates follow the others; a loop has the slot
-    ``gap`` [m], 0 where it has no clearance. Of gimbals, what acts on three joints together has slots by their name
-    (``closing.GROUP_SLOTS``). Screws and joints that mimic others are couplings of joints with coordinates of their own
-    (``system.followers``); balls and free joints are to be taken apart in a chart that suits their motion (``system.charted``).
+    ``gap`` [m], 0 where it has no clearance, and slots of what resists how its frames turn against one another. Of gimbals, what
+    acts on three joints together has slots by their name (both ``closing.GROUP_SLOTS``). Screws and joints that mimic others are
+    couplings of joints with coordinates of their own (``system.followers``); balls and free joints are to be taken apart in a
+    chart that suits their motion (``system.charted``).
     Raises UnsupportedError for links that bend in two planes or twist, for joints that turn in space, and for loops beside links
     that bend.
     """
@@ -227,7 +228,11 @@ class LaneModel:
             at += GROUP_NUMBERS
         if self._beyond is not None:
             for k, name in enumerate(self._beyond.loop_names):
-                slots[name, "gap"] = numbers + self._beyond.before_loops + LOOP_NUMBERS * k
+                own = numbers + self._beyond.before_loops + LOOP_NUMBERS * k
+                slots[name, "gap"] = own
+                for place, law_name in enumerate(GROUP_SLOTS):
+                    # A joint of the same name keeps its laws.
+                    slots.setdefault((name, law_name), own + TURNING + place)
             at = numbers + self._beyond.count
         self.P = at
         self.slots = MappingProxyType(slots)
@@ -240,6 +245,7 @@ class LaneModel:
             sizes = np.array([sizes[0] + self._beyond.room, sizes[1], self._beyond.count, self._tail, numbers])
         self.tables = links, tree, sizes, axes, nominal, turn
         self._plans: dict[bool, NDArray[np.int64]] = {}
+        self._held: dict[frozenset[str], tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
         self.plane = plane_of(system, self.tables[0], self.tables[1]) if planar else None
         self._law = law
 
@@ -316,7 +322,18 @@ class LaneModel:
     @property
     def dependent(self) -> tuple[str, ...]:
         """Coordinates that follow the others by the loops."""
-        return () if self._beyond is None else tuple(self.names[k] for k in self._beyond.dependent)
+        return self.following(())
+
+    def following(self, parted: Collection[str]) -> tuple[str, ...]:
+        """The same where the frames of some loops go free of each other within their clearance."""
+        return () if self._beyond is None else tuple(self.names[k] for k in self._kept(frozenset(parted))[1])
+
+    def _kept(self, parted: frozenset[str]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        if parted not in self._held:
+            assert self._beyond is not None
+            every = np.arange(len(self._beyond.dependent)), self._beyond.dependent
+            self._held[parted] = self._beyond.kept(self.system, parted) if parted else every
+        return self._held[parted]
 
     @property
     def placed(self) -> Array:
@@ -335,10 +352,19 @@ class LaneModel:
 
         out = np.array(states, dtype=np.float64)
         ahead.ready("closed")
-        close_states(
-            np.require(rows, np.float64, ["C", "W"]), out, self._beyond.for_recursion(0, self._tail), self.tables[2],
-            int(self.tables[2][0]), self._beyond.stated, self._beyond.dependent, self._beyond.length, near,
-        )  # fmt: skip
+        rows = np.require(rows, np.float64, ["C", "W"])
+        names = self._beyond.loop_names
+        parted = rows[:, [self.slots[name, "gap"] for name in names]] > 0.0
+        for pattern in np.unique(parted, axis=0):
+            places = np.flatnonzero((parted == pattern).all(axis=1))
+            own = out[places]
+            close_states(
+                rows[places], own, self._beyond.for_recursion(0, self._tail), self.tables[2], int(self.tables[2][0]),
+                self._beyond.stated, self._beyond.dependent,
+                *self._kept(frozenset(name for name, apart in zip(names, pattern, strict=True) if apart)),
+                self._beyond.length, near,
+            )  # fmt: skip
+            out[places] = own
         return out
 
     def simulate(

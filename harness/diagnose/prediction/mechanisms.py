@@ -13,14 +13,16 @@ from harness.diagnose.prediction.constants import FARTHEST_NOMINAL
 from harness.diagnose.prediction.coordinates import from_internal, start_vector, to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, Nominal, nominal_quantities, scaled, tolerances
 from harness.diagnose.problem.windows import Window
+from harness.effects.catalogue import effect
 from harness.effects.directions import sideways
-from harness.effects.effect import SiteKind, UserLaw
+from harness.effects.effect import UserLaw
 from harness.effects.lanes import lane_model, lane_row, write_attachment
 from harness.effects.room import STATED
 from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
+CLEARANCE = "gap"  # the slot of a loop that opens it
 MOST_KEPT = 4000  # rows, with the systems that they were made of
 
 
@@ -58,13 +60,15 @@ class Mechanisms:
     def following(self, hypothesis: Hypothesis) -> NDArray[np.bool_]:
         """Which initial positions and velocities follow others by loops, (2n,): steps of the others tell them.
 
-        A step of theirs would do nothing, but from zero loops would close in another way. Within the clearance of a loop nothing
-        follows.
+        A step of theirs would do nothing, but from zero loops would close in another way. Within the clearance of a loop its frames
+        go free of each other; what else the loops hold follows all the same.
         """
         mechanism = self.mechanism(hypothesis)
-        if any(member.effect.site is SiteKind.LOOP for member in hypothesis.members):
-            return np.zeros(2 * len(mechanism.names), dtype=bool)
-        return np.tile(np.array([name in mechanism.model.dependent for name in mechanism.names], dtype=bool), 2)
+        acting = [(member.effect, member.site) for member in hypothesis.members]
+        acting += [(effect(own.effect), own.site) for own in self.system.attachments]
+        parted = {site for own, site in acting if own.law is not None and CLEARANCE in own.law.slots}
+        follow = mechanism.model.following(parted)
+        return np.tile(np.array([name in follow for name in mechanism.names], dtype=bool), 2)
 
     def with_followers(self, hypothesis: Hypothesis, x: Array, states: Mapping[Window, Array]) -> dict[Window, Array]:
         """States (2n,) of windows with what follows by loops where the others have moved to, as far as it can be."""
