@@ -38,6 +38,16 @@ FOUR_BAR = """<mujoco><option timestep="0.0001" integrator="RK4" gravity="0 -9.8
 CLOSED = (
     """<equality><connect name="knee" site1="a" site2="b" solref="0.001 1" solimp="0.9999 0.9999 0.001"/></equality>"""
 )
+# The same four-bar cut where the rocker hangs on the base: where FOUR_BAR is cut there is a joint.
+CUT_ELSEWHERE = """<mujoco><option timestep="0.0001" integrator="RK4" gravity="0 -9.81 0"><flag contact="disable"/></option>
+<compiler angle="radian"/><worldbody><site name="c" pos="0.5 0 0"/>
+<body name="short"><joint name="crank" axis="0 0 1"/><geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.01" mass="0.3"/>
+ <body name="coupler" pos="0.3 0 0"><joint name="pin" axis="0 0 1"/>
+  <geom type="capsule" fromto="0 0 0 0.5 0 0" size="0.01" mass="0.5"/>
+  <body name="long" pos="0.5 0 0"><joint name="knee" axis="0 0 1" damping="{knee}"/>
+   <geom type="capsule" fromto="0 0 0 0 0.35 0" size="0.01" mass="0.4"/><site name="d" pos="0 0.35 0"/></body></body></body>
+</worldbody>
+<equality><connect name="rocker" site1="d" site2="c" solref="0.001 1" solimp="0.9999 0.9999 0.001"/></equality></mujoco>"""
 # A rope of that length between the two ends: within it they go free of each other.
 ROPE = """<tendon><spatial limited="true" range="-1 {gap}" solreflimit="0.0008 1" solimplimit="0.9999 0.9999 0.0001">
 <site site="a"/><site site="b"/></spatial></tendon>"""
@@ -131,6 +141,17 @@ def legged(seconds: float = 2.0, knee: float = 0.0) -> list[Recording]:
         columns = {("root", f"pose.{name}"): q[:, j] for j, name in enumerate(pose)}
         columns |= {(name, "position"): q[:, 7 + j] for j, name in enumerate(("hip", "knee"))}
         out.append(recording(f"run{k}", time, columns, 5e-4, k))
+    return out
+
+
+def four_bar_cut_elsewhere(knee: float, seconds: float = 5.0) -> list[Recording]:
+    """Two recordings of the crank of the four-bar, damped where ``FOUR_BAR`` has no joint."""
+    out = []
+    for k, angle in enumerate(STARTS):
+        crank, pin, rocker = closed(angle)
+        # The rocker's own angle is the sum of the three.
+        time, q = motion(CUT_ELSEWHERE.format(knee=knee), (crank, pin, rocker - crank - pin), np.zeros(3), seconds)
+        out.append(recording(f"run{k}", time, {("crank", "position"): q[:, 0]}, 5e-4, k))
     return out
 
 

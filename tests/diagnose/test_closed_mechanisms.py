@@ -16,6 +16,7 @@ from mechanisms_by_mujoco import (
     STARTS,
     five_bar,
     four_bar,
+    four_bar_cut_elsewhere,
     model_file,
     motion,
     mounted,
@@ -46,6 +47,16 @@ def test_what_acts_at_a_joint_that_nobody_recorded_is_found(model, hidden, key, 
     (value,) = hidden.values()
     told = found.findings[0]["parameters"][parameter]
     assert told["ci95"][0] <= value <= told["ci95"][1]
+
+
+def test_what_acts_where_the_model_is_cut_is_found_there(model) -> None:
+    # MuJoCo's file is cut elsewhere and has a joint there. The whole catalogue, at the three joints that the model has and its cut.
+    found = diagnose(four_bar_cut_elsewhere(0.01), model)
+    assert found.verdict == "explained"
+    assert [f"{f['effect']}@{f['site']}" for f in found.findings] == ["viscous_damping@knee"]
+    told = found.findings[0]["parameters"]["coefficient"]
+    assert told["ci95"][0] <= 0.01 <= told["ci95"][1]
+    assert told["unit"] == "N*m*s/rad"
 
 
 def test_a_clean_four_bar_lacks_nothing(model) -> None:

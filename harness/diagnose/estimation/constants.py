@@ -123,6 +123,10 @@ FEWEST_ASSEMBLY_SAMPLES = 8
 # size, even if all of it errs together; chosen
 WORSE_ASSEMBLY_RATIO = 4.0
 
+# times the median over all windows; how far what follows moves for what leads, from which on a window begins at a dead point: an
+# error of a state that is read there counts as many times as much elsewhere, and not in a line; chosen
+DEAD_POINT_RATIO = 10.0
+
 # --- noise and its colour ---
 
 # of a channel's extent; sensors resolve no less, and computed motions agree to no more; chosen

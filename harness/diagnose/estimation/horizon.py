@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.estimation.constants import (
+    DEAD_POINT_RATIO,
     FEWEST_PIECE_SAMPLES,
     FEWEST_WINDOW_SAMPLES,
     FORETOLD_GROWTH,
@@ -22,6 +23,7 @@ from harness.diagnose.problem.grid import hermite
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import Problem
 from harness.diagnose.problem.windows import Window, equal_parts
+from harness.system.closure import opening
 
 Array = NDArray[np.float64]
 
@@ -43,9 +45,13 @@ class Horizon:
         self._known: dict[int, tuple[NDArray[np.intp], Array]] = {}
 
     def calm(self, windows: Sequence[Window]) -> tuple[Window, ...]:
-        """The windows, those halved over which errors grow too much for a first fit, until they do not or hold few samples."""
+        """The windows, those halved over which errors grow too much for a first fit, until they do not or hold few samples.
+
+        None begins at a dead point of what was recorded if it can be helped.
+        """
+        windows = self._off_dead_points(windows)
         if not self.followed:
-            return tuple(windows)
+            return windows
         done: list[Window] = []
         left = list(windows)
         while left:
@@ -56,7 +62,33 @@ class Horizon:
                 else:
                     halved += equal_parts(window, 2)
             left = halved
-        return tuple(sorted(done, key=lambda w: (w.run, w.first)))
+        return self._off_dead_points(sorted(done, key=lambda w: (w.run, w.first)))
+
+    def _off_dead_points(self, windows: Sequence[Window]) -> tuple[Window, ...]:
+        """The windows, those that begin at a dead point of what leads joined to the ones before them.
+
+        Where a slide stands stretched its crank turns on: no position and speed of the slide tell those of the crank there, and a
+        fit of the initial state has nothing to step in.
+        """
+        if not self.predictor.mechanism(Hypothesis()).model.dependent:
+            return tuple(windows)
+        moved = [self._moved(window) for window in windows]
+        most = DEAD_POINT_RATIO * float(np.median(moved))
+        kept: list[Window] = []
+        for window, own in zip(windows, moved, strict=True):
+            if kept and kept[-1].run == window.run and own > most:
+                kept[-1] = Window(window.run, kept[-1].first, window.last)
+            else:
+                kept.append(window)
+        return tuple(kept)
+
+    def _moved(self, window: Window) -> float:
+        """How far what follows by loops moves for what leads, where a window begins."""
+        model = self.predictor.mechanism(Hypothesis()).model
+        state = measured_state(self.problem, self.predictor, window)
+        rows = opening(model.system, state[: model.n]).jacobian
+        follows = np.array([name in model.dependent for name in model.names])
+        return float(np.linalg.norm(np.linalg.pinv(rows[:, follows]) @ rows[:, ~follows], 2))
 
     def joined(self, fitted: Fit) -> tuple[Window, ...]:
         """The windows of a fit joined as long as an initial error does not grow beyond what a linear view can follow."""
