@@ -11,6 +11,7 @@ import pytest
 from harness.diagnose.answer.explain import Foretold, summary
 from harness.diagnose.answer.left_out import AtJoint, LeftOut
 from harness.diagnose.claims.conclude import Conclusion
+from harness.diagnose.claims.cut_short import UNJUDGED
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.problem.hypothesis import Hypothesis
 
@@ -90,3 +91,15 @@ def test_a_catalogue_that_was_not_gone_through_is_not_said_to_hold_nothing() -> 
     cut = summary(replace(_conclusion("unexplained"), hurried=True), 30.0, [], [], Foretold(1.4))
     assert whole.endswith("nothing in the catalogue earns its place.")
     assert cut.endswith("nothing has earned its place so far.")
+
+
+def test_a_set_that_was_cut_short_tells_what_it_removes_of_data_held_out() -> None:
+    cut = replace(_conclusion("unexplained"), cut_short=UNJUDGED, hurried=True)
+    text = summary(cut, 30.0, [], [], Foretold(1.4), 0.93)
+    assert text.endswith(
+        "it removes 93 % of the mismatch on data held out, but which of its effects stand there was not examined, so nothing is "
+        "claimed."
+    )
+    for unknown in (None, -0.2):
+        text = summary(cut, 30.0, [], [], Foretold(), unknown)
+        assert text.endswith("it has not been judged on data held out, so nothing is claimed.")

@@ -36,8 +36,7 @@ POSSIBLY = (
 # The same where the time was up before that could be said.
 CUT_SHORT = {
     UNSEARCHED: "Nothing significant has been found missing so far, but not all was tried: that does not prove the model right.",
-    UNJUDGED: "The nominal model leaves the recordings {severity}. {best}; it has not been judged on data held out, so nothing is "
-    "claimed.",
+    UNJUDGED: "The nominal model leaves the recordings {severity}. {best}; {judged}, so nothing is claimed.",
 }
 
 
@@ -111,6 +110,10 @@ def summary(
     names = " and ".join(findings)
     keys = " + ".join(conclusion.best.hypothesis.keys) or "nothing"
     best = f"The best set so far is {keys}, and leaves {times(conclusion.level)} times the noise"
+    judged = "it has not been judged on data held out"
+    if explained is not None and explained > 0.0:
+        share = percent(explained)
+        judged = f"it removes {share} of the mismatch on data held out, but which of its effects stand there was not examined"
     text = CUT_SHORT.get(conclusion.cut_short, VERDICTS[conclusion.verdict])
     if conclusion.cut_short == UNCRITICISED and not findings:
         text = NONE_SO_FAR
@@ -120,7 +123,7 @@ def summary(
     elif conclusion.hurried and text == VERDICTS["unexplained"]:
         # The catalogue was not gone through: what was not tried has failed at nothing.
         text = NONE_SO_FAR
-    text = text.format(best=best, severity=size, names=names, hold=hold, rest=rest, held=held)
+    text = text.format(best=best, judged=judged, severity=size, names=names, hold=hold, rest=rest, held=held)
     if rivals:
         text += " " + " ".join(rivals)
     if conclusion.only_held:
