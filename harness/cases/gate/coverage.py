@@ -246,6 +246,7 @@ EXEMPT: dict[str, str] = {
     "Closed.open_by": "what loops_kept is measured with; its own values: tests alone",
     "Closed.loop_jacobian": "what loops_kept is measured with; its own values: tests alone",
     "Closed.constraint_forces": "against the whole matrix of masses and conditions: tests alone",
+    "LaneModel.following": "which initial states a fit moves where a loop has clearance: tests alone",
     "Closed.refuse_open": "makes a refusal, and computes nothing",
     "Denoc.singular": "makes a refusal, and computes nothing",
     "Denoc.vector": "checks an argument, and computes nothing",
