@@ -93,12 +93,12 @@ def _search(
     progress("short windows")
     opened = Opened(short, first, horizon.joined(first), effort, progress, structure, reached)
     progress("free runs of the nominal model")
-    ordinary, *others = openings().values()
-    ordinary.go(opened)
+    # The first one may find that a force is left out, and goes on beside that; the others know noise alone.
+    first_of_all, *others = openings().values()
+    first_of_all.go(opened)
     if opened.answer is not None:
         return opened.answer
-    deadline = predictor.deadline
-    long_study, ordered = deadline.within(
+    long_study, ordered = predictor.deadline.within(
         NOISE_SEARCH_SHARE, *SEARCHED,
         lambda: _under_noise(opened, others, motion_hz), lambda: _reached_last(reached),
     )  # fmt: skip
