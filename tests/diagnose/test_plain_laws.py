@@ -19,15 +19,25 @@ def _member(name: str) -> Candidate:
     return Candidate(catalogue()[name], "servo", References(1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
 
 
-def _set(criterion: float, held: float, *names: str, stretched: bool = False) -> Any:
-    """A set with its criterion by free runs and what it leaves of the data held out; stretched: with bent nominal quantities."""
+SAMPLES = 20.0
+
+
+def _set(criterion: float, held: float, *names: str, stretched: bool = False, left: float = 1.0) -> Any:
+    """A set with its criterion by free runs and what it leaves of the data held out.
+
+    stretched: with bent nominal quantities. left: variance of what free runs leave, in units of what noise is taken for.
+    """
     members = Hypothesis(tuple(map(_member, names)))
-    return SimpleNamespace(hypothesis=members, criterion=criterion, held=held, score=criterion, stretched=stretched)
+    return SimpleNamespace(
+        hypothesis=members, criterion=criterion, held=held, score=criterion, stretched=stretched, cost=left * SAMPLES
+    )
 
 
 def _told(monkeypatch: pytest.MonkeyPatch, best: Any, *others: Any, sure: bool = False) -> Any:
     fits = {f.hypothesis.identity: f for f in (best, *others)}
-    study = SimpleNamespace(criterion=lambda f: f.criterion, stretched=lambda f: f.stretched, fits=fits)
+    study = SimpleNamespace(
+        criterion=lambda f: f.criterion, stretched=lambda f: f.stretched, fits=fits, samples=SAMPLES
+    )
     monkeypatch.setattr(module, "judge", lambda outcome, fitted: SimpleNamespace(cost=fitted.held))
     outcome: Any = SimpleNamespace(study=study)
     return plain_laws(outcome, best, sure=sure)
@@ -43,6 +53,16 @@ def test_plain_laws_that_foretell_far_more_are_told_instead(monkeypatch: pytest.
 
 def test_what_fits_no_better_beyond_doubt_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
     assert _told(monkeypatch, _set(20.0, 100.0), WEIGHT) is None
+
+
+@pytest.mark.parametrize(("left", "told"), [(0.6, False), (1e-4, True)])
+def test_free_runs_that_leave_far_less_are_likelier_by_the_logarithm_of_that(
+    monkeypatch: pytest.MonkeyPatch, left: float, told: bool
+) -> None:
+    # Under noise as loud as the best set leaves it, the weight is likelier by 20 − 20 left and costs 14 for its numbers: never by
+    # ten. With noise as loud as each leaves it, it is likelier by −20 ln left: 10.2 or 184.2.
+    law = _set(34.0 - SAMPLES * (1.0 - left), 1.3, "payload_mass", left=left)
+    assert (_told(monkeypatch, _set(20.0, 100.0), law) is law) == told
 
 
 @pytest.mark.parametrize(("times", "told"), [(1.9, False), (2.0, True)])
