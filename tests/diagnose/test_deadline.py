@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import pytest
 
 from harness.diagnose.problem import deadline as module
@@ -10,26 +12,37 @@ from harness.diagnose.problem.deadline import Deadline, Stage, TimeUp
 from harness.errors import InputError
 
 
-def test_every_stage_has_its_share_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 100.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
+@dataclass
+class Clock:
+    """What deadlines take the time from. now: [s]."""
+
+    now: float = 0.0
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(module, "monotonic", lambda: clock.now)
+    return clock
+
+
+def test_every_stage_has_its_share_of_the_time(clock: Clock) -> None:
+    clock.now = 100.0
     end = Deadline(10.0)
     for stage, share in zip(Stage, STAGE_SHARES, strict=True):
         end.begin(stage)
-        now = 100.0 + 10.0 * share - 0.01
+        clock.now = 100.0 + 10.0 * share - 0.01
         end.check()
-        now += 0.02
+        clock.now += 0.02
         with pytest.raises(TimeUp):
             end.check()
         with end.spared():
             end.check()
 
 
-def test_what_is_left_is_noted_once_and_what_there_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
+def test_what_is_left_is_noted_once_and_what_there_is_taken(clock: Clock) -> None:
     end = Deadline(1.0)
-    now = 2.0
+    clock.now = 2.0
 
     def work() -> str:
         end.check()
@@ -42,25 +55,22 @@ def test_what_is_left_is_noted_once_and_what_there_is_taken(monkeypatch: pytest.
     assert [(n.what, n.may_change) for n in end.not_tried] == [("rivals", "nothing")]
 
 
-def test_work_may_take_a_share_of_its_stage(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
+def test_work_may_take_a_share_of_its_stage(clock: Clock) -> None:
     end = Deadline(10.0)
     half = 5.0 * STAGE_SHARES[Stage.SEARCH]
 
     def until(moment: float) -> str:
-        nonlocal now
-        now = moment
+        clock.now = moment
         end.check()
         return "all"
 
     note = "few effects", "another answer"
     assert end.within(0.5, *note, lambda: until(half - 0.01), lambda: "some") == "all"
-    now = 0.0
+    clock.now = 0.0
     # What is spared goes on, and so does what comes afterwards.
     with end.spared():
         assert end.within(0.5, *note, lambda: until(half + 0.01), lambda: "some") == "all"
-    now = 0.0
+    clock.now = 0.0
     assert end.within(0.5, *note, lambda: until(half + 0.01), lambda: "some") == "some"
     assert end.attempt(*note, lambda: until(half + 0.02), lambda: "some") == "all"
     assert end.attempt(*note, lambda: until(2.0 * half - 0.01), lambda: "some", share=0.5) == "some"
@@ -69,11 +79,9 @@ def test_work_may_take_a_share_of_its_stage(monkeypatch: pytest.MonkeyPatch) -> 
         end.within(0.5, *note, lambda: until(2.0 * half + 0.01), lambda: "some")
 
 
-def test_what_there_is_otherwise_is_done_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
+def test_what_there_is_otherwise_is_done_to_its_end(clock: Clock) -> None:
     end = Deadline(1.0)
-    now = 100.0
+    clock.now = 100.0
 
     def work() -> str:
         end.check()
@@ -86,17 +94,15 @@ def test_what_there_is_otherwise_is_done_to_its_end(monkeypatch: pytest.MonkeyPa
         assert work() == "told"
 
 
-def test_an_interrupt_brings_every_stage_to_its_end_soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = 0.0
-    monkeypatch.setattr(module, "monotonic", lambda: now)
+def test_an_interrupt_brings_every_stage_to_its_end_soon(clock: Clock) -> None:
     end = Deadline()
-    now = 1e6
+    clock.now = 1e6
     end.check()
     end.interrupt()
     assert end.over
     end.begin(Stage.TELLING)
     assert not end.over
-    now += STAGE_TIMES_AT_INTERRUPT[-1]
+    clock.now += STAGE_TIMES_AT_INTERRUPT[-1]
     assert end.over
 
 

@@ -5,6 +5,9 @@ Recordings by SciPy's integration; levels as bearings that warm up have them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -18,23 +21,33 @@ LEVELS = (0.75, 1.3, 0.85, 1.1)
 ABOUT, WEIGHT = 0.01 + 1e-3 + 0.55 * 0.14**2, 9.81 * 0.55 * 0.14
 
 
+def swung(
+    name: str, start: float, random: np.random.Generator, *,
+    level: float = 1.0, torque: Callable[[Any], Any] = np.zeros_like, gain: float = 1.0, seconds: float = 2.5,
+) -> Recording:  # fmt: skip
+    """The arm let go at rest from an angle, with friction of a level, 0.03 N·m of a force over the state that no law has, and a
+    torque of which it gets a share: read at 100 Hz with 0.2 mrad of noise."""
+
+    def slope(t, y):
+        rubbing = level * (0.02 * np.tanh(y[1] / 1e-3) + 0.05 * y[1])
+        unknown = 0.03 * np.sin(3.0 * y[0] + 0.2 * y[1])
+        return y[1], (gain * float(torque(t)) - WEIGHT * np.sin(y[0]) - rubbing + unknown) / ABOUT
+
+    time = np.arange(0.0, seconds, 0.01)
+    exact = solve_ivp(slope, (0.0, seconds), (start, 0.0), t_eval=time, method="LSODA", rtol=1e-8, atol=1e-10).y[0]
+    read = constant(exact + 2e-4 * random.normal(size=len(time)))
+    efforts = (Channel("servo.effort", "servo", "effort", "N·m", constant(torque(time))),)
+    return Recording(
+        name, name, constant(time), (Channel("servo.position", "servo", "position", "rad", read),),
+        efforts if efforts[0].values.any() else (),
+    )  # fmt: skip
+
+
 def drops(levels: tuple[float, ...]) -> list[Recording]:
-    """Drops from four heights with friction of these levels, and 0.03 N·m of a force over the angle that no law has."""
-    random, out = np.random.default_rng(3), []
-    time = np.arange(0.0, 2.5, 0.01)
-    for k, level in enumerate(levels):
-
-        def slope(_, y, level=level):
-            rubbing = level * (0.02 * np.tanh(y[1] / 1e-3) + 0.05 * y[1])
-            return y[1], (-WEIGHT * np.sin(y[0]) - rubbing + 0.03 * np.sin(3.0 * y[0] + 0.2 * y[1])) / ABOUT
-
-        start = (-1.4, -0.6, -1.0, -1.2)[k]
-        exact = solve_ivp(slope, (0.0, 2.5), (start, 0.0), t_eval=time, method="LSODA", rtol=1e-8, atol=1e-10).y[0]
-        channel = Channel(
-            "servo.position", "servo", "position", "rad", constant(exact + 2e-4 * random.normal(size=250))
-        )
-        out.append(Recording(f"drop{k}", f"drop{k}", constant(time), (channel,)))
-    return out
+    """Drops from four heights with friction of these levels."""
+    random = np.random.default_rng(3)
+    heights = zip((-1.4, -0.6, -1.0, -1.2), levels, strict=True)
+    return [swung(f"drop{k}", start, random, level=level) for k, (start, level) in enumerate(heights)]
 
 
 @pytest.mark.parametrize("levels", [LEVELS, (1.0,) * 4])
@@ -55,9 +68,8 @@ GAINS = (1.0, 1.06, 0.95, 1.02)
 
 
 def driven(gains: tuple[float, ...]) -> list[Recording]:
-    """The same arm driven by four torques that a drive makes more or less of, with damping and the same unknown force."""
+    """The same arm driven by four torques that a drive makes more or less of."""
     random, out = np.random.default_rng(4), []
-    time = np.arange(0.0, 4.0, 0.01)
     for k, gain in enumerate(gains):
         about, phases = random.uniform(0.3, 2.0, 4), random.uniform(0.0, 6.28, 4)
 
@@ -65,15 +77,7 @@ def driven(gains: tuple[float, ...]) -> list[Recording]:
             waves = np.sin(2.0 * np.pi * about * np.asarray(t)[..., None] + phases)
             return 0.15 * np.minimum(np.asarray(t) / 0.3, 1.0) * waves.sum(axis=-1)
 
-        def slope(t, y, gain=gain, torque=torque):
-            other = 0.02 * np.tanh(y[1] / 1e-3) + 0.05 * y[1] - 0.03 * np.sin(3.0 * y[0] + 0.2 * y[1])
-            return y[1], (gain * torque(t) - WEIGHT * np.sin(y[0]) - other) / ABOUT
-
-        exact = solve_ivp(slope, (0.0, 4.0), (0.0, 0.0), t_eval=time, method="LSODA", rtol=1e-8, atol=1e-10).y[0]
-        read = constant(exact + 2e-4 * random.normal(size=len(time)))
-        seen = Channel("servo.position", "servo", "position", "rad", read)
-        acting = Channel("servo.effort", "servo", "effort", "N·m", constant(torque(time)))
-        out.append(Recording(f"drive{k}", f"drive{k}", constant(time), (seen,), efforts=(acting,)))
+        out.append(swung(f"drive{k}", 0.0, random, torque=torque, gain=gain, seconds=4.0))
     return out
 
 

@@ -367,10 +367,11 @@ def _resistance(laws: Any, rate: Any) -> Any:
 @inner
 def _acts(ws: Any, own: int) -> bool:
     """Whether any lane has a law among the three whose numbers begin at ``own``."""
-    for k in range(24):  # noqa: SIM110 - a generator is not compiled
+    acts = False
+    for k in range(24):
         if ws[own + k] != 0.0:
-            return True
-    return False
+            acts = True
+    return acts
 
 
 @inner

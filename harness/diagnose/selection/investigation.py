@@ -57,7 +57,7 @@ def investigate(
     except TimeUp:
         if not reached:
             raise
-        final, ordered = _reached_last(reached)[0], []
+        final, ordered = _last_with_effects(reached), []
         deadline.leave(*_left_by_the_search(final))
     with deadline.spared(Spared.TO_ITS_END):
         empty = final.known(Hypothesis()) or final.empty()
@@ -98,9 +98,14 @@ def _search(
     first_of_all.go(opened)
     if opened.answer is not None:
         return opened.answer
+
+    def so_far() -> tuple[Study, list[Fit]]:
+        study = _last_with_effects(reached)
+        return study, sorted(study.fits.values(), key=study.criterion)
+
     long_study, ordered = predictor.deadline.within(
         NOISE_SEARCH_SHARE, *SEARCHED,
-        lambda: _under_noise(opened, others, motion_hz), lambda: _reached_last(reached),
+        lambda: _under_noise(opened, others, motion_hz), so_far,
     )  # fmt: skip
     # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
     under = under_model_error(long_study, ordered, period, effort, progress, structure, reached)
@@ -143,10 +148,9 @@ def _under_noise(opened: Opened, others: Sequence[Opening], motion_hz: float) ->
     return study, ordered
 
 
-def _reached_last(reached: Sequence[Study]) -> tuple[Study, list[Fit]]:
-    """The last study of whole runs in which anything was found, and its fits, best first."""
-    study = next((s for s in reversed(reached) if any(f.hypothesis.members for f in s.fits.values())), reached[-1])
-    return study, sorted(study.fits.values(), key=study.criterion)
+def _last_with_effects(reached: Sequence[Study]) -> Study:
+    """The last study in which a set of effects was fitted; without any, the last one."""
+    return next((s for s in reversed(reached) if any(f.hypothesis.members for f in s.fits.values())), reached[-1])
 
 
 def _left_by_the_search(study: Study) -> tuple[str, str]:
