@@ -11,9 +11,9 @@ from harness.cases.case import NATIVE, Bench, Case, Row
 from harness.cases.checks import EnergyKept, Measured
 from harness.cases.checks.loop_motion import LoopMotion, LoopsKept
 from harness.cases.checks.trajectory import initial_state
-from harness.cases.loop_mechanisms import four_bars, hinge, pin, rod
 from harness.cases.loop_truths import four_bars_angle
 from harness.cases.users import state_checks
+from harness.compare.four_bars import four_bars, hinge, pin, rod
 from harness.system import System
 from harness.system.description import constant
 

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from harness.cases.case import NATIVE, Array, Bench, Case, Row, Series
 from harness.cases.checks import Measured
 from harness.cases.four_bar import crank_rocker
-from harness.cases.loop_mechanisms import hinge, pin, rod
+from harness.compare.four_bars import hinge, pin, rod
 from harness.denoc.lanes.model import LaneModel
 from harness.engines.pendulum import swing
 from harness.system import System

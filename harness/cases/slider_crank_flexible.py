@@ -12,7 +12,7 @@ from harness.cases.case import NATIVE, Array, Bench, Case, Row, Series, thin
 from harness.cases.checks import Measured
 from harness.cases.checks.loop_motion import LoopsKept
 from harness.cases.checks.trajectory import initial_state
-from harness.cases.loop_mechanisms import flat, hinge, pin, rod
+from harness.compare.four_bars import flat, hinge, pin, rod
 from harness.engines.exudyn_run import exudyn_package, grid, item, quiet, settings, solve_dynamic, stored
 from harness.errors import EngineUnavailableError
 from harness.system import Beam, Joint, JointType, System

@@ -38,6 +38,7 @@ NAMES = (
     "added_inertia",
     "com_offset",
     "com_side_offset",
+    "com_displacement",
     "transmission_ratio",
     "base_tilt",
     "base_excitation",
@@ -147,11 +148,13 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return system.flexible
     if need == "coupling":
         return bool(_followers(system))
+    if need == "space":
+        return bool(system.gimbals)
     if need == "unstiffened":
         return any(link.beam is not None and not link.beam.geometric_stiffening for link in system.links)
     if need == "exact shapes":
         return any(link.beam is not None and link.beam.shapes != "samples" for link in system.links)
-    if recording is None:
+    if recording is None or need == "axis":
         return True
     if need == "effort":
         return bool(recording.efforts)
@@ -167,6 +170,7 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
 def _links(effect: Effect, system: System) -> tuple[str, ...]:
     found = []
     moving = False
+    in_space = {gimbal.child for gimbal in system.gimbals}
     carried: dict[str, bool] = {system.base: False}
     for joint, link in zip(system.joints, system.links, strict=True):
         moving = joint.movable or carried[joint.parent] or link.flexible
@@ -178,6 +182,10 @@ def _links(effect: Effect, system: System) -> tuple[str, ...]:
         if "unstiffened" in effect.needs and link.beam is not None and link.beam.geometric_stiffening:
             continue
         if "exact shapes" in effect.needs and link.beam is not None and link.beam.shapes == "samples":
+            continue
+        if ("space" in effect.needs and link.name not in in_space) or (
+            "axis" in effect.needs and link.name in in_space
+        ):
             continue
         found.append(link.name)
     return tuple(found)

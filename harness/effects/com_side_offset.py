@@ -52,7 +52,7 @@ EFFECT = Effect(
         "pinocchio": "link inertia",
         "exudyn": "body inertia",
     },
-    needs=("motion", "rigid"),
+    needs=("motion", "rigid", "axis"),
     confusable_with=("base_tilt", "sensor_offset", "constant_torque"),
     rarity=1.5,
     reshape=Reshape(_shift),

@@ -244,6 +244,9 @@ def _in_space(system: System, gimbal: Gimbal, gravity: float) -> tuple[float, fl
         central = turn @ (about_origin(link) - point_inertia(link.mass, np.asarray(link.com))) @ turn.T
         tensor = tensor + central + point_inertia(link.mass, arm)
         reach = max(reach, float(np.linalg.norm(place + turn @ tip_of(link, system) - origin)))
+    if reach == 0.0 and mass > 0.0:
+        # About its centre a body reaches as far as the uniform rod of its inertia: √3 radii of gyration.
+        reach = float(np.sqrt(3.0 * np.linalg.eigvalsh(tensor)[-1] / mass))
     free = any(other.slides and other.joint == gimbal.joint for other in system.gimbals)
     if gimbal.slides:
         return (

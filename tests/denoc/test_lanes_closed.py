@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from harness.cases.four_bar import crank_rocker
-from harness.cases.loop_mechanisms import hinge, pin, rod
+from harness.compare.four_bars import hinge, pin, rod
 from harness.denoc import Denoc
 from harness.denoc.lanes.closing import GIVES
 from harness.denoc.lanes.model import LaneModel

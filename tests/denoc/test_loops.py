@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import harness
-from harness.cases.loop_mechanisms import bricard, four_bars, governor, slider_crank, squeezer, squeezer_start
+from harness.cases.loop_mechanisms import bricard, governor, slider_crank, squeezer, squeezer_start
+from harness.compare.four_bars import four_bars
 from harness.denoc.loops.closed import Closed
 from harness.denoc.loops.tables import COLUMNS
 from harness.errors import InputError, UnsupportedError

@@ -23,6 +23,11 @@ BOX = """<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disab
 <geom type="box" size="0.1 0.2 0.05" mass="2"/>
 <geom type="box" pos="0.1 0.05 0" size="0.03 0.02 0.02" mass="0.3"/></body></worldbody></mujoco>"""
 
+# A body whose drawing puts its centre of mass at its origin.
+CENTRED = """<mujoco><option timestep="0.0005" integrator="RK4"><flag contact="disable"/></option><worldbody>
+<body name="trunk" pos="0 0 1"><joint name="root" type="free" damping="{damping}"/>
+<inertial pos="{com}" mass="3" fullinertia="0.01 0.018 0.021 0.001 0 0"/></body></worldbody></mujoco>"""
+
 # Base 0.5 m, crank 0.3 m, coupler 0.5 m, rocker 0.35 m, gravity along -y. Dry friction is MuJoCo's soft constraint: with its usual
 # time constant of 20 ms it gives way by 2.6 mrad of the crank, five times the noise; with 0.2 ms (twice the step) by 0.027 mrad.
 FOUR_BAR = """<mujoco><option timestep="0.0001" integrator="RK4" gravity="0 -9.81 0"><flag contact="disable"/></option>

@@ -10,7 +10,7 @@ from mechanisms_by_mujoco import recording
 from scipy.integrate import solve_ivp
 
 from harness import diagnose
-from harness.cases.loop_mechanisms import flat, hinge, pin, rod
+from harness.compare.four_bars import flat, hinge, pin, rod
 from harness.recording import Recording
 from harness.system import Joint, JointType, System
 from harness.system.description import constant

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mechanisms_by_mujoco import BALL, BOX, LEGGED, legged, model_file, motion, recording
+from mechanisms_by_mujoco import BALL, BOX, CENTRED, LEGGED, legged, model_file, motion, recording
 
 from harness import diagnose
 from harness.diagnose.conditioning.poses import in_charts
+from harness.diagnose.problem.candidates import candidates
+from harness.effects.scale import references
 from harness.errors import InputError, UnsupportedError
 from harness.recording import Recording
 from harness.system import load, write
@@ -43,6 +45,22 @@ def test_damping_of_a_ball_is_found(tmp_path: Path) -> None:
     told = found.findings[0]["parameters"]["coefficient"]
     assert told["ci95"][0] <= 0.02 <= told["ci95"][1]
     assert told["unit"] == "N*m*s/rad"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damping", [0.0, 0.05])
+def test_a_centre_of_mass_off_the_origin_of_a_thrown_body_is_found(tmp_path: Path, damping: float) -> None:
+    """The whole catalogue; along the link or beside it means nothing where the drawing has it at the origin."""
+    model = load(model_file(tmp_path, CENTRED.format(damping=0.0, com="0 0 0")))
+    made = CENTRED.format(damping="{damping}", com="0.008 0 -0.004")
+    found = diagnose(thrown(damping, text=made), model)
+    assert found.verdict == "explained"
+    damped = {"viscous_damping@root.turn", "viscous_damping@root.shift"} if damping else set()
+    assert {f"{f['effect']}@{f['site']}" for f in found.findings} == {"com_displacement@trunk"} | damped
+    told = next(f["parameters"] for f in found.findings if f["effect"] == "com_displacement")
+    for axis, true in (("x", 0.008), ("y", 0.0), ("z", -0.004)):
+        assert abs(told[axis]["value"] - true) < 4.0 * told[axis]["std"]
+        assert told[axis]["std"] < 3e-4
 
 
 @pytest.mark.slow
@@ -91,6 +109,15 @@ def test_what_the_model_foretells_lacks_nothing(tmp_path: Path, text: str, made)
     found = diagnose(made(0.0), load(model_file(tmp_path, text.format(damping=0.0))))
     assert found.verdict == "consistent"
     assert found.findings == []
+
+
+def test_a_body_about_its_centre_is_as_large_as_its_inertia_says(tmp_path: Path) -> None:
+    text = CENTRED.format(damping=0.0, com="0 0 0").replace("0.01 0.018 0.021 0.001 0 0", "0.009 0.009 0.003 0 0 0")
+    system, recordings = in_charts(load(model_file(tmp_path, text)), thrown(0.0, noise=0.0, text=text))
+    # A rod of 3 kg with a central inertia of m l² / 12 = 0.009 kg·m² is 0.19 m long.
+    assert references(system, "trunk").length == pytest.approx(0.5 * np.sqrt(12.0 * 0.009 / 3.0))
+    found = {c.key for c in candidates(system, recordings) if c.site == "trunk"}
+    assert found == {"payload_mass@trunk", "com_displacement@trunk"}
 
 
 def test_a_free_body_falls_in_the_chart_as_it_was_thrown(tmp_path: Path) -> None:

@@ -14,7 +14,8 @@ from harness.compare.bench.measure import side_by_side
 from harness.compare.bench.peers import Array, Options, chain, native, or_skipped, peer_model
 from harness.compare.bench.row import Row
 from harness.compare.bench.scaling import exponent
-from harness.system import Frame, Joint, JointType, Link, Loop, System
+from harness.compare.four_bars import four_bars
+from harness.system import Frame, Loop, System
 from harness.system.description import constant
 from harness.system.kinematics import poses
 from harness.system.lowering import lower
@@ -33,29 +34,6 @@ def ring(n: int) -> System:
     met = at[first].at(np.asarray(place), np.eye(3)).origin - at[second].origin
     frames = Frame(first, place, still), Frame(second, constant(at[second].rotation.T @ met), still)
     return replace(tree, loops=(Loop("ring", *frames, ("x", "y", "z")),))
-
-
-def four_bars(count: int) -> System:
-    """Cranks and bars of 1 m and 1 kg in the plane x, y: ``count`` windows side by side, each with two conditions."""
-    still, axis = constant(np.eye(3)), constant([0.0, 0.0, 1.0])
-
-    def rod(name: str, end: tuple[float, float, float]) -> Link:
-        along = np.array(end)
-        return Link(name, 1.0, constant(along / 2.0), constant((np.eye(3) - np.outer(along, along)) / 12.0))
-
-    def hinge(name: str, parent: str, child: str, place: tuple[float, float, float]) -> Joint:
-        return Joint(name, JointType.REVOLUTE, parent, child, xyz=constant(place), axis=axis)
-
-    numbers = range(count + 1)
-    up, right = constant([0.0, 1.0, 0.0]), constant([1.0, 0.0, 0.0])
-    cranks = [hinge(f"crank{k}", "base", f"rod{k}", (float(k), 0.0, 0.0)) for k in numbers]
-    knees = [hinge(f"knee{k}", f"rod{k}", f"bar{k}", (0.0, 1.0, 0.0)) for k in numbers[:-1]]
-    links = [rod(f"rod{k}", (0.0, 1.0, 0.0)) for k in numbers] + [rod(f"bar{k}", (1.0, 0.0, 0.0)) for k in numbers[:-1]]
-    loops = [
-        Loop(f"window{k}", Frame(f"bar{k}", right, still), Frame(f"rod{k + 1}", up, still), ("x", "y"))
-        for k in numbers[:-1]
-    ]
-    return System(f"{count} four-bars", (*cranks, *knees), tuple(links), loops=tuple(loops))
 
 
 def leaning(system: System) -> Array:
