@@ -71,6 +71,8 @@ def test_ends_that_lie_decades_apart_are_each_read_by_themselves() -> None:
         (-0.3, 0.2, (-0.692, 0.092), "", "-0.692 … 0.0920 (95 %), best -0.300"),
         # At the end of where it was searched.
         (0.3, None, (0.1, 0.3), "m", "0.100 … 0.300 m (95 %), best 0.300 (at its bound)"),
+        # Thirty decades are no interval.
+        (1.62, None, (1.5e-17, 1.5e16), "N·m·s/rad", "not determined (best 1.62 N·m·s/rad)"),
         (24.0, 9e-16, (24.0, 24.0), "1/rev", "24.0 1/rev"),
         (0.3, None, None, "rad", "0.300 rad"),
         (0.3, 0.01, None, "", "0.300 ± 0.01"),

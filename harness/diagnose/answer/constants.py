@@ -39,6 +39,8 @@ MOST_DIGITS = 9
 PLAIN_NUMBER = 1e9
 # ratio of the ends of an interval; beyond which either is read by itself; chosen
 ENDS_RATIO = 10.0
+# width of an interval over its best value; beyond which it tells nothing, and a reader takes its ends for findings; chosen
+UNDETERMINED_RATIO = 1e6
 # relative standard deviation; of what is counted, not measured; chosen
 COUNTED_SPREAD = 1e-9
 # times as far as its deviation says, or as its other end; beyond which an interval itself is told; chosen

@@ -13,6 +13,7 @@ from harness.diagnose.answer.constants import (
     MOST_DIGITS,
     PLAIN_NUMBER,
     TWO_SIDED_95,
+    UNDETERMINED_RATIO,
 )
 
 Interval = Sequence[float | None] | None
@@ -67,13 +68,16 @@ def estimate(value: float, std: float | None, interval: Interval, unit: str = ""
     """An estimate as a person reads it: ``0.0118 ± 0.0002 N·m``, one standard deviation.
 
     Where the 95 % interval is lopsided, wider than the value or wider than the deviation says, that is told:
-    ``0.005 … 39 N·m (95 %), best 0.400``. So it is for what lies at an end of where it was searched (no deviation). A value
-    without either is told alone, as what is counted is.
+    ``0.005 … 39 N·m (95 %), best 0.400``. So it is for what lies at an end of where it was searched (no deviation). An interval of
+    more decades than any design leaves open tells nothing: ``not determined``. A value without either is told alone, as what is
+    counted is.
     unit: as people write it, or nothing.
     """
     after = f" {unit}" if unit else ""
     low, high = interval or (None, None)
     known = low is not None and high is not None
+    if low is not None and high is not None and value and high - low > UNDETERMINED_RATIO * abs(value):
+        return f"not determined (best {resolved(value, None)}{after})"
     if std is None and known and low != high:
         return f"{ends(interval)}{after} (95 %), best {best(value, interval)} (at its bound)"
     if std is None or std <= COUNTED_SPREAD * abs(value):
