@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from simulated_recordings import nominal
 
 from harness.compare.bench.flexible import pendulum, start
 from harness.denoc.lanes.model import LaneModel
@@ -19,7 +20,10 @@ from harness.diagnose.prediction.stiff_runs import StiffRuns
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.problem import ChannelInfo, Problem, Run
 from harness.diagnose.problem.windows import Window
+from harness.effects import apply
+from harness.effects.lanes import lane_model, lane_row
 from harness.recording.sensors import observe
+from harness.system import Attachment
 
 CHANNELS = (
     ChannelInfo("pivot.position", "pivot", "position", "rad"),
@@ -71,6 +75,32 @@ def test_what_the_long_steps_change_cannot_be_seen(model: LaneModel, monkeypatch
     found = StiffRuns(CHANNELS, NOISE).run(model, rows, states, TIME, None, np.arange(5), 1e-10, "linear", 1)
     assert max(asked) <= 4  # points of the linearization and of the first steps only
     assert off(model, rows, found, wanted).max() < 0.05
+
+
+def test_a_vibration_that_every_step_of_an_effort_excites_is_followed_to_the_end() -> None:
+    """Held efforts set a link of 60 Hz ringing at every sample, and its second shape with it; a stop leaves no long steps."""
+    hit = apply(nominal(), Attachment("end_stop", "pivot", {"angle": 0.7, "stiffness": 0.04, "damping": 3e-4}))
+    model = lane_model(apply(hit, Attachment("link_flexibility", "rod", {"frequency": 60.0, "damping_ratio": 0.02})))
+    row, time = lane_row(model, model.system)[None], 0.004 * np.arange(3000)
+    tau = np.zeros((1, len(time), model.n))
+    tau[0, :, 0] = np.sin(40.0 * time) + 0.3 * np.sin(71.0 * time)
+    state = np.zeros((1, 2 * model.n))
+    state[0, 0] = 0.44
+    q, qd = np.split(state, 2, axis=1)
+    asked = model.simulate(row, q, qd, time, tau=tau, hold="zero", tolerance=1e-10)
+    assert not np.isfinite(asked[0]).all()
+    runs = StiffRuns(CHANNELS[:1], NOISE[:1])
+    for _ in range(2):
+        found = runs.run(model, row, state, time, tau, np.zeros(1, int), 1e-10, "zero", 1)
+        # Pieces that are each short enough to be followed, to a finer tolerance.
+        at, wanted = state, []
+        for first in range(0, len(time) - 1, 500):
+            piece = slice(first, first + 501)
+            q, qd = np.split(at, 2, axis=1)
+            part = model.simulate(row, q, qd, time[piece], tau=tau[:, piece], hold="zero", tolerance=1e-9)
+            at = np.hstack([part[0][:, -1], part[1][:, -1]])
+            wanted.append(part[0][0, :-1] if first + 501 < len(time) else part[0][0])
+        assert found[0][0] == pytest.approx(np.concatenate(wanted), abs=1e-6)
 
 
 def test_one_rough_run_lets_its_whole_request_be_resolved(model: LaneModel) -> None:

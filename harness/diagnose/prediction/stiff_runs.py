@@ -2,13 +2,15 @@
 
 Runs are made twice, the second time in half the steps; what the first one changes in the channels says how far off the
 second can be. Where that could be seen behind the noise, steps are halved again, and in the end resolve the vibration.
-Of runs that hardly differ, as those for derivatives, one is made twice for all.
+Of runs that hardly differ, as those for derivatives, one is made twice for all. A vibration that every step of an effort excites
+anew may ask for more steps than a run is given: such requests are run again to a coarser tolerance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,7 @@ from harness.denoc.motion.hold import joined
 from harness.diagnose.prediction.constants import (
     ALIKE_ROW_DIFFERENCE,
     ALIKE_STATE_DIFFERENCE,
+    COARSER_TOLERANCE,
     EASY_STEP_SHARE,
     FEWEST_STIFF_STATES,
     HALVED_STEP_CHANGE,
@@ -43,6 +46,8 @@ class StiffRuns:
     noise: Array
     # Where the last requests of a mechanism ended: what to begin with, and nothing else.
     _usual: dict[tuple[int, float], int] = field(default_factory=dict, init=False, repr=False)
+    # Mechanisms whose runs took more steps than they are given.
+    _coarser: set[int] = field(default_factory=set, init=False, repr=False)
 
     def run(
         self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
@@ -69,14 +74,41 @@ class StiffRuns:
                 array[which[fits], :count] = part[fits]
             slow[which[fits]] = False
         if slow.any():
-            q, qd = np.split(states[slow], 2, axis=1)
-            resolved = model.simulate(
-                rows[slow], q, qd, time, tau=None if tau is None else tau[slow], hold=hold, tolerance=tolerance,
-                counts=counts[slow], threads=threads, between=between,
+            resolved = self._resolved(
+                model, rows[slow], states[slow], time, None if tau is None else tau[slow], requests[slow], tolerance,
+                {"hold": hold, "threads": threads, "between": between}, counts[slow],
             )  # fmt: skip
             for array, part in zip(out, resolved, strict=True):
                 array[slow] = part
         return out
+
+    def _resolved(
+        self, model: LaneModel, rows: Array, states: Array, time: Array, tau: Array | None, requests: Array,
+        tolerance: float, how: Mapping[str, Any], counts: NDArray[np.int64],
+    ) -> Motion:  # fmt: skip
+        """Runs in steps that resolve the vibration; requests that are lost at the tolerance are run again to a coarser one."""
+
+        def run(some: NDArray[np.bool_], error: float) -> Motion:
+            q, qd = np.split(states[some], 2, axis=1)
+            forces = None if tau is None else tau[some]
+            return model.simulate(rows[some], q, qd, time, tau=forces, tolerance=error, counts=counts[some], **how)
+
+        def lost(motion: Motion, some: NDArray[np.bool_]) -> NDArray[np.bool_]:
+            ends = motion[0][np.arange(len(motion[0])), counts[some] - 1]
+            return np.asarray(~np.isfinite(ends).all(axis=1), dtype=np.bool_)
+
+        every = np.ones(len(rows), dtype=np.bool_)
+        error = COARSER_TOLERANCE if id(model) in self._coarser else tolerance
+        found = run(every, error)
+        failed = lost(found, every)
+        if error < COARSER_TOLERANCE and failed.any():
+            again = np.isin(requests, requests[failed])
+            coarse = run(again, COARSER_TOLERANCE)
+            for array, part in zip(found, coarse, strict=True):
+                array[again] = part
+            if lost(coarse, again).sum() < failed.sum():
+                self._coarser.add(id(model))
+        return found
 
     def _smooth(
         self,
