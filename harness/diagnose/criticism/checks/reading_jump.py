@@ -20,10 +20,13 @@ JUMP = "a jump of the reading"
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
-    """Largest gain by one jump, all channels and times counted in its chance."""
+    """Largest gain by one jump, all channels and times counted in its chance; none where every window is too short for one."""
     best, count, where = 0.0, 0, ("", "")
     chosen = []
     for place, window in enumerate(left.fitted.windows):
+        if window.size <= 2 * _edge(window.size):
+            chosen.append(np.zeros((0, len(left.predictor.problem.channels) * window.size)))
+            continue
         loudest = -1.0
         run = left.predictor.runs[window.run]
         edge = _edge(window.size)
@@ -43,9 +46,11 @@ def _asked(left: Remainder) -> Iterator[Test]:
             if gains[top] > best:
                 best = float(gains[top])
                 where = (channel.name, f"{run.name} at {run.time[window.first + places[top]]:.2f} s")
-        chosen.append(column)
+        chosen.append(column[None])
+    if not count:
+        return
     chance = min(1.0, count * float(chi2.sf(best / left.noise, 1)))
-    every = (jointly(left.space, chosen), len(chosen))
+    every = (jointly(left.space, chosen), sum(map(len, chosen)))
     yield Test(JUMP, best, 1, chance, where, 1, every, exact=True)
 
 
