@@ -62,6 +62,27 @@ def test_plain_laws_that_may_only_be_possible_are_told_as_that_where_they_remove
     assert (words in text) == said == ("payload" in text)
 
 
+@pytest.mark.parametrize(
+    ("hurried", "doubt"),
+    [
+        (True, "what else could do the same has not been gone through."),
+        (False, "that it is this, and not something that does nearly the same, is not sure."),
+    ],
+)
+@pytest.mark.parametrize(("explained", "said"), [(0.98, True), (0.3, False), (None, False)])
+def test_they_are_told_where_no_force_was_weighed_too(
+    explained: float | None, said: bool, hurried: bool, doubt: str
+) -> None:
+    conclusion = replace(_conclusion("partly_explained"), hurried=hurried)
+    laws = ["viscous damping at pivot (coefficient 0.0003 N·m·s/rad)", "added inertia at pivot (inertia 0.001 kg·m²)"]
+    text = summary(conclusion, 132.0, [], [], Foretold(2.3), explained, None, laws)
+    certain = "by 132 times the noise, and nothing in the catalogue earns its place for certain."
+    words = (
+        f" Possibly it is {' and '.join(laws)}: that would remove 98 % of the mismatch on data held out, but {doubt}"
+    )
+    assert text.endswith(certain + (words if said else ""))
+
+
 def test_what_is_left_is_told_in_the_channels_unit_against_its_noise_and_as_a_force() -> None:
     rows = [
         {"channel": "servo.position", "unit": "rad", "noise_floor": 1e-5, "augmented": {"heldout_rmse": 0.0043}},

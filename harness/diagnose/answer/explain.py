@@ -28,10 +28,10 @@ NONE_FOR_CERTAIN = (
     "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place for certain."
 )
 NONE_SO_FAR = "The nominal model leaves the recordings {severity}, and nothing has earned its place so far."
-POSSIBLY = (
-    "Possibly it is {names}: that would remove {share} of the mismatch on data held out, but a force over position and "
-    "speed that nobody has named could do the same."
-)
+POSSIBLY = "Possibly it is {names}: that would remove {share} of the mismatch on data held out, but {doubt}."
+UNNAMED_COULD = "a force over position and speed that nobody has named could do the same"
+UNWEIGHED = "what else could do the same has not been gone through"
+UNSURE = "that it is this, and not something that does nearly the same, is not sure"
 
 # The same where the time was up before that could be said.
 CUT_SHORT = {
@@ -86,7 +86,7 @@ def summary(
 
     severity: greatest error of the nominal model over all channels [standard deviations of noise]; foretold: on data held out.
     explained: share of the mismatch there that the findings remove. left: the force that they leave out. possible: plain laws that
-    may be told beside it where nothing is found for certain.
+    may be told where nothing is found for certain.
     """
     if left is not None:
         return " ".join(
@@ -118,8 +118,8 @@ def summary(
     if conclusion.cut_short == UNCRITICISED and not findings:
         text = NONE_SO_FAR
     elif not findings and "{names}" in text:
-        # What is no more than possible is in the table, and no sentence is about it.
-        text = NONE_FOR_CERTAIN
+        # What is no more than possible and removes little is in the table, and no sentence is about it.
+        text = NONE_FOR_CERTAIN + _possibly(possible, explained, UNWEIGHED if conclusion.hurried else UNSURE)
     elif conclusion.hurried and text == VERDICTS["unexplained"]:
         # The catalogue was not gone through: what was not tried has failed at nothing.
         text = NONE_SO_FAR
@@ -154,9 +154,7 @@ def _beside_a_force(
     if findings:
         text = f"The nominal model leaves the recordings {size}; {holding_up(findings, explained)}."
     else:
-        text = NONE_FOR_CERTAIN.format(severity=size)
-        if possible and explained is not None and explained > POSSIBLY_EXPLAINED_SHARE:
-            text += f" {POSSIBLY.format(names=' and '.join(possible), share=percent(explained))}"
+        text = NONE_FOR_CERTAIN.format(severity=size) + _possibly(possible, explained, UNNAMED_COULD)
     sentences = [text, *left_in_words(left, foretold, "the sensors' noise")]
     differing = [f"{one.between:.2g} {written(one.unit)} at {one.joint}" for one in left.joints if one.between > 0.0]
     if differing:
@@ -172,6 +170,13 @@ def _beside_a_force(
     if conclusion.doubted:
         sentences.append(f"What it could have imitated is not claimed: {', '.join(conclusion.doubted)}.")
     return sentences
+
+
+def _possibly(possible: Sequence[str], explained: float | None, doubt: str) -> str:
+    """Laws that are no more than possible, as a further sentence where they remove most of the mismatch; else nothing."""
+    if not possible or explained is None or explained <= POSSIBLY_EXPLAINED_SHARE:
+        return ""
+    return " " + POSSIBLY.format(names=" and ".join(possible), share=percent(explained), doubt=doubt)
 
 
 def _by(severity: float, noise: str) -> str:

@@ -36,7 +36,12 @@ class Form:
     gain: float
 
     def __str__(self) -> str:
-        return " ".join(f"{c:+.3g}·{t}" for c, t in zip(self.coefficients, self.terms, strict=True))
+        """As a sum: ``-0.00782·sin(q) + 0.0005``, the term 1 as a number by itself."""
+        parts: list[str] = []
+        for c, term in zip(self.coefficients, self.terms, strict=True):
+            sign = ("- " if c < 0.0 else "+ ") if parts else ("-" if c < 0.0 else "")
+            parts.append(f"{sign}{abs(c):.3g}" + ("" if term == "1" else f"·{term}"))
+        return " ".join(parts)
 
 
 @dataclass(frozen=True, eq=False)
