@@ -297,11 +297,17 @@ class Effect:
         return self.reshape is not None and not self.parameters
 
     @property
-    def plain(self) -> bool:
-        """Whether it is a usual law of the motion with a single number, which little else can be bent to; none that only says how
-        another one acts.
+    def usual(self) -> bool:
+        """Whether it is met as often as any and has a single number and no past of its own, which little else can be bent to; none
+        that only says how another one acts.
         """
-        return self.side == "dynamics" and len(self.parameters) == 1 and self.rarity <= 0.0 and not self.modifies
+        remembers = self.sensor is not None and self.sensor.memory is not None
+        return len(self.parameters) == 1 and self.rarity <= 0.0 and not remembers and not self.modifies
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is such a law, of the motion and no sensor's error."""
+        return self.side == "dynamics" and self.usual
 
     @property
     def plainness(self) -> tuple[int, bool, float]:

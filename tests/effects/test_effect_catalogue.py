@@ -352,6 +352,15 @@ def test_the_sensor_chain_runs_from_the_motion_to_the_file():
     assert [effect.name for effect, _ in effects.input_chain(attached, "pivot")] == ["actuator_gain"]
 
 
+def test_what_little_else_can_be_bent_to_may_be_a_sensors_too():
+    known = effects.catalogue()
+    usual = {name for name, effect in known.items() if effect.usual}
+    assert {name for name, effect in known.items() if effect.plain} <= usual
+    assert {"sensor_offset", "sensor_gain", "viscous_damping"} <= usual and not known["sensor_offset"].plain
+    # Several numbers; a past of its own; seldom met; a word on how another one acts.
+    assert not {"stribeck_friction", "sensor_lowpass", "load_dependent_friction", "friction_creep"} & usual
+
+
 def test_the_documentation_is_the_catalogue():
     written = Path(__file__).parents[2] / "docs" / "effects.md"
     assert written.read_text(encoding="utf-8") == page(), "run: python -m harness.effects.page > docs/effects.md"

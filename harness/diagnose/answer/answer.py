@@ -195,8 +195,8 @@ def _summary(
         for c in sorted(conclusion.claims, key=lambda c: bool(c.candidate.effect.modifies))
     ]
     firm = [words for member, words in titles if grades[member.key] != POSSIBLE]
-    # Laws that can be bent to many shapes are told in the table alone.
-    possible = [words for _, words in titles] if all(member.effect.plain for member, _ in titles) else []
+    # What can be bent to many shapes is told in the table alone.
+    possible = [words for _, words in titles] if all(member.effect.usual for member, _ in titles) else []
     rivals = [
         untold(c.candidate.effect.title, c.candidate.site, rivals_of(rivals_as_data(c), in_words))
         for c in conclusion.claims

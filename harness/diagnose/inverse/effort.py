@@ -41,7 +41,7 @@ from harness.system import System
 
 Array = NDArray[np.float64]
 
-UNSEARCHED = ("all sets of effects", "another set of effects may explain the recordings better, or as well")
+UNSEARCHED = ("further sets of effects", "another set of effects may explain the recordings better, or as well")
 UNJUDGED = (
     "the judgement on data held out, and of what else it could be",
     "what was found may not hold up, so that nothing is claimed",

@@ -114,4 +114,8 @@ def pushed(pushes: Sequence[Push], recordings: Sequence[Recording], unit: str) -
 def shown_as(tests: Sequence[Mapping[str, Any]]) -> str:
     """What is left shows as, in a sentence; none where it is pushes alone."""
     others = [t for t in tests if ONCE not in t["what"]]
-    return f"What is left shows as {others[0]['what']} ({', '.join(others[0]['where'])})." if others else ""
+    if not others:
+        return ""
+    # The joint is told by where it is.
+    where = ", ".join(filter(None, others[0]["where"]))
+    return f"What is left shows as {others[0]['what'].split(' at ')[0]}" + (f" ({where})." if where else ".")
