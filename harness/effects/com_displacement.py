@@ -48,7 +48,6 @@ EFFECT = Effect(
     "5 (1986) 101–119.",
     expressed_by={"denoc": "link inertia"},
     needs=("motion", "rigid", "space"),
-    simpler=("com_offset",),
-    confusable_with=("payload_mass", "com_offset"),
+    confusable_with=("payload_mass",),
     reshape=Reshape(_displace),
 )

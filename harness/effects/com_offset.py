@@ -49,7 +49,7 @@ EFFECT = Effect(
         "exudyn": "body inertia",
         "analytic": "closed form of the compound pendulum",
     },
-    needs=("motion", "rigid"),
+    needs=("motion", "rigid", "axis"),
     confusable_with=("payload_mass", "added_inertia", "clock_skew", "joint_stiffness"),
     reshape=Reshape(_shift),
 )

@@ -59,8 +59,7 @@ from harness.denoc.simd.vector import (
 KEPT = 16  # slopes kept at most: the stages, the one at the end, those for the dense output
 DEGREE = 7  # of the dense output
 LOOKS = 8  # places in a step where signs are checked
-# Steps after which a lane is given up: so many, and so many more for every sample asked for. A link's second shape under
-# efforts that are held from sample to sample takes a hundred at 250 Hz.
+# Steps after which a lane is given up: so many, and so many more for every sample asked for.
 LONGEST, PER_SAMPLE = 50_000, 60
 # Steps after which it is asked how far a lane has come, and how many it may need for the rest at that pace: where joints stick and
 # slide by turns without end it stands still, and would take a thousand times longer than a lane that moves.
