@@ -297,12 +297,16 @@ class Effect:
         return self.reshape is not None and not self.parameters
 
     @property
+    def remembers(self) -> bool:
+        """Whether it is a sensor's error with a past of its own."""
+        return self.sensor is not None and self.sensor.memory is not None
+
+    @property
     def usual(self) -> bool:
         """Whether it is met as often as any and has a single number and no past of its own, which little else can be bent to; none
         that only says how another one acts.
         """
-        remembers = self.sensor is not None and self.sensor.memory is not None
-        return len(self.parameters) == 1 and self.rarity <= 0.0 and not remembers and not self.modifies
+        return len(self.parameters) == 1 and self.rarity <= 0.0 and not self.remembers and not self.modifies
 
     @property
     def plain(self) -> bool:
@@ -312,8 +316,7 @@ class Effect:
     @property
     def plainness(self) -> tuple[int, bool, float]:
         """By which laws that a recording does not part are told, the plainest first: numbers, a past of its own, how rare it is."""
-        remembers = self.sensor is not None and self.sensor.memory is not None
-        return len(self.parameters), remembers, self.rarity
+        return len(self.parameters), self.remembers, self.rarity
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

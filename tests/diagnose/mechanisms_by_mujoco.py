@@ -179,8 +179,7 @@ def motion(
     found = np.empty((round(seconds * RATE), model.nq))
     for row in found:
         row[:] = data.qpos
-        for _ in range(steps):
-            mujoco.mj_step(model, data)
+        mujoco.mj_step(model, data, nstep=steps)
     return np.arange(len(found)) / RATE, found
 
 

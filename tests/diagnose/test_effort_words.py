@@ -14,6 +14,11 @@ from harness.diagnose.inverse.effort_words import shown_as
             ["elbow"],
             "What is left shows as a smooth force over the state (elbow).",
         ),
+        (
+            "a force at certain places at elbow",
+            ["elbow"],
+            "What is left shows as a force at certain places (elbow).",
+        ),
         ("a jump of the reading", ["", ""], "What is left shows as a jump of the reading."),
     ],
 )

@@ -117,5 +117,7 @@ def shown_as(tests: Sequence[Mapping[str, Any]]) -> str:
     if not others:
         return ""
     # The joint is told by where it is.
-    where = ", ".join(filter(None, others[0]["where"]))
-    return f"What is left shows as {others[0]['what'].split(' at ')[0]}" + (f" ({where})." if where else ".")
+    first, places = others[0]["what"], list(filter(None, others[0]["where"]))
+    for place in places:
+        first = first.removesuffix(f" at {place}")
+    return f"What is left shows as {first}" + (f" ({', '.join(places)})." if places else ".")
