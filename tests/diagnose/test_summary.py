@@ -34,6 +34,15 @@ def test_what_is_named_holds_up() -> None:
     assert "; viscous damping at pivot holds up on data held out, but" in text
 
 
+def test_what_training_leaves_open_is_told_of_the_data_held_out() -> None:
+    loosely = replace(_conclusion("explained"), loosely=True)
+    text = summary(loosely, 30.0, ["viscous damping at pivot"], [], Foretold(2.5))
+    assert text.endswith(
+        "with viscous damping at pivot the residual is at the noise floor, also on data held out, as far as the training "
+        "recordings fix the numbers; their likeliest values alone predict those to 2.5 times the noise."
+    )
+
+
 LEFT = LeftOut((AtJoint("servo", 0.048, "N*m", 0.058, 0.026),), None)
 
 

@@ -102,6 +102,9 @@ def summary(
     held = "also on data held out"
     if conclusion.only_held:
         held = "with the data held out fitted too"
+    elif conclusion.loosely:
+        alone = f"their likeliest values alone predict those to {times(foretold.times, 2)} times the noise"
+        held = f"also on data held out, as far as the training recordings fix the numbers; {alone}"
     elif foretold.times > COMPLETE_RESIDUAL_RATIO:
         within = f"they are predicted to {times(foretold.times, 2)} times the noise"
         held = f"on data held out if fitted to them too; without that, {within}"

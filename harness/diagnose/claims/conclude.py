@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,14 +28,14 @@ from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSE
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
 from harness.diagnose.claims.plain_laws import plain_laws
 from harness.diagnose.claims.posterior import posterior
+from harness.diagnose.claims.predictive_check import foretold, level, parts
 from harness.diagnose.claims.rivals import beside_another, known_near, near, preferred
 from harness.diagnose.criticism.check import Asked, left_by
-from harness.diagnose.criticism.constants import CARRIES_RATIO, HELD_OUT_MISFIT_SIGMAS, TEST_CHANCE
+from harness.diagnose.criticism.constants import CARRIES_RATIO, HELD_OUT_MISFIT_SIGMAS
 from harness.diagnose.criticism.doubt import doubtful, doubtful_together
 from harness.diagnose.criticism.held_out import a_force_as_well, carries, firm
 from harness.diagnose.criticism.members import beside_force
-from harness.diagnose.criticism.remainder import Remains, above_floor, answers, asked_of, examine
-from harness.diagnose.criticism.residual_correlation import by_channel, follows_itself
+from harness.diagnose.criticism.remainder import Remains, answers, asked_of, examine
 from harness.diagnose.criticism.unparted import special_case, unparted
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linearisation import linearise
@@ -79,10 +79,11 @@ class Conclusion:
 
     best: the fit claimed, on all recordings; own: on the training ones; held: judged on the data held out. level: what is left of
     those over the noise [1]. unproven: keys of what is doubted because nothing that it was not fitted to bears it out. only_held:
-    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings. by_free_runs: whether
-    it is told for its free runs alone, although beside a force over the state other sets are likelier. cut_short: what the
-    time was up for, of ``UNSEARCHED``, ``UNJUDGED`` and ``UNCRITICISED``, and therefore is not claimed; or empty. hurried: whether
-    it was up for any of the search or of what follows it.
+    keys of what shows in the data held out alone; ``own`` and ``held`` are then of the fit to all recordings. by_free_runs:
+    whether it is told for its free runs alone, although beside a force over the state other sets are likelier. loosely:
+    whether the data held out are noise only about what the training recordings leave likely, and not about the likeliest
+    numbers. cut_short: what the time was up for, of ``UNSEARCHED``, ``UNJUDGED`` and ``UNCRITICISED``, and therefore is not
+    claimed; or empty. hurried: whether it was up for any of the search or of what follows it.
     """
 
     verdict: str
@@ -98,6 +99,7 @@ class Conclusion:
     cut_short: str = ""
     hurried: bool = False
     by_free_runs: bool = False
+    loosely: bool = False
 
     @property
     def imitated(self) -> tuple[str, ...]:
@@ -228,7 +230,7 @@ def _as_far_as(outcome: Outcome, reached: Reached) -> Conclusion:
         own, held = _so_far(outcome, reached.wanted)
         nothing = Remains(False, (), 0.0)
         return Conclusion(
-            "unexplained", reached.wanted, own, held, (), nothing, (), _level(outcome, held), cut_short=UNJUDGED
+            "unexplained", reached.wanted, own, held, (), nothing, (), level(outcome, held), cut_short=UNJUDGED
         )
     deadline.leave(*LEFT["told" if reached.criticised else UNCRITICISED])
     claims = _claims(outcome, best, None)
@@ -237,7 +239,7 @@ def _as_far_as(outcome: Outcome, reached: Reached) -> Conclusion:
     own, held = _so_far(outcome, best, by_free_runs=reached.by_free_runs)
     remains = reached.remains or Remains(False, (), 0.0)
     return Conclusion(
-        with_ if claims else without, best, own, held, claims, remains, reached.doubted, _level(outcome, held),
+        with_ if claims else without, best, own, held, claims, remains, reached.doubted, level(outcome, held),
         cut_short="" if reached.criticised else UNCRITICISED, by_free_runs=reached.by_free_runs,
     )  # fmt: skip
 
@@ -289,7 +291,7 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     else:
         # Where the time may be up among rivals, what free runs say comes before them.
         claims = _claims(outcome, best, None if deadline.limited else remains)
-        instead = plain_laws(outcome, best, sure=any(claim.of_class >= SURE_PROBABILITY for claim in claims))
+        instead = plain_laws(outcome, best, sure=_beyond_doubt(outcome, best, claims))
         if instead is not None:
             best = outcome.reweigh(instead)
             remains, _ = _remains_beside(outcome, best)
@@ -302,9 +304,16 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
         only = tuple(c.candidate.key for c in claims if not _told_by_training(outcome, best, c.index))
     own, held = with_all(outcome, best) if only else _numbers(outcome, best, by_free_runs=instead is not None)
     return Conclusion(
-        with_ if claims else without, best, own, held, claims, remains, doubted, _level(outcome, held), unproven, only,
-        by_free_runs=instead is not None,
+        with_ if claims else without, best, own, held, claims, remains, doubted, level(outcome, held), unproven, only,
+        by_free_runs=instead is not None, loosely=not incomplete and not only and parts(outcome, held),
     )  # fmt: skip
+
+
+def _beyond_doubt(outcome: Outcome, best: Fit, claims: Sequence[Claim]) -> bool:
+    """Whether the evidence beside a force speaks for any member of a set beyond doubt, and its free runs do not gainsay that."""
+    _, held = _numbers(outcome, best, by_free_runs=False)
+    nearer = held.cost < judge(outcome, outcome.empty).cost
+    return nearer and any(claim.of_class >= SURE_PROBABILITY for claim in claims)
 
 
 def _remains_beside(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
@@ -407,7 +416,6 @@ def _without_doubtful(outcome: Outcome, best: Fit, shaky: list[str], together: l
 
 def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     """What a set of effects leaves, and whether that is more than noise anywhere."""
-    held = judge(outcome, best)
     left = left_by(outcome.study, best, outcome)
     remains = examine(left, Asked.OF_EVERY_FIT, Asked.OF_WHAT_IS_TOLD)
     if outcome.force is not None:
@@ -416,17 +424,7 @@ def _remains(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:
     if remains.significant:
         further = [test for _, test in answers(left, asked_of(Asked.BESIDE_A_REMAINDER))]
         remains = replace(remains, tests=(*remains.tests, *further))
-    # Held-out noise may be louder than elsewhere; it is a misfit if its samples follow one another.
-    above = (
-        above_floor(_level(outcome, held), outcome.study.likelihood)
-        and follows_itself(by_channel(held, held.windows)) < TEST_CHANCE
-    )
-    return remains, remains.significant or above
-
-
-def _level(outcome: Outcome, held: Fit) -> float:
-    """What is left of the data held out, over the noise [1]."""
-    return float(np.sqrt(held.cost / max(outcome.study.likelihood.samples(held.windows), 1.0)))
+    return remains, remains.significant or not foretold(outcome, best)
 
 
 def _claims(outcome: Outcome, best: Fit, remains: Remains | None) -> tuple[Claim, ...]:

@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, cho_solve, cholesky, solve_triangular
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.linalg.lapack import dtrtri
 from scipy.optimize import minimize
 
 from harness.diagnose.estimation.constants import (
@@ -180,13 +181,18 @@ class StateForce:
         )
 
     @cached_property
-    def _apart(self) -> Array:
-        """Between which nodes what lies, in position and velocity, (k, k, 2)."""
-        return self.at[:, None] - self.at[None]
+    def _squared_apart(self) -> Array:
+        """Squared distances between nodes, in position and in velocity, (2, k, k)."""
+        return (self.at.T[:, :, None] - self.at.T[:, None]) ** 2
+
+    @cached_property
+    def _one_force(self) -> NDArray[np.bool_]:
+        """Which nodes are places of one force over the state, (k, k)."""
+        return (self.group[:, None] == self.group) & self.over_grid[:, None]
 
     def _correlation(self, force: Force) -> Array:
-        correlation = _alike(self._apart, force.lengths) * (self.group[:, None] == self.group)
-        correlation[~self.over_grid] = 0.0
+        along, across = self._squared_apart
+        correlation = np.exp(-0.5 * (along / force.lengths[0] ** 2 + across / force.lengths[1] ** 2)) * self._one_force
         correlation[np.diag_indices(len(correlation))] = 1.0 + COVARIANCE_JITTER
         return np.asarray(correlation)
 
@@ -330,18 +336,22 @@ class StateForce:
     def spread(self, sums: Sums, force: Force | None) -> Array:
         """Standard deviations of a set's numbers (P,) where these residuals are left, the force at the nodes free as well."""
         root = np.zeros((len(self.joint), 0)) if force is None else self.prior_root(force)
-        _, inside = self._information(sums, root, sums.louder if force is None else force.louder)
+        inside = self._information(sums, root, sums.louder if force is None else force.louder)
         half = solve_triangular(_root(inside), np.eye(len(inside)), lower=True, check_finite=False)
         return np.sqrt(np.sum(half**2, axis=0))[root.shape[1] :]
 
-    def _information(self, sums: Sums, root: Array, louder: Array) -> tuple[Array, Array]:
-        """What forces, in units of their prior's root (k, K), and numbers are scaled by, and how well readings and priors know both
-        so scaled, (K + P, K + P)."""
-        scale = block_diag(root, np.eye(len(sums.stiff)))
-        inside = scale.T @ np.einsum("c,cij->ij", 1.0 / (louder * self.together), sums.squares) @ scale
+    def _information(self, sums: Sums, root: Array, louder: Array) -> Array:
+        """How well readings and priors know forces, in units of their prior's root (k, K), and numbers, (K + P, K + P)."""
+        k, count = root.shape
+        known = np.tensordot(1.0 / (louder * self.together), sums.squares, 1)
+        inside = np.empty((count + len(sums.stiff),) * 2)
+        inside[:count, :count] = root.T @ known[:k, :k] @ root
+        inside[:count, count:] = root.T @ known[:k, k:]
+        inside[count:, :count] = inside[:count, count:].T
+        inside[count:, count:] = known[k:, k:]
         # A weak prior keeps numbers that nothing tells where they are.
-        inside[np.diag_indices(len(inside))] += np.concatenate([np.ones(root.shape[1]), sums.stiff])
-        return np.asarray(scale), np.asarray(inside)
+        inside[np.diag_indices(len(inside))] += np.concatenate([np.ones(count), sums.stiff])
+        return inside
 
     def _noise(self, sums: Sums, force: Force, left: float) -> float:
         usual = float(np.sum(cauchy_surprise(force.sizes / self.usual))) + _smooth_surprise(force.lengths)
@@ -352,29 +362,29 @@ class StateForce:
         weights = 1.0 / (force.louder * self.together)
         root = self.prior_root(force)
         k = len(root)
-        scale, inside = self._information(sums, root, force.louder)
-        seen = scale.T @ (weights @ sums.products)
+        inside = self._information(sums, root, force.louder)
+        seen = weights @ sums.products
+        seen[:k] = root.T @ seen[:k]
         seen[k:] -= sums.deviations
         lower = _root(inside)
         found = cho_solve((lower, True), seen, check_finite=False)
         value = self._noise(sums, force, float(weights @ sums.left)) + float(np.sum(sums.deviations**2))
         value += 2.0 * float(np.sum(np.log(np.diag(lower)[:k]))) - float(seen @ found)
-        both = scale @ found
+        both = np.concatenate([root @ found[:k], found[k:]])
         # Of the quadratic part by the envelope theorem; of ln |I + C M| by Jacobi's formula.
-        left = sums.left - 2.0 * sums.products @ both + np.einsum("i,cij,j->c", both, sums.squares, both)
-        half = solve_triangular(lower[:k, :k], root.T, lower=True, check_finite=False)
+        left = sums.left - 2.0 * sums.products @ both + (sums.squares @ both) @ both
+        inverse, back = _inverse(lower[:k, :k]), _inverse(root)
+        half = inverse @ root.T
         after = half.T @ half
         slope_louder = sums.counts / self.together - weights * left
-        slope_louder -= weights * np.einsum("cij,ij->c", sums.squares[:, :k, :k], after)
-        back = solve_triangular(root, np.eye(k), lower=True, check_finite=False)
+        slope_louder -= weights * np.array([np.vdot(own[:k, :k], after) for own in sums.squares])
         pull = back.T @ found[:k]
-        inverse = solve_triangular(lower[:k, :k], np.eye(k), lower=True, check_finite=False)
         gain = back.T @ (np.eye(k) - inverse.T @ inverse) @ back
         change = (gain - np.outer(pull, pull)) * (root @ root.T)
         rows = change.sum(axis=1)
         usual = force.sizes / self.usual
         sizes = 2.0 * np.bincount(self.group, rows, len(usual)) + 4.0 * usual**2 / (1.0 + usual**2)
-        lengths = np.array([float(np.sum(change * (self._apart[:, :, d] / force.lengths[d]) ** 2)) for d in (0, 1)])
+        lengths = np.tensordot(self._squared_apart, change, 2) / force.lengths**2
         lengths += 2.0 * np.log(force.lengths / USUAL_FORCE_LENGTH) / FORCE_LENGTH_SPREAD**2
         return Likeliest(value, force, both[:k], both[k:]), np.concatenate([sizes, slope_louder, lengths])
 
@@ -489,6 +499,14 @@ def _axis(values: Array, count: int) -> Array:
     low, high = float(np.min(values)), float(np.max(values))
     wide = max(high - low, 1e-9)
     return np.linspace(low - 1e-6 * wide, high + 1e-6 * wide, count)
+
+
+def _inverse(lower: Array) -> Array:
+    """The inverse of a lower triangle."""
+    inverse, singular = dtrtri(lower, lower=1)
+    if singular:
+        raise np.linalg.LinAlgError(f"row {singular} of a triangle is nothing")
+    return np.asarray(inverse)
 
 
 def _alike(apart: Array, lengths: Array) -> Array:

@@ -170,9 +170,9 @@ def heldout_z(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
     leaves uncertain is not held against either hypothesis, and what only soaks up the training's error gains nothing. Where even
     the larger leaves more than noise there, deviations are as large as what it leaves.
     """
-    added = _added(outcome, larger)
-    gain = _added(outcome, smaller) - added
-    level = max(added / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0), 1.0)
+    least = added(outcome, larger)
+    gain = added(outcome, smaller) - least
+    level = max(least / max(outcome.study.likelihood.samples(outcome.held_windows), 1.0), 1.0)
     return float(np.sign(gain) * np.sqrt(abs(gain) / level))
 
 
@@ -181,7 +181,7 @@ def training_gain(outcome: Outcome, smaller: Fit, larger: Fit) -> float:
     return _within(outcome, smaller) - _within(outcome, larger)
 
 
-def _added(outcome: Outcome, fitted: Fit) -> float:
+def added(outcome: Outcome, fitted: Fit) -> float:
     """Cost that the data held out add.
 
     Either fit bounds the other: the one of all recordings costs no less on the training data than those do by themselves, and no
