@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 from simulated_recordings import Rig, nominal, releases
 
+from harness.diagnose.claims import grades
 from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, effect_says_not_what, grade
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.problem.candidates import candidates
@@ -75,3 +76,21 @@ def test_numbers_that_are_not_known_to_a_factor_of_ten_say_not_what_is_there(
     claim = SimpleNamespace(candidate=member)
     expected = POSSIBLE if vaguely else ESTABLISHED
     assert grade(SimpleNamespace(force=None), conclusion, claim, told, []) == expected
+
+
+@pytest.mark.parametrize(
+    ("beside_a_force", "expected"),
+    [(None, ESTABLISHED), ((-8e-3, -4e-3), POSSIBLE), ((-12e-3, -9e-3), ESTABLISHED)],
+)
+def test_what_free_runs_say_is_no_more_than_possible_where_sets_beside_a_force_have_it_elsewhere(
+    monkeypatch: pytest.MonkeyPatch, beside_a_force: tuple[float, float] | None, expected: str
+) -> None:
+    known = {c.key: c for c in candidates(nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0))}
+    claim = SimpleNamespace(candidate=known["viscous_damping@pivot"], index=0, gain=50.0, of_class=1.0, probability=1.0)
+    monkeypatch.setattr(grades, "of_other_sets", lambda *_: beside_a_force)
+    outcome = SimpleNamespace(force=True, evidence=True)
+    remains = SimpleNamespace(significant=True, excess=1.0)
+    conclusion = SimpleNamespace(hurried=False, by_free_runs=True, best=None, remains=remains)
+    values = {"coefficient": Estimate(-0.01, 2.5e-4, -0.0105, -0.0095)}
+    rows = [{"parameters": {"coefficient": {"value": -0.01, "ci95": [-0.011, -0.009]}}}]
+    assert grade(outcome, conclusion, claim, values, rows) == expected

@@ -109,3 +109,29 @@ def test_what_has_lost_the_recordings_is_not_looked_at(monkeypatch: pytest.Monke
     lost = _set(1.0, 0.1, "payload_mass")
     lost.score = np.inf
     assert _told(monkeypatch, NOTHING, lost) is None
+
+
+def test_of_ordinary_laws_at_every_joint_those_go_that_free_runs_are_likelier_without(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # −2 log L of friction and drag is 20, a rotor and a constant force change nothing and cost 4 each; without drag it is 60.
+    costs = {"quadratic_drag": -40.0, "coulomb_friction": -40.0, "added_inertia": 4.0, "constant_torque": 4.0}
+    asked: list[frozenset[str]] = []
+
+    def of(names: tuple[str, ...]) -> Any:
+        asked.append(frozenset(names))
+        return _set(100.0 + sum(costs[name] for name in names), 1.0, *names)
+
+    def reduce(fitted: Any, k: int) -> Any:
+        left = [member.effect.name for member in fitted.hypothesis.members]
+        return of(tuple(left[:k] + left[k + 1 :]))
+
+    study: Any = SimpleNamespace(criterion=lambda f: f.criterion, samples=SAMPLES, reduce=reduce)
+    monkeypatch.setattr(module, "ordinary_everywhere", lambda study, near: [of(tuple(costs))])
+    module.fit_ordinary(study, NOTHING)
+    pairs = {
+        frozenset({"quadratic_drag", "coulomb_friction"}),
+        frozenset({"quadratic_drag"}),
+        frozenset({"coulomb_friction"}),
+    }
+    assert set(asked) >= pairs and len(asked) == 1 + 4 + 3 + 2

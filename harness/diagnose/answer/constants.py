@@ -58,8 +58,6 @@ NEAREST_SETS = 3
 FEWEST_FOLDS = 4
 # stretches; that are left out in turn at most; chosen
 MOST_FOLDS = 6
-# joints; of which the ordinary set has the dissipation of all; chosen
-MOST_ORDINARY_JOINTS = 3
 # samples; of a stretch that is left out; chosen
 FEWEST_FOLD_SAMPLES = 25
 # steps; of a fit for prediction; chosen

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.diagnose.answer.augmented import attached, augmented
-from harness.diagnose.answer.constants import MOST_ORDINARY_JOINTS, NEAREST_SETS
+from harness.diagnose.answer.constants import NEAREST_SETS
 from harness.diagnose.answer.cross_validation import Leaves, chosen, groups, leaves
 from harness.diagnose.answer.explain import NO_FINDING
 from harness.diagnose.answer.ways_to_predict import Alone, Learned, Way, WithForce, can_have_force, free_run
@@ -26,7 +26,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
-from harness.diagnose.selection.dissipation_starts import PLAIN, RUBBING, ZEROS, plain_set
+from harness.diagnose.selection.dissipation_starts import PLAIN, plain_sets
 from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.wald_test import carried
 from harness.effects.force_table import NAME, ForceTable
@@ -34,7 +34,7 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
-GAIN = "actuator_gain"
+GAIN = "actuator_gain"  # of inertia, weight and torque two show where a torque is known
 FURTHER = ("further models that may predict best", NO_FINDING)  # left if the time is up
 
 
@@ -56,7 +56,7 @@ def predictive(outcome: Outcome, conclusion: Conclusion) -> Predictive | None:
     folds = groups(outcome.training.windows)
     if outcome.force is None or len(folds) < 2:
         return None
-    fits = _fitted(outcome, _sets(outcome, conclusion, _ordinary(outcome)))
+    fits = _fitted(outcome, _sets(outcome, conclusion, plain_sets(outcome.study, [(*PLAIN, GAIN)])))
     ways: list[Way] = [Alone(outcome, own.hypothesis, own.x, own.states) for own in fits]
     rows = [_tried(outcome, way, folds, own.hypothesis.size) for way, own in zip(ways, fits, strict=True)]
     plainly = chosen(rows)
@@ -102,23 +102,6 @@ def _usual(outcome: Outcome, hypothesis: Hypothesis) -> Array:
     """Numbers of a set as stated, and of its effects as they usually are."""
     nominal = np.zeros(len(outcome.predictor.nominal))
     return np.concatenate([nominal, *map(start_vector, hypothesis.members)])
-
-
-def _ordinary(outcome: Outcome) -> list[Hypothesis]:
-    """Sets of ordinary laws at every joint, as a plain least-squares fit has them: friction and a zero, and all that there is of
-    dissipation with a rotor's inertia and a drive's gain as well.
-
-    The zero of an angle shows as what gravity then does, or where there is none as a constant force. Of inertia, weight and torque
-    two show where a torque is known.
-    """
-    if len(outcome.problem.system.movable_joints) > MOST_ORDINARY_JOINTS:
-        return []
-    found: dict[frozenset[str], Hypothesis] = {}
-    for zero in ZEROS:
-        for laws in (RUBBING, PLAIN, (*PLAIN, GAIN)):
-            hypothesis = plain_set(outcome.study.candidates, zero, laws)
-            found.setdefault(hypothesis.identity, hypothesis)
-    return list(found.values())
 
 
 def _fitted(outcome: Outcome, sets: Sequence[tuple[Hypothesis, Array]]) -> list[Fit]:

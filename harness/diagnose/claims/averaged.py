@@ -34,19 +34,7 @@ def averaged(
 
     at_hand: by the sets that have been looked at, so that no run is needed.
     """
-    study, count = outcome.study, len(outcome.predictor.nominal)
-    rows: dict[str, list[tuple[float, Array, Array]]] = {member.key: [] for member in told.hypothesis.members}
-    for share, fitted in weighed(outcome, at_hand=at_hand):
-        if share < NEGLIGIBLE_POSTERIOR:
-            continue
-        found = evidence.beside(study, fitted)
-        if not np.isfinite(found.spread).all():
-            continue
-        for k, member in enumerate(fitted.hypothesis.members):
-            if member.key in rows:
-                span = fitted.hypothesis.span(k)
-                place = slice(count + span.start, count + span.stop)
-                rows[member.key].append((share, found.x[place], found.spread[place]))
+    count, rows = len(outcome.predictor.nominal), _rows(outcome, evidence, told, at_hand=at_hand)
     by_training = np.zeros(len(told.x))
     if not at_hand or evidence.has(told):
         by_training = evidence.beside(outcome.training, told).spread
@@ -57,6 +45,43 @@ def averaged(
         place = slice(count + span.start, count + span.stop)
         out[member.key] = _estimates(member, told.x[place], by_training[place], rows[member.key])
     return out
+
+
+def of_other_sets(outcome: Outcome, evidence: Evidence, told: Fit, k: int) -> tuple[float, float] | None:
+    """Where the first number of member ``k`` of ``told`` lies by the sets that have been looked at beside the force, averaged; None
+    where none of them has that member, or it has no number.
+    """
+    member = told.hypothesis.members[k]
+    rows = _rows(outcome, evidence, told, at_hand=True)[member.key]
+    if not rows or not member.effect.parameters:
+        return None
+    weights, means, spreads = (np.array(column) for column in zip(*((w, x[0], s[0]) for w, x, s in rows), strict=True))
+    own = np.array(told.x[len(outcome.predictor.nominal) :][told.hypothesis.span(k)])
+    ends = []
+    for level in (norm.cdf(-NORMAL_95), norm.cdf(NORMAL_95)):
+        own[0] = quantile(weights, means, spreads, float(level))
+        ends.append(float(from_internal(member, own)[0]))
+    return min(ends), max(ends)
+
+
+def _rows(
+    outcome: Outcome, evidence: Evidence, told: Fit, *, at_hand: bool
+) -> dict[str, list[tuple[float, Array, Array]]]:
+    """Of every member of ``told`` its numbers and their spread in the sets that hold it, with the set's share of the posterior."""
+    count = len(outcome.predictor.nominal)
+    rows: dict[str, list[tuple[float, Array, Array]]] = {member.key: [] for member in told.hypothesis.members}
+    for share, fitted in weighed(outcome, at_hand=at_hand):
+        if share < NEGLIGIBLE_POSTERIOR:
+            continue
+        found = evidence.beside(outcome.study, fitted)
+        if not np.isfinite(found.spread).all():
+            continue
+        for k, member in enumerate(fitted.hypothesis.members):
+            if member.key in rows:
+                span = fitted.hypothesis.span(k)
+                place = slice(count + span.start, count + span.stop)
+                rows[member.key].append((share, found.x[place], found.spread[place]))
+    return rows
 
 
 def _estimates(

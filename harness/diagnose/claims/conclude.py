@@ -26,7 +26,7 @@ from harness.diagnose.claims.constants import (
 )
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
-from harness.diagnose.claims.plain_laws import plain_laws
+from harness.diagnose.claims.plain_laws import fit_ordinary, plain_laws
 from harness.diagnose.claims.posterior import posterior
 from harness.diagnose.claims.predictive_check import foretold, level, parts
 from harness.diagnose.claims.rivals import beside_another, known_near, near, preferred
@@ -39,7 +39,7 @@ from harness.diagnose.criticism.remainder import Remains, answers, asked_of, exa
 from harness.diagnose.criticism.unparted import special_case, unparted
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.linearisation import linearise
-from harness.diagnose.problem.constants import REMAINDER_SHARE, UNPARTED_EVIDENCE
+from harness.diagnose.problem.constants import ORDINARY_LAWS_SHARE, REMAINDER_SHARE, UNPARTED_EVIDENCE
 from harness.diagnose.problem.deadline import Spared, Stage, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.constants.search import STRETCHED_CHANCE, VIBRATION_PRICE
@@ -291,6 +291,9 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
     else:
         # Where the time may be up among rivals, what free runs say comes before them.
         claims = _claims(outcome, best, None if deadline.limited else remains)
+        deadline.attempt(
+            *LEFT["ordinary"], lambda: fit_ordinary(outcome.study, best), lambda: None, share=ORDINARY_LAWS_SHARE
+        )
         instead = plain_laws(outcome, best, sure=_beyond_doubt(outcome, best, claims))
         if instead is not None:
             best = outcome.reweigh(instead)

@@ -18,6 +18,7 @@ LEFT = {
     ),
     "errors": ("errors on data held out", "those that are told are of a fit to all recordings"),
     "remains": ("all tests of what is left", "what is left may have a shape that would be told"),
+    "ordinary": ("ordinary laws at every joint, by their free runs", "they may foretell more than what is told"),
     "weighed": ("the evidence of all sets that were fitted", "an effect may be more or less probable than it is told"),
     "told": (
         "what else could stand in the place of each effect claimed",

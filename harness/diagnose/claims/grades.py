@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.claims.averaged import of_other_sets
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.claims.constants import BEYOND_BELIEF_RATIO, PLAIN_LAW_RATIO, SURE_PROBABILITY, VAGUE_RATIO
 from harness.diagnose.criticism.constants import FAKED_RATIO
@@ -130,7 +131,8 @@ def grade(
     free runs of what is told are no nearer to the data held out than those of the nominal model. Where it was up before all that
     could be in its place was asked, likely at most.
 
-    Beside a force that is left out: possible, if sets without it and all that it cannot be told from are not much less likely
+    Told for its free runs alone: possible, where sets beside a force have its number elsewhere. Beside a force that is left out:
+    possible, if sets without it and all that it cannot be told from are not much less likely
     (averaged over all; Hoeting et al., Stat. Sci. 14 (1999) 382), if it was chosen among many places (one of them always fits some
     of what something else makes), if it may as well be absent, if it explains less than what is left (it may be part of that), or,
     being no plain law of a single number, not far more (it may be bent to what nobody has named); likely, if one of those that it
@@ -150,6 +152,12 @@ def grade(
             return firmest
         return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim.candidate, values) else LIKELY
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
+        return POSSIBLE
+    if (
+        outcome.evidence is not None
+        and conclusion.by_free_runs
+        and not _at_that_size(outcome, conclusion, claim, values)
+    ):
         return POSSIBLE
     itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
     found = beside_a_remainder(
@@ -192,6 +200,16 @@ def beside_a_remainder(
 def foretells(outcome: Outcome, conclusion: Conclusion) -> bool:
     """Whether free runs of what is told are nearer to the data held out than those of the nominal model within its tolerance."""
     return outcome.evidence is None or conclusion.held.cost < judge(outcome, outcome.empty).cost
+
+
+def _at_that_size(outcome: Outcome, conclusion: Conclusion, claim: Claim, values: Mapping[str, Estimate]) -> bool:
+    """Whether sets beside a force, too, have the first number of a claim that is told by free runs where its interval has it."""
+    assert outcome.evidence is not None
+    others = of_other_sets(outcome, outcome.evidence, conclusion.best, claim.index)
+    if others is None:
+        return True
+    own = values[next(iter(claim.candidate.effect.parameters)).name]
+    return own.low <= others[1] and others[0] <= own.high
 
 
 def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:

@@ -15,6 +15,7 @@ from harness.diagnose.criticism.constants import AMPLY_CARRIES_RATIO, CARRIES_RA
 from harness.diagnose.estimation.constants import LOST
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
+from harness.diagnose.selection.dissipation_starts import ordinary_everywhere
 from harness.diagnose.selection.outcome import Outcome, judge
 from harness.diagnose.selection.state_evidence import curious
 from harness.diagnose.selection.study import Study
@@ -29,6 +30,20 @@ def by_free_runs(study: Study, fitted: Fit) -> float:
     """
     loud = max(fitted.cost / study.samples, QUIETEST_VARIANCE)
     return study.criterion(fitted) - fitted.cost + study.samples * (1.0 + float(np.log(loud)))
+
+
+def fit_ordinary(study: Study, near: Fit) -> None:
+    """Fits of ordinary laws at every joint, which a search that weighs laws beside a force may never have asked for, and of what is
+    left of them as members go that free runs are likelier without. near: a fit that states are begun from.
+    """
+    for fitted in ordinary_everywhere(study, near):
+        left = fitted
+        while len(left.hypothesis.members) > 1:
+            smaller = [study.reduce(left, k) for k in range(len(left.hypothesis.members))]
+            least = min(smaller, key=lambda f: by_free_runs(study, f))
+            if by_free_runs(study, least) > by_free_runs(study, left):
+                break
+            left = least
 
 
 def plain_laws(outcome: Outcome, best: Fit, *, sure: bool) -> Fit | None:

@@ -79,10 +79,13 @@ def _fit_in_place_of(study: Study, best: Fit, k: int) -> None:
 
 
 def with_the_same(outcome: Outcome, best: Fit, key: str) -> list[Fit]:
-    """Other sets that hold a member of the best one too and that are at least a twentieth as likely."""
-    study, limit = outcome.study, _limit(outcome, best, STRONG_EVIDENCE)
+    """Other sets that hold a member of the best one too and that are at least a twentieth as likely, sizes and all.
+
+    Of a free decay no more than ratios are known: an arm a thousand times as heavy that rubs a thousand times as much fits as well.
+    """
+    study, limit = outcome.study, _limit(outcome, best, STRONG_EVIDENCE) + outcome.study.surprise(best)
     others = (f for identity, f in study.fits.items() if key in identity and identity != best.hypothesis.identity)
-    return [f for f in others if f.score < LOST and study.evidence(f) < limit]
+    return [f for f in others if f.score < LOST and study.evidence(f) + study.surprise(f) < limit]
 
 
 def _limit(outcome: Outcome, best: Fit, apart: float) -> float:

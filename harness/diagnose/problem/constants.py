@@ -89,6 +89,8 @@ FEW_EFFECTS_SHARE = 0.35
 NOISE_SEARCH_SHARE = 0.5
 # of what is then left; that fitting what may not be as drawn may take, before sets are weighed; chosen
 DRAWN_SHARE = 0.4
+# of the time of criticism; that fitting ordinary laws at every joint may take, for what free runs say of them; chosen
+ORDINARY_LAWS_SHARE = 0.3
 # of the time of criticism; that tests of what is left may take beside a force that is a remainder whatever they say;
 # chosen
 REMAINDER_SHARE = 0.4

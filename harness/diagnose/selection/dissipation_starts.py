@@ -15,6 +15,7 @@ from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import start_vector, to_internal
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
 from harness.diagnose.selection.constants.search import EXTENDING_STEPS
+from harness.diagnose.selection.constants.starts import MOST_ORDINARY_JOINTS
 from harness.diagnose.selection.multi_start import bent_back
 from harness.diagnose.selection.study import Study
 from harness.diagnose.selection.wald_test import carried
@@ -82,6 +83,23 @@ def everywhere(study: Study, near: Fit) -> Fit | None:
         if any(m.effect.name in RUBBING for m in hypothesis.members):
             found.append(_fitted(study, hypothesis.members, near))
     return min(found, key=lambda f: f.score, default=None)
+
+
+def plain_sets(study: Study, further: Sequence[Sequence[str]] = ()) -> list[Hypothesis]:
+    """Sets of ordinary laws at every joint, as a plain least-squares fit has them: friction and a zero, and with all that there is
+    of dissipation and a rotor's inertia; further: other laws, each with a zero. None where joints are too many for that.
+
+    The zero of an angle shows as what gravity then does, or where there is none as a constant force.
+    """
+    if len(study.problem.system.movable_joints) > MOST_ORDINARY_JOINTS:
+        return []
+    found = (plain_set(study.candidates, zero, laws) for zero in ZEROS for laws in (RUBBING, PLAIN, *further))
+    return list({hypothesis.identity: hypothesis for hypothesis in found}.values())
+
+
+def ordinary_everywhere(study: Study, near: Fit) -> list[Fit]:
+    """Fits of these sets; near: a fit that states are begun from."""
+    return [_fitted(study, hypothesis.members, near) for hypothesis in plain_sets(study) if hypothesis.members]
 
 
 def plain_set(candidates: Sequence[Candidate], zero: str, laws: Sequence[str] = PLAIN) -> Hypothesis:

@@ -66,6 +66,9 @@ SAME_START_RATIO = 1.05
 # frequency
 FURTHER_REACH = REACH**2
 
+# joints; of which an ordinary set has the dissipation of all; chosen
+MOST_ORDINARY_JOINTS = 3
+
 # --- from start to fit ---
 
 # times the cost of noise alone; below which a special case is as good as the general law; chosen
