@@ -55,12 +55,20 @@ def recorded(seed: int, friction: float, width: float, inertia: float) -> Record
     return Recording(f"run{seed}", "made here", constant(time), channels, efforts)
 
 
-def told(friction: float, width: float, stated: float = STATED, inertia: float = INERTIA) -> dict[str, Any]:
+def told(
+    friction: float,
+    width: float,
+    stated: float = STATED,
+    inertia: float = INERTIA,
+    damping: float = DAMPING,
+    hand: float = 1.0,
+) -> dict[str, Any]:
+    """What is told for more than possible; hand: the share of the inertia that the model states."""
     joint = Joint(
-        "wrist", JointType.REVOLUTE, "base", "hand", axis=constant([0.0, 0.0, 1.0]), damping=DAMPING, friction=stated
+        "wrist", JointType.REVOLUTE, "base", "hand", axis=constant([0.0, 0.0, 1.0]), damping=damping, friction=stated
     )
-    hand = Link("hand", mass=1.0, inertia=constant(np.diag([inertia] * 3)))
-    system = System("wrist", (joint,), (hand,), gravity=constant([0.0, 0.0, 0.0]), tolerance=0.01)
+    link = Link("hand", mass=1.0, inertia=constant(np.diag([hand * inertia] * 3)))
+    system = System("wrist", (joint,), (link,), gravity=constant([0.0, 0.0, 0.0]), tolerance=0.01)
     found = diagnose([recorded(seed, friction, width, inertia) for seed in range(3)], system, fit_effort=True)
     return {row["effect"]: row for row in found.findings if row["grade"] != "possible"}
 
@@ -81,3 +89,15 @@ def test_a_dead_zone_shows_where_effort_and_speed_differ_in_sign() -> None:
     assert set(rows) == {"actuator_deadzone"}
     low, high = rows["actuator_deadzone"]["parameters"]["width"]["ci95"]
     assert low - 2e-3 <= 0.1 <= high + 2e-3
+
+
+def test_a_dead_zone_that_lets_nothing_through_is_none() -> None:
+    """Where the model states no friction, damping or rotor, a dead zone as wide as all efforts would do the work of all three."""
+    rows = told(0.3, 0.0, stated=0.0, damping=0.0, hand=0.5)
+    assert set(rows) == {"viscous_damping", "coulomb_friction", "added_inertia"}
+    for effect, number, value in (
+        ("viscous_damping", "coefficient", DAMPING),
+        ("added_inertia", "inertia", 0.5 * INERTIA),
+    ):
+        low, high = rows[effect]["parameters"][number]["ci95"]
+        assert low - 2e-3 <= value <= high + 2e-3

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.diagnose.criticism.gains import jointly
+from harness.diagnose.criticism.gains import jointly, window_by_window
 from harness.diagnose.selection.score_tests import Nuisance
 
 SIZES = (40, 30, 50)
@@ -47,3 +47,27 @@ def test_the_sum_of_windows_by_themselves_would_be_more_than_there_is():
     one, other = (space.measure([np.ones((1, 1))], only=k).gains()[0] for k in (0, 1))
     assert one + other == pytest.approx(2.0)
     assert jointly(space, [np.ones(1), np.ones(1)]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("windows", "columns"), [(3, 4), (65, 12)])
+def test_however_many_windows_there_are(windows, columns):
+    """A wheel with one pulse a turn is looked at in 65 windows of a few turns each: 780 columns of their own."""
+    random = np.random.default_rng(4)
+    size = 30
+    states = tuple(orthonormal(random, size, 2) for _ in range(windows))
+    shared = random.normal(size=(windows * size, 3))
+    rows = [slice(k * size, (k + 1) * size) for k in range(windows)]
+    for own, at in zip(states, rows, strict=True):
+        shared[at] -= own @ (own.T @ shared[at])
+    shared = np.linalg.qr(shared)[0]
+    waves = [random.normal(size=(columns, size)) for _ in range(windows)]
+    amplitudes = [random.normal(size=columns) for _ in range(windows)]
+    residual = -np.concatenate([a @ own for a, own in zip(amplitudes, waves, strict=True)])
+    for own, at in zip(states, rows, strict=True):
+        residual[at] -= own @ (own.T @ residual[at])
+    residual -= shared @ (shared.T @ residual)
+    gain, found, directions = window_by_window(Nuisance(states, shared, residual, np.zeros(0)), waves)
+    # All that is left was made of these columns, so that with them nothing is.
+    assert gain == pytest.approx(float(residual @ residual), rel=1e-9)
+    assert directions == windows * columns
+    assert np.concatenate(found) == pytest.approx(np.concatenate(amplitudes), rel=1e-6, abs=1e-8)

@@ -32,20 +32,48 @@ def solve_gain(seen: Projected, index: Sequence[int], strength: float = GAIN_RID
 
 
 def jointly(space: Nuisance, chosen: Sequence[Array]) -> float:
-    """Gain in cost by a column of every window, (M_w,), or several, (k, M_w), with amplitudes of its own in each.
+    """Gain in cost by a column of every window, (M_w,), or several, (k, M_w), with amplitudes of its own in each."""
+    return window_by_window(space, [np.atleast_2d(column) for column in chosen], 1e-9)[0]
 
-    It is not the sum of what windows gain by themselves: all have to do with the same shared parameters.
+
+def window_by_window(
+    space: Nuisance, columns: Sequence[Array], strength: float = GAIN_RIDGE
+) -> tuple[float, list[Array], float]:
+    """Gain in cost, coefficients by window and effective number of directions of columns of every window, (k_w, M_w).
+
+    It is not the sum of what windows gain by themselves: all have to do with the same shared parameters. These are few, so that
+    however many windows there are no matrix of all columns is needed (Woodbury's identity).
     """
-    own = [np.atleast_2d(column) for column in chosen]
-    ends = np.cumsum([0, *(len(o) for o in own)])
-    columns = []
-    for k, column in enumerate(own):
-        rows = np.zeros((ends[-1], column.shape[1]))
-        rows[ends[k] : ends[k + 1]] = column
-        columns.append(rows)
-    seen = space.measure(columns)
-    if seen.gram is None:
-        return 0.0
-    size = np.sqrt(np.maximum(np.diag(seen.gram), 1e-300))
-    amplitudes = np.linalg.lstsq(seen.gram / np.outer(size, size), seen.along / size, rcond=1e-9)[0]
-    return float(amplitudes @ (seen.along / size))
+    least = max(strength**2, 1e-12)
+    ends = np.cumsum([0, *(len(q) for q in space.states)])
+    units, alone, shared = [], [], []
+    for own, states, first, last in zip(columns, space.states, ends, ends[1:], strict=False):
+        changes = own / space.softness
+        changes = changes - (changes @ states) @ states.T
+        # What columns of a window change beside each other, in directions of unit size.
+        values, vectors = np.linalg.eigh(_scaled(changes @ changes.T))
+        strong = values > least * max(float(values[-1]), 1e-300) if len(values) else np.zeros(0, dtype=bool)
+        norms = np.linalg.norm(changes, axis=1)
+        with np.errstate(divide="ignore"):
+            across = np.where(norms > 0.0, 1.0 / norms, 0.0)[:, None] * vectors[:, strong] / np.sqrt(values[strong])
+        units.append(across)
+        alone.append(across.T @ (changes @ space.residual[first:last]))
+        shared.append(across.T @ (changes @ space.shared[first:last]))
+    along, of_shared = np.concatenate(alone), np.vstack(shared)
+    squares, turned = np.linalg.eigh(of_shared.T @ of_shared)
+    left = 1.0 - squares
+    # A combination of all columns that does what a shared parameter does is no change beside that.
+    apart = left > least
+    factor = np.where(apart, 1.0 / np.where(apart, left, 1.0), -1.0 / np.maximum(squares, least))
+    reached = turned.T @ (of_shared.T @ along)
+    gain = float(along @ along + np.sum(factor * reached**2))
+    found = along + of_shared @ (turned @ (factor * reached))
+    edges = np.cumsum([0, *(across.shape[1] for across in units)])
+    coefficients = [-(across @ found[a:b]) for across, a, b in zip(units, edges, edges[1:], strict=False)]
+    return gain, coefficients, float(len(along) - np.count_nonzero(~apart))
+
+
+def _scaled(gram: Array) -> Array:
+    norms = np.sqrt(np.maximum(np.diag(gram), 0.0))
+    norms = np.where(norms > 1e-6 * max(float(norms.max(initial=0.0)), 1e-300), norms, np.inf)
+    return np.asarray(gram / np.outer(norms, norms))

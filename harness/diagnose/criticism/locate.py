@@ -164,7 +164,7 @@ def _words(outcome: Outcome, fitted: Fit, channel: int, pieces: list[tuple[Array
         )[0][channel]
         r = np.nan_to_num(residual[channel])
         slope = np.gradient(prediction, time)
-        for index in np.array_split(np.arange(len(r)), 8):
+        for index in np.array_split(np.arange(len(r)), min(8, len(r))):
             part = r[index]
             total += float(part @ part)
             basis = {

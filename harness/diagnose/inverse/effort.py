@@ -103,7 +103,7 @@ def diagnose_effort(
         )
     tell("noise of the efforts")
     known = tuple(
-        _as_driven(_resolvable(c, system, train))
+        _as_driven(_resolvable(c, system, data.model.runs))
         for c in candidates(system, every, only=only or KNOWN)
         if c.effect.sensor is None or c.site.endswith(".position")
     )
@@ -156,7 +156,11 @@ def diagnose_effort(
 
 
 def _resolvable(candidate: Candidate, system: System, runs: Sequence[EffortRun]) -> Candidate:
-    """A Stribeck velocity no smaller than the speed that a reversal gains within the smoothing, which would else imitate it."""
+    """A Stribeck velocity no smaller than the speed that a reversal gains within the smoothing, which would else imitate it; a dead
+    zone that lets half of the efforts through, since one that swallowed them all would explain whatever the motion foretells.
+    """
+    if candidate.effect.name == "actuator_deadzone":
+        return _passing(candidate, system, runs)
     if candidate.effect.name != "stribeck_friction":
         return candidate
     joint = system.joint_names.index(candidate.site)
@@ -169,6 +173,15 @@ def _resolvable(candidate: Candidate, system: System, runs: Sequence[EffortRun])
         replace(p, lower=max(p.lower, least)) if p.name == "stribeck_velocity" else p
         for p in candidate.effect.parameters
     )
+    return replace(candidate, effect=replace(candidate.effect, parameters=parameters))
+
+
+def _passing(candidate: Candidate, system: System, runs: Sequence[EffortRun]) -> Candidate:
+    """A dead zone no wider than the middle of the efforts that the motion asks for."""
+    joint = system.joint_names.index(candidate.site)
+    asked = [np.abs(run.foretold[run.usable, joint]) for run in runs if run.foretold is not None]
+    widest = float(np.median(np.concatenate(asked))) if asked else np.inf
+    parameters = tuple(replace(p, upper=min(p.upper, widest)) for p in candidate.effect.parameters)
     return replace(candidate, effect=replace(candidate.effect, parameters=parameters))
 
 

@@ -14,7 +14,7 @@ from scipy.stats import chi2
 
 from harness.diagnose.criticism.check import Check, Remainder, Test
 from harness.diagnose.criticism.constants import COLOUR_ERROR_RATIO, WANDERING_HALF_WAVES
-from harness.diagnose.criticism.gains import solve_gain
+from harness.diagnose.criticism.gains import window_by_window
 from harness.diagnose.prediction.predictor import Predictor
 from harness.diagnose.problem.windows import Window
 
@@ -27,18 +27,17 @@ def _asked(left: Remainder) -> Iterator[Test]:
     """For every channel the gain by such a course."""
     channels = left.predictor.problem.channels
     courses = [_courses(left.predictor, window, left.period) for window in left.fitted.windows]
-    edges = np.cumsum([0, *(len(own) for own in courses)])
-    if not edges[-1]:
+    if not any(map(len, courses)):
         return
     for c, channel in enumerate(channels):
         columns = []
-        for window, own, first in zip(left.fitted.windows, courses, edges, strict=False):
-            signal = np.zeros((edges[-1], len(channels), window.size))
-            signal[first : first + len(own), c] = left.likelihood.colours[c].std * own
+        for window, own in zip(left.fitted.windows, courses, strict=True):
+            signal = np.zeros((len(own), len(channels), window.size))
+            signal[:, c] = left.likelihood.colours[c].std * own
             columns.append(left.likelihood.whiten_signal(window, signal))
-        gain, amplitudes, size = solve_gain(left.space.measure(columns), range(edges[-1]))
+        gain, amplitudes, size = window_by_window(left.space, columns)
         chance = float(chi2.sf(gain / left.noise, max(size, 1.0))) if gain > COLOUR_ERROR_RATIO * size else 1.0
-        extents = [float(np.ptp(amplitudes[a:b] @ own)) for own, a, b in zip(courses, edges, edges[1:], strict=False)]
+        extents = [float(np.ptp(a @ own)) for a, own in zip(amplitudes, courses, strict=True)]
         widest = int(np.argmax(extents))
         by = f"by {left.likelihood.colours[c].std * extents[widest]:.2g} {channel.unit}"
         where = (channel.name, f"{by} in {left.predictor.runs[left.fitted.windows[widest].run].name}")
