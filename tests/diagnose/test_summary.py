@@ -11,7 +11,7 @@ import pytest
 from harness.diagnose.answer.explain import Foretold, summary
 from harness.diagnose.answer.left_out import AtJoint, LeftOut
 from harness.diagnose.claims.conclude import Conclusion
-from harness.diagnose.claims.cut_short import UNJUDGED
+from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.problem.hypothesis import Hypothesis
 
@@ -85,7 +85,10 @@ def test_they_are_told_where_no_force_was_weighed_too(
     conclusion = replace(_conclusion("partly_explained"), hurried=hurried)
     laws = ["viscous damping at pivot (coefficient 0.0003 N·m·s/rad)", "added inertia at pivot (inertia 0.001 kg·m²)"]
     text = summary(conclusion, 132.0, [], [], Foretold(2.3), explained, None, laws)
-    certain = "by 132 times the noise, and nothing in the catalogue earns its place for certain."
+    certain = (
+        "nothing has earned its place so far." if hurried else "nothing in the catalogue earns its place for certain."
+    )
+    certain = f"by 132 times the noise, and {certain}"
     words = (
         f" Possibly it is {' and '.join(laws)}: that would remove 98 % of the mismatch on data held out, but {doubt}"
     )
@@ -133,3 +136,44 @@ def test_a_set_that_was_cut_short_tells_what_it_removes_of_data_held_out() -> No
     for unknown in (None, -0.2):
         text = summary(cut, 30.0, [], [], Foretold(), unknown)
         assert text.endswith("it has not been judged on data held out, so nothing is claimed.")
+
+
+@pytest.mark.parametrize(("left", "noise"), [(None, "the noise"), (LEFT, "the sensors' noise")])
+def test_where_the_time_ended_what_the_table_has_of_plain_laws_is_told(left: LeftOut | None, noise: str) -> None:
+    cut = replace(_conclusion("partly_explained"), cut_short=UNCRITICISED, hurried=True)
+    laws = ["Coulomb (dry) friction at pendulum (torque 0.000379 N·m)"]
+    text = summary(cut, 25.6, [], [], Foretold(10.9), 0.96, left, laws)
+    assert text.startswith(
+        f"The nominal model leaves the recordings by 25.6 times {noise}, and nothing has earned its place so far. Possibly it is "
+        "Coulomb (dry) friction at pendulum (torque 0.000379 N·m): that would remove 96 % of the mismatch on data held out, but "
+        "what else could do the same has not been gone through."
+    )
+
+
+def test_a_catalogue_that_was_not_gone_through_beside_a_force_is_not_said_to_hold_nothing() -> None:
+    cut = replace(_conclusion("unexplained"), hurried=True)
+    assert "nothing has earned its place so far." in summary(cut, 556.0, [], [], Foretold(35.0), None, LEFT)
+
+
+def test_a_set_that_was_not_judged_beside_a_force_is_told_as_that() -> None:
+    cut = replace(_conclusion("unexplained"), cut_short=UNJUDGED, hurried=True)
+    text = summary(cut, 30.0, [], [], Foretold(1.4), 0.93, LEFT)
+    assert "sensors' noise. The best set so far is nothing, and leaves 1.4 times the noise; it removes 93 %" in text
+    assert "so nothing is claimed. What is left of the data held out is" in text
+
+
+def test_findings_are_not_said_to_remove_alone_what_they_remove_with_others() -> None:
+    firm = ["dry friction at servo"]
+    alone = summary(_conclusion("partly_explained"), 30.0, firm, [], Foretold(5.0), 0.9, LEFT)
+    assert "dry friction at servo holds up on data held out and removes 90 % of the mismatch there." in alone
+    both = summary(_conclusion("partly_explained"), 30.0, firm, [], Foretold(5.0), 0.9, LEFT, beside=True)
+    assert "holds up on data held out and, with what is told as possible in the table, removes 90 % of" in both
+    whole = summary(_conclusion("explained"), 30.0, firm, [], Foretold(1.0), 0.99, beside=True)
+    assert (
+        "with dry friction at servo, and what is told as possible in the table, the residual is at the noise" in whole
+    )
+
+
+def test_a_remainder_whose_tests_had_no_time_is_said_to_show_as_nothing() -> None:
+    untested = replace(_conclusion("partly_explained"), remains=Remains(True, (), 5.0))
+    assert "What is left shows as" not in summary(untested, 30.0, ["dry friction at servo"], [], Foretold(5.0))

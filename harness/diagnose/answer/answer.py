@@ -160,7 +160,7 @@ def _side_and_site(outcome: Outcome, conclusion: Conclusion) -> tuple[str, str]:
     if conclusion.claims:
         claim = max(conclusion.claims, key=lambda c: c.gain)
         return claim.candidate.effect.side, claim.candidate.site
-    if conclusion.remains.significant:
+    if conclusion.remains.significant and conclusion.remains.tests:
         left = plainest(conclusion)
         if left.exact:
             return "sensor", left.where[0]
@@ -202,7 +202,10 @@ def _summary(
         for c in conclusion.claims
         if c.rivals and grades[c.candidate.key] != POSSIBLE
     ]
-    return summary(conclusion, severity, firm, rivals, Foretold.worst(rows), explained_share(rows), left, possible)
+    return summary(
+        conclusion, severity, firm, rivals, Foretold.worst(rows), explained_share(rows), left, possible,
+        beside=len(firm) < len(titles),
+    )  # fmt: skip
 
 
 def _mismatch(place: Mismatch) -> dict[str, Any]:

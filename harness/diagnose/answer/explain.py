@@ -31,6 +31,7 @@ NONE_SO_FAR = "The nominal model leaves the recordings {severity}, and nothing h
 POSSIBLY = "Possibly it is {names}: that would remove {share} of the mismatch on data held out, but {doubt}."
 UNNAMED_COULD = "a force over position and speed that nobody has named could do the same"
 UNWEIGHED = "what else could do the same has not been gone through"
+BESIDE = "what is told as possible in the table"  # of findings that are told, others that are not
 UNSURE = "that it is this, and not something that does nearly the same, is not sure"
 
 # The same where the time was up before that could be said.
@@ -80,17 +81,17 @@ class Foretold(NamedTuple):
 
 def summary(
     conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: Foretold,
-    explained: float | None = None, left: LeftOut | None = None, possible: Sequence[str] = (),
+    explained: float | None = None, left: LeftOut | None = None, possible: Sequence[str] = (), *, beside: bool = False,
 ) -> str:  # fmt: skip
     """The paragraph.
 
     severity: greatest error of the nominal model over all channels [standard deviations of noise]; foretold: on data held out.
-    explained: share of the mismatch there that the findings remove. left: the force that they leave out. possible: plain laws that
-    may be told where nothing is found for certain.
+    explained: share of the mismatch there that all in the table removes. left: the force that it leaves out. possible: plain laws
+    that may be told where nothing is found for certain. beside: whether the table has what is only possible beside the findings.
     """
     if left is not None:
         return " ".join(
-            [*_beside_a_force(conclusion, severity, findings, foretold, explained, left, possible), *rivals]
+            [*_beside_a_force(conclusion, severity, findings, foretold, explained, left, possible, beside), *rivals]
         )
     size = _by(severity, "the noise")
     if severity <= 1.05:
@@ -111,22 +112,14 @@ def summary(
     if conclusion.cut_short == UNCRITICISED:
         rest = "what is left has not been examined to the end"
     names = " and ".join(findings)
-    keys = " + ".join(conclusion.best.hypothesis.keys) or "nothing"
-    best = f"The best set so far is {keys}, and leaves {times(conclusion.level)} times the noise"
-    judged = "it has not been judged on data held out"
-    if explained is not None and explained > 0.0:
-        share = percent(explained)
-        judged = f"it removes {share} of the mismatch on data held out, but which of its effects stand there was not examined"
+    if beside and conclusion.verdict == "explained":
+        names += f", and {BESIDE},"
     text = CUT_SHORT.get(conclusion.cut_short, VERDICTS[conclusion.verdict])
-    if conclusion.cut_short == UNCRITICISED and not findings:
-        text = NONE_SO_FAR
-    elif not findings and "{names}" in text:
-        # What is no more than possible and removes little is in the table, and no sentence is about it.
-        text = NONE_FOR_CERTAIN + _possibly(possible, explained, UNWEIGHED if conclusion.hurried else UNSURE)
+    if not findings and "{names}" in text:
+        text = _nothing_for_certain(conclusion, possible, explained, UNWEIGHED if conclusion.hurried else UNSURE)
     elif conclusion.hurried and text == VERDICTS["unexplained"]:
-        # The catalogue was not gone through: what was not tried has failed at nothing.
         text = NONE_SO_FAR
-    text = text.format(best=best, judged=judged, severity=size, names=names, hold=hold, rest=rest, held=held)
+    text = text.format(**_so_far(conclusion, explained), severity=size, names=names, hold=hold, rest=rest, held=held)
     if rivals:
         text += " " + " ".join(rivals)
     if conclusion.only_held:
@@ -141,7 +134,7 @@ def summary(
         )
     if conclusion.imitated:
         text += f" The remainder could have imitated {', '.join(conclusion.imitated)}, so that is not claimed."
-    if conclusion.remains.significant:
+    if conclusion.remains.significant and conclusion.remains.tests:
         test = plainest(conclusion)
         where = ", ".join(w for w in test.where if w)
         text += f" What is left shows as {test.name.split(' at ')[0]}" + (f" ({where})." if where else ".")
@@ -150,14 +143,17 @@ def summary(
 
 def _beside_a_force(
     conclusion: Conclusion, severity: float, findings: Sequence[str], foretold: Foretold, explained: float | None, left: LeftOut,
-    possible: Sequence[str],
+    possible: Sequence[str], beside: bool,
 ) -> list[str]:  # fmt: skip
     """Sentences where the model leaves a force out that is more than noise: what is explained, what is left, where that lies."""
     size = _by(severity, "the sensors' noise")
     if findings:
-        text = f"The nominal model leaves the recordings {size}; {holding_up(findings, explained)}."
+        text = f"The nominal model leaves the recordings {size}; {holding_up(findings, explained, beside=beside)}."
+    elif conclusion.cut_short == UNJUDGED:
+        text = CUT_SHORT[UNJUDGED].format(**_so_far(conclusion, explained), severity=size)
     else:
-        text = NONE_FOR_CERTAIN.format(severity=size) + _possibly(possible, explained, UNNAMED_COULD)
+        doubt = UNWEIGHED if conclusion.cut_short else UNNAMED_COULD
+        text = _nothing_for_certain(conclusion, possible, explained, doubt).format(severity=size)
     sentences = [text, *left_in_words(left, foretold, "the sensors' noise")]
     differing = [f"{one.between:.2g} {written(one.unit)} at {one.joint}" for one in left.joints if one.between > 0.0]
     if differing:
@@ -175,6 +171,27 @@ def _beside_a_force(
     return sentences
 
 
+def _so_far(conclusion: Conclusion, explained: float | None) -> dict[str, str]:
+    """The best set of a search whose sets were not judged, and how far it is known to go."""
+    keys = " + ".join(conclusion.best.hypothesis.keys) or "nothing"
+    judged = "it has not been judged on data held out"
+    if explained is not None and explained > 0.0:
+        share = percent(explained)
+        judged = f"it removes {share} of the mismatch on data held out, but which of its effects stand there was not examined"
+    return {
+        "best": f"The best set so far is {keys}, and leaves {times(conclusion.level)} times the noise",
+        "judged": judged,
+    }
+
+
+def _nothing_for_certain(conclusion: Conclusion, possible: Sequence[str], explained: float | None, doubt: str) -> str:
+    """Sentences where nothing is firm, wherever the time ended: what the table has of laws that remove most is told as possible.
+
+    Where the catalogue was not gone through, it is not said to hold nothing: what was not tried has failed at nothing.
+    """
+    return (NONE_SO_FAR if conclusion.hurried else NONE_FOR_CERTAIN) + _possibly(possible, explained, doubt)
+
+
 def _possibly(possible: Sequence[str], explained: float | None, doubt: str) -> str:
     """Laws that are no more than possible, as a further sentence where they remove most of the mismatch; else nothing."""
     if not possible or explained is None or explained <= POSSIBLY_EXPLAINED_SHARE:
@@ -187,12 +204,16 @@ def _by(severity: float, noise: str) -> str:
     return f"by {times(severity)} times {noise}" if severity >= 0.0 else "to an extent that has not been worked out"
 
 
-def holding_up(findings: Sequence[str], explained: float | None) -> str:
-    """Findings, and what share of the mismatch on data held out they remove, as half a sentence."""
+def holding_up(findings: Sequence[str], explained: float | None, *, beside: bool = False) -> str:
+    """Findings, and what share of the mismatch on data held out they remove, as half a sentence.
+
+    beside: whether they do so together with what is only possible.
+    """
     several = len(findings) > 1
     share = ""
     if explained is not None and explained > 0.0:
-        share = f" and {'remove' if several else 'removes'} {percent(explained)} of the mismatch there"
+        removes = "remove" if several else "removes"
+        share = f" and{f', with {BESIDE},' if beside else ''} {removes} {percent(explained)} of the mismatch there"
     return f"{' and '.join(findings)} {'hold' if several else 'holds'} up on data held out{share}"
 
 
