@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import floor, log10
 from typing import Any, NamedTuple
 
+from harness.diagnose.answer.against_nominal import beyond_nominal, worse_than_nominal
 from harness.diagnose.answer.constants import PLAINLY_BETTER_ERROR, POSSIBLY_EXPLAINED_SHARE, TELLING_GAIN_SHARE
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
@@ -249,10 +250,18 @@ def times(value: float, count: int = 3) -> str:
 
 
 def foretelling(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """The set that predicts best, in a sentence, where it predicts plainly better than what is claimed; or nothing.
+    """The set that predicts best by the training recordings, in a sentence, where data held out say what it is worth; or nothing.
 
-    rows: errors of every channel, of what is claimed and of that set.
+    They may say that it predicts plainly better than what is claimed, or that it is plainly worse than the nominal model.
+    rows: errors of every channel, of the nominal model, of what is claimed and of that set.
     """
+    row = worse_than_nominal(rows, "predictive")
+    if row is not None:
+        what = " + ".join(keys) or "the nominal model with its quantities fitted"
+        return (
+            f"What predicts best by the training recordings, {what} (predictive.toml), {beyond_nominal(row, 'predictive')}: what "
+            "those recordings teach does not carry over to these data."
+        )
     better = [
         r for r in rows if r["predictive"]["heldout_rmse"] < PLAINLY_BETTER_ERROR * r["augmented"]["heldout_rmse"]
     ]

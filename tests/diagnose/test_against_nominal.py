@@ -1,0 +1,74 @@
+"""What data held out say of the models of an answer, where the nominal one is nearer to them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.diagnose.answer.against_nominal import nothing_added, worse_than_nominal
+from harness.diagnose.answer.explain import foretelling
+from harness.diagnose.problem.hypothesis import Nominal
+
+QUANTITIES = (Nominal("mass", "rod", 0.03), Nominal("length", "rod", 0.01))
+
+
+def _rows(**errors: float) -> list[dict[str, Any]]:
+    models = {name: {"train_rmse": 0.003, "heldout_rmse": error} for name, error in errors.items()}
+    return [{"channel": "pivot.position", "unit": "rad", "noise_floor": 5.8e-4, **models}]
+
+
+def test_what_predicts_worse_than_the_nominal_model_is_said_to() -> None:
+    rows = _rows(nominal=0.0201, augmented=0.0201, predictive=0.335)
+    assert foretelling(["quadratic_drag@pivot"], rows) == (
+        "What predicts best by the training recordings, quadratic_drag@pivot (predictive.toml), leaves 0.34 rad of the data held "
+        "out at pivot.position, more than the nominal model does (0.02 rad): what those recordings teach does not carry over to "
+        "these data."
+    )
+    assert "the nominal model with its quantities fitted (predictive.toml)" in foretelling([], rows)
+
+
+def test_nor_is_it_then_said_to_predict_better_than_what_is_claimed() -> None:
+    rows = _rows(nominal=0.02, augmented=0.5, predictive=0.335)
+    assert "Best predicts" not in foretelling(["quadratic_drag@pivot"], rows)
+    rows = _rows(nominal=0.8, augmented=0.5, predictive=0.335)
+    assert foretelling(["quadratic_drag@pivot"], rows).startswith(
+        "Best predicts, by the training recordings, quadratic"
+    )
+    rows = _rows(nominal=0.5, augmented=0.335, predictive=0.335)
+    assert foretelling(["quadratic_drag@pivot"], rows) == ""
+
+
+def test_a_little_more_of_a_quiet_channel_may_be_traded_for_much_less_of_a_loud_one() -> None:
+    loud, quiet = _rows(nominal=0.5, augmented=0.1), _rows(nominal=0.01, augmented=0.02)
+    assert worse_than_nominal([*loud, *quiet], "augmented") is None
+    assert worse_than_nominal(quiet, "augmented") is quiet[0]
+
+
+def test_a_model_with_nothing_added_is_said_to_be_the_nominal_one_adjusted() -> None:
+    text = nothing_added(QUANTITIES, np.array([-0.4, 1.6, 0.0]), _rows(nominal=0.02, augmented=0.02), beside=False)
+    assert text == (
+        "Nothing is added in augmented.toml: it is the nominal model with its quantities adjusted as their tolerances allow, most "
+        "the length of rod, by +1.6 % (1.6 standard deviations of its tolerance)."
+    )
+
+
+def test_it_is_said_to_be_worse_on_data_held_out() -> None:
+    text = nothing_added(QUANTITIES, np.array([-0.4, 0.1]), _rows(nominal=0.02, augmented=0.03), beside=False)
+    assert "most the mass of rod, by -1.2 % (0.4 standard deviations" in text
+    assert text.endswith(
+        "; it leaves 0.03 rad of the data held out at pivot.position, more than the nominal model does (0.02 rad)."
+    )
+
+
+def test_errors_of_a_set_that_is_not_claimed_are_not_its_own() -> None:
+    text = nothing_added(QUANTITIES, np.array([-0.4, 0.1, 7.0]), _rows(nominal=0.02, augmented=0.03), beside=True)
+    assert text.endswith(", beside effects that are not claimed; the errors told as augmented are with these.")
+
+
+@pytest.mark.parametrize("z", [np.zeros(2), np.array([0.3, -0.9])])
+def test_nothing_is_said_of_what_is_the_nominal_model_or_as_good(z: np.ndarray) -> None:
+    assert nothing_added(QUANTITIES, z, _rows(nominal=0.02, augmented=0.0201), beside=False) == ""
+    assert nothing_added(QUANTITIES, z, [], beside=False) == ""
+    assert nothing_added((), np.zeros(0), [], beside=True) == ""
