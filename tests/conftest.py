@@ -24,7 +24,7 @@ QUICK = {
         "test_one_law_far_off",
         "test_provenance", "test_pushed_runs", "test_replay", "test_resolved_numbers", "test_score_beside_force",
         "test_folds", "test_plain_laws", "test_search_ends", "test_separation", "test_sharp_sensitivities", "test_state_force",
-        "test_summary", "test_against_nominal",
+        "test_summary", "test_against_nominal", "test_taken_away",
         "test_thinned_recordings", "test_trials", "test_turning_in_space", "test_turning_joints", "test_unequal_windows",
         "test_unnamed_force", "test_weak_contact", "test_what_acts", "test_zero_of_every_recording",
     ),

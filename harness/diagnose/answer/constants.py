@@ -20,6 +20,8 @@ PLAINLY_BETTER_ERROR = 0.9
 # standard deviations of its tolerance; from which on a nominal quantity is told to be adjusted where nothing else is; closed
 # form: two in three quantities of a model whose tolerances are right lie nearer
 TOLD_BEND = 1.0
+# of what a model states; below which what may be left of it is not told beside that none is; chosen
+TOLD_REST = 0.01
 # of the greatest gain; that a test must have to be told instead, because it says more; chosen
 TELLING_GAIN_SHARE = 0.25
 # correlation with something claimed; from which on a nominal quantity is told too; chosen

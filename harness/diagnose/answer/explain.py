@@ -10,6 +10,7 @@ from harness.diagnose.answer.against_nominal import beyond_nominal, worse_than_n
 from harness.diagnose.answer.constants import PLAINLY_BETTER_ERROR, POSSIBLY_EXPLAINED_SHARE, TELLING_GAIN_SHARE
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
+from harness.diagnose.answer.taken_away import none_left
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED, UNSEARCHED
 from harness.diagnose.criticism.check import Test
@@ -53,10 +54,15 @@ def finding_words(
     further: Sequence[str] = (),
     plainer: Sequence[str] = (),
 ) -> str:
-    """One finding with its parameters and further numbers in words; plainer: titles of plainer laws that it may be as well."""
+    """One finding with its parameters and further numbers in words; plainer: titles of plainer laws that it may be as well.
+
+    That nothing is left of what the model states is said instead of a negative number at its bound.
+    """
     parts = list(further)
     for name, e in values.items():
-        parts.append(f"{name.replace('_', ' ')} {estimate(e.value, e.std, (e.low, e.high), written(units[name]))}")
+        unit = written(units[name])
+        number = f"{name.replace('_', ' ')} {estimate(e.value, e.std, (e.low, e.high), unit)}"
+        parts.append(none_left(title, e.value, e.std, (e.low, e.high), unit) or number)
     said = ", ".join(parts)
     if plainer:
         fits = f"the {'latter' if len(plainer) == 1 else 'last'} fits best"

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from harness.diagnose.answer.significant_digits import best, ends
+from harness.diagnose.answer.taken_away import none_left
 from harness.notebook import frame, html_table, text_table
 from harness.recording.units import written
 
@@ -45,6 +46,12 @@ def in_words(key: str) -> str:
     return name.replace("_", " ") + (f" at {at}" if at else "")
 
 
+def none_of_stated(finding: Mapping[str, Any], name: str) -> str:
+    """That a parameter of a finding takes away all that the model states, and how much that was; nothing where it does not."""
+    number = numbers_of(finding)[name]
+    return none_left(finding["effect"], number["value"], number.get("std"), number.get("ci95"), written(number["unit"]))
+
+
 HEADS = ("effect", "at", "parameter", "value", "95 % interval", "unit", "cannot be told from")
 
 
@@ -82,7 +89,7 @@ class Findings(list[Mapping[str, Any]]):
     def _written(self) -> list[tuple[str, ...]]:
         return [
             (
-                row["effect"], row["site"], row["parameter"],
+                row["effect"], row["site"], _with_remark(row),
                 "" if row["value"] is None else best(row["value"], (row["low"], row["high"])),
                 "" if row["low"] is None or row["high"] is None else ends((row["low"], row["high"])),
                 written(row["unit"]), row["indistinguishable_from"],
@@ -95,3 +102,9 @@ class Findings(list[Mapping[str, Any]]):
 
     def _repr_html_(self) -> str:
         return html_table(HEADS, self._written())
+
+
+def _with_remark(row: Mapping[str, Any]) -> str:
+    """A parameter's name, with what its number means where it takes away all that the model states."""
+    rest = none_left(row["effect"], row["value"], row["std"], (row["low"], row["high"]), written(row["unit"]))
+    return f"{row['parameter']} ({rest})" if rest else str(row["parameter"])

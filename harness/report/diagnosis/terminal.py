@@ -9,7 +9,8 @@ from rich.console import Console
 from rich.text import Text
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
-from harness.diagnose.answer.significant_digits import estimate, rounded
+from harness.diagnose.answer.findings import none_of_stated
+from harness.diagnose.answer.significant_digits import estimate, resolved, rounded
 from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
@@ -58,15 +59,21 @@ def _findings(findings: list[Mapping[str, Any]]) -> Shown:
     heads = ("effect", "at", "grade", "parameters", figures("ΔBIC"), "cannot be told from")
     lines: list[tuple[str, ...]] = []
     for finding in one_by_one(findings):
-        parameters = "; ".join(
-            f"{name} = {estimate(value['value'], value.get('std'), value.get('ci95'), written(value['unit']))}"
-            for name, value in numbers_of(finding).items()
-        )
+        parameters = "; ".join(_number(finding, name) for name in numbers_of(finding))
         others = ", ".join(rivals_of(finding))
         bic = finding.get("evidence", {}).get("delta_bic")
         weight = "" if bic is None else f"{bic:.0f}"
         lines.append((finding["effect"], finding["site"], finding.get("grade") or "", parameters, weight, others))
     return heads, lines
+
+
+def _number(finding: Mapping[str, Any], name: str) -> str:
+    """A parameter with its number, or with that alone where it says that nothing is left of what the model states."""
+    value = numbers_of(finding)[name]
+    unit, rest = written(value["unit"]), none_of_stated(finding, name)
+    if rest:
+        return f"{name} = {resolved(value['value'], None)} {unit}: {rest}"
+    return f"{name} = {estimate(value['value'], value.get('std'), value.get('ci95'), unit)}"
 
 
 def _fit(fit: list[Mapping[str, Any]]) -> Shown:

@@ -9,7 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one
-from harness.diagnose.answer.findings import in_words, rivals_of
+from harness.diagnose.answer.findings import in_words, none_of_stated, rivals_of
 from harness.diagnose.answer.significant_digits import best, ends, rounded
 from harness.recording.units import written
 from harness.report.diagnosis.figures import correlated, repeated
@@ -38,12 +38,12 @@ class Findings:
             numbers = numbers_of(finding)
             rows += [
                 {
-                    **common, "parameter": name.replace("_", " "), "number": p["value"],
+                    **common, "parameter": name.replace("_", " "), "remark": none_of_stated(finding, name), "number": p["value"],
                     "value": best(p["value"], p.get("ci95")), "interval": ends(p.get("ci95")),
                     "unit": written(p["unit"]),
                 }
                 for name, p in numbers.items()
-            ] or [{**common, "parameter": "", "number": None, "value": "", "interval": "", "unit": ""}]  # fmt: skip
+            ] or [{**common, "parameter": "", "remark": "", "number": None, "value": "", "interval": "", "unit": ""}]  # fmt: skip
         return {"rows": rows, "graded": any(row["grade"] for row in rows), "figure": rounded, "points": points}
 
 
