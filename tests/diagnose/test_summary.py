@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import pytest
 
-from harness.diagnose.answer.explain import Foretold, summary
+from harness.diagnose.answer.explain import Foretold, left_in_words, summary
 from harness.diagnose.answer.left_out import AtJoint, LeftOut
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED
@@ -177,3 +177,18 @@ def test_findings_are_not_said_to_remove_alone_what_they_remove_with_others() ->
 def test_a_remainder_whose_tests_had_no_time_is_said_to_show_as_nothing() -> None:
     untested = replace(_conclusion("partly_explained"), remains=Remains(True, (), 5.0))
     assert "What is left shows as" not in summary(untested, 30.0, ["dry friction at servo"], [], Foretold(5.0))
+
+
+def test_a_channel_and_a_force_at_another_joint_are_told_in_sentences_of_their_own() -> None:
+    arm = LeftOut((AtJoint("pan", 38.0, "N*m", 0.2, 0.5), AtJoint("wrist", 5.0, "N*m", 1.0, 0.89)), None)
+    apart = left_in_words(arm, Foretold(46.0, 38.0, "pan.effort", "N*m"), "the noise")
+    assert apart == [
+        "What is left of the data held out is 38 N·m at pan.effort, 46 times the noise.",
+        "Against what else acts at a joint, most is left at wrist: a force of 5 N·m, 100 % of the largest that gravity or inertia "
+        "make there, which keeps for about 0.89 s.",
+    ]
+    here = left_in_words(arm, Foretold(46.0, 38.0, "wrist.effort", "N*m"), "the noise")
+    assert here == [
+        "What is left of the data held out is 38 N·m at wrist.effort, 46 times the noise: a force of 5 N·m at wrist, 100 % of the "
+        "largest that gravity or inertia make there, which keeps for about 0.89 s."
+    ]

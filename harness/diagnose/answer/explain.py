@@ -225,13 +225,25 @@ def holding_up(findings: Sequence[str], explained: float | None, *, beside: bool
 
 
 def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
-    """What is left of the data held out: in the channel's unit, against noise of this name, and as a force; and where it lies."""
+    """What is left of the data held out: in the channel's unit, against noise of this name, and as a force; and where it lies.
+
+    The force is told where it is largest against what else acts there, which may be at another joint than what is read worst:
+    each then has a sentence of its own.
+    """
     force = left.largest
-    sentences = [
-        f"What is left of the data held out is {_error(foretold, noise)}a force of {force.size:.2g} {written(force.unit)} at "
-        f"{force.joint}, {percent(force.share)} of the largest that gravity or inertia make there, which keeps for about "
-        f"{force.memory:.2g} s."
-    ]
+    size = f"a force of {force.size:.2g} {written(force.unit)}"
+    share = f"{percent(force.share)} of the largest that gravity or inertia make there"
+    kept = f"which keeps for about {force.memory:.2g} s"
+    error = _error(foretold, noise)
+    here = f"{foretold.channel}.".startswith(f"{force.joint}.")
+    if not foretold.channel or not error or here:
+        colon = f"{error}: " if error else ""
+        sentences = [f"What is left of the data held out is {colon}{size} at {force.joint}, {share}, {kept}."]
+    else:
+        sentences = [
+            f"What is left of the data held out is {error}.",
+            f"Against what else acts at a joint, most is left at {force.joint}: {size}, {share}, {kept}.",
+        ]
     if left.place is not None:
         sentences.append(
             f"{percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
@@ -241,10 +253,10 @@ def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
 
 
 def _error(foretold: Foretold, noise: str) -> str:
-    """What is left, in the channel's unit and against its noise, up to a colon; nothing where that was not worked out."""
+    """What is left, in the channel's unit and against its noise; nothing where that was not worked out."""
     if not foretold.times > 0.0:
         return ""
-    against = f"{times(foretold.times, 2)} times {noise}: "
+    against = f"{times(foretold.times, 2)} times {noise}"
     if not foretold.channel:
         return against
     return f"{foretold.error:.2g} {written(foretold.unit)} at {foretold.channel}, {against}"
