@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -10,6 +11,7 @@ from simulated_recordings import recording
 
 from harness import diagnose
 from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.answer.explain import untried
 from harness.diagnose.inverse import efforts_first as module
 from harness.diagnose.inverse.efforts_first import UNRUN, efforts_first, instead
 from harness.diagnose.problem.deadline import Deadline, NotTried
@@ -69,6 +71,14 @@ def test_the_efforts_answer_stands_in_only_where_nothing_is_claimed(found, taken
     assert told.verdict == "partly_explained"
     assert "efforts" in told.summary and UNRUN.what in told.summary
     assert instead(found, None) is found
+
+
+def test_what_was_left_untried_is_told_in_one_sentence():
+    by_effort = answer("explained", None, not_tried=LEFT)
+    told = instead(None, replace(by_effort, summary=f"It is said. {untried(LEFT)}"))
+    assert told is not None
+    assert told.summary.count("The time was up") == 1
+    assert told.summary.endswith(f"It is said. {untried((*LEFT, UNRUN))}")
 
 
 def runs(system: System, joints: tuple[str, ...] = NAMES):

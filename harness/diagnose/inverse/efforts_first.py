@@ -59,7 +59,9 @@ def instead(found: Diagnosis | None, by_effort: Diagnosis | None) -> Diagnosis |
     if by_effort is None or (found is not None and (found.complete or _claims(found))):
         return found
     not_tried = (*by_effort.not_tried, UNRUN)
-    summary = f"{BY_EFFORTS} {by_effort.summary} {untried((UNRUN,))}"
+    # The answer by efforts ends with what it left untried itself: all of it is told in one sentence.
+    told = by_effort.summary.removesuffix(untried(by_effort.not_tried)).rstrip()
+    summary = f"{BY_EFFORTS} {told} {untried(not_tried)}"
     return replace(
         by_effort, verdict=WEAKER.get(by_effort.verdict, by_effort.verdict), summary=summary, not_tried=not_tried
     )
