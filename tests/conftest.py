@@ -12,7 +12,8 @@ import pytest
 # Of the folders whose tests diagnose recordings, the files that do so in seconds.
 QUICK = {
     "diagnose": (
-        "test_absence", "test_assemblies", "test_averaged_intervals", "test_balanced_link", "test_beside_a_remainder",
+        "test_absence", "test_actuator_saturation",
+        "test_assemblies", "test_averaged_intervals", "test_balanced_link", "test_beside_a_remainder",
         "test_coarse_effort",
         "test_changed_numbers",
         "test_conventions", "test_crosstalk", "test_curved_valley", "test_deadline", "test_diagnose_noise_colour",

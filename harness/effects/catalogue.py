@@ -64,6 +64,7 @@ NAMES = (
     "actuator_gain",
     "actuator_delay",
     "actuator_deadzone",
+    "actuator_saturation",
 )
 
 BENDING_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")

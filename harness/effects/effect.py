@@ -101,7 +101,7 @@ class Parameter:
     neutral: the value at which the effect is absent, if one value alone does that.
     search: "gradient" where a start near the truth is not needed, "spectrum" where the residual's spectrum must give the start,
         "line" where steady lines of the channel must, "range" where the motion's range must (the misfit has no slope far from the
-        truth), "size" where the starts are tried as they are, because equations are stiff near absence.
+        truth), "size" where the starts are tried as they are, because equations are stiff near absence or nothing acts there.
     inexact: relative error at most of what the effect's model makes of it, whatever the recording.
     plausible: how large it usually is, where that is known.
     """

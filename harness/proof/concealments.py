@@ -519,6 +519,14 @@ _add("actuator_deadzone", "joint", _nothing, lambda f, d, s, a: {"width": 0.03 *
      needs_drive=True)  # fmt: skip
 
 
+# Recordings are driven by four waves of up to 0.12 of the weight's torque each (``draw``), which seldom add up.
+_add(
+    "actuator_saturation", "joint", _nothing,
+    lambda f, d, s, a: {"limit": 0.2 * float(np.exp(-0.2 * f)) * s.gravity_moment},
+    lambda scene, k, p: scene.command.append(lambda u: lambda t: np.clip(u(t), -p["limit"], p["limit"])), needs_drive=True,
+)  # fmt: skip
+
+
 def _hum(scene: Scene, k: int, p: Parameters) -> None:
     def stage(g: Signal) -> Signal:
         # Mains know nothing of when a recording begins: far digits of where it does stand for the phase.

@@ -60,6 +60,7 @@ WORDS = {
     "actuator_gain": {"gain": "1"},
     "actuator_delay": {"delay": "s"},
     "actuator_deadzone": {"width": "N*m"},
+    "actuator_saturation": {"limit": "N*m"},
 }
 
 
