@@ -14,6 +14,7 @@ from harness.diagnose.problem.hypothesis import Candidate, dear
 from harness.diagnose.selection.constants.search import GENEROUS_PROMISE
 from harness.diagnose.selection.constants.weighing import (
     BEHIND_EVIDENCE,
+    FAR_REMAINDER_EVIDENCE,
     HOPED_EVIDENCE,
     MEMBERS_TRIED_BESIDE,
     MOST_ROUNDS_BESIDE,
@@ -60,10 +61,13 @@ def plain_instead(study: Study, found: Fit, progress: Callable[[str], None]) -> 
     own = evidence.criterion(study, found)
     if min(evidence.criterion(study, f) for f in plain) > own + OUT_OF_REACH_EVIDENCE:
         return None
+    left = evidence.by_own_remainder(study, found)
+    if min(evidence.by_own_remainder(study, f) for f in plain) > left + FAR_REMAINDER_EVIDENCE:
+        return None
     rows = _reached(study, evidence, plain, progress, [c for c in study.candidates if c.effect.plain])
     likeliest = min(rows, key=lambda row: row[0])[1]
     spare = UNPARTED_EVIDENCE if any(map(placed, found.hypothesis.members)) else 0.0
-    stands = evidence.by_own_remainder(study, likeliest) < evidence.by_own_remainder(study, found) + spare
+    stands = evidence.by_own_remainder(study, likeliest) < left + spare
     return likeliest if stands else None
 
 
