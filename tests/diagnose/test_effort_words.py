@@ -2,8 +2,10 @@
 
 import pytest
 
+from harness.diagnose.answer.explain import Foretold
+from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.effort import UNSEARCHED
-from harness.diagnose.inverse.effort_words import shown_as
+from harness.diagnose.inverse.effort_words import InWords, gathered, shown_as, summary
 
 
 @pytest.mark.parametrize(
@@ -32,3 +34,29 @@ def test_nothing_left_is_no_sentence() -> None:
 
 def test_beside_a_finding_sets_that_were_left_untried_are_further_ones() -> None:
     assert UNSEARCHED[0].startswith("further")
+
+
+def test_of_joints_told_together_one_may_have_nothing_left_of_what_is_stated() -> None:
+    units = {"coefficient": "N*m*s/rad"}
+    absent = {"coefficient": Estimate(-0.2, None, -0.2, -0.199)}
+    more = {"coefficient": Estimate(0.31, 0.01, 0.29, 0.33)}
+    told = gathered(
+        [InWords("viscous damping", "elbow", absent, units), InWords("viscous damping", "wrist", more, units)]
+    )
+    assert told == [
+        "viscous damping at elbow (none of the stated 0.200 N·m·s/rad is left) and wrist (0.310 ± 0.01 N·m·s/rad)"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "hurried", "said"),
+    [
+        ("partly_explained", False, "nothing in the catalogue earns its place for certain."),
+        ("unexplained", False, "nothing in the catalogue earns its place."),
+        ("partly_explained", True, "nothing has earned its place so far."),
+        ("unexplained", True, "nothing has earned its place so far."),
+    ],
+)
+def test_what_was_not_tried_has_not_failed(verdict: str, hurried: bool, said: str) -> None:
+    text = summary(verdict, 8.0, 4.2, [], [], Foretold(), None, None, hurried=hurried)
+    assert text.endswith(f"and {said}")

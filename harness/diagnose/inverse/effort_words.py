@@ -17,6 +17,7 @@ from harness.diagnose.answer.explain import (
     untold,
 )
 from harness.diagnose.answer.left_out import LeftOut
+from harness.diagnose.answer.taken_away import none_left
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.inverse.pushes import Push
 from harness.recording.recording import Recording
@@ -47,7 +48,10 @@ def gathered(found: Sequence[InWords]) -> list[str]:
             continue
         (unit,) = units
         each = [
-            f"{f.site} ({estimate(e.value, e.std, (e.low, e.high), unit)})" for f in alike for e in f.values.values()
+            f"{f.site} ({none_left(title, *read, unit) or estimate(*read, unit)})"
+            for f in alike
+            for e in f.values.values()
+            for read in [(e.value, e.std, (e.low, e.high))]
         ]
         out.append(f"{title} at {listed(each)}")
     return out
@@ -86,13 +90,12 @@ def summary(
         return f"The effort that the model needs for the recorded motion agrees with the recorded one ({band})."
     if verdict == "explained":
         text = f"{off} ({band}); with {' and '.join(firm)} the residual is at the noise, also on data held out."
-    elif verdict == "unexplained":
-        nothing = "nothing has earned its place so far" if hurried else "nothing in the catalogue earns its place"
-        text = f"{off} ({band}), and {nothing}."
-    elif firm:
+    elif firm and verdict != "unexplained":
         text = f"{off} ({band}); {holding_up(firm, explained)}."
     else:
-        text = f"{off} ({band}), and nothing in the catalogue earns its place for certain."
+        sure = "" if verdict == "unexplained" else " for certain"
+        nothing = f"nothing in the catalogue earns its place{sure}"
+        text = f"{off} ({band}), and {'nothing has earned its place so far' if hurried else nothing}."
     sentences = [text]
     if left is not None and verdict != "explained":
         sentences += left_in_words(left, foretold, "the noise")
