@@ -27,7 +27,7 @@ class Motion:
             "initial state was fitted to a recording held out."
         )
         if others:
-            words += f" {others} more recordings are not shown."
+            words += f" {others} more recording{'s are' if others > 1 else ' is'} not shown."
         return {"words": words, "plots": [plot.html() for plot in motion(rows)], "pictures": []}
 
 
