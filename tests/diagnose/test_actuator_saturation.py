@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from simulated_recordings import Rig, nominal, recording
 
-from harness.diagnose import diagnose
+from harness.diagnose.diagnose import diagnose
 from harness.recording import Recording
 
 DAMPING = 0.004  # N·m·s/rad, which the model states

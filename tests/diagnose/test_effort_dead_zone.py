@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from harness.diagnose import diagnose
+from harness.diagnose.diagnose import diagnose
 from harness.recording import Recording
 from harness.recording.recording import Channel
 from harness.system import Joint, JointType, Link, System

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from harness.diagnose import diagnose
 from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.diagnose import diagnose
 from harness.diagnose.transmission.second_encoders import parted
 from harness.diagnose.transmission.transmission import links_apart, with_second_encoders
 from harness.errors import InputError
