@@ -314,9 +314,10 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
 
 def _beyond_doubt(outcome: Outcome, best: Fit, claims: Sequence[Claim]) -> bool:
     """Whether the evidence beside a force speaks for any member of a set beyond doubt, and its free runs do not gainsay that."""
+    if not any(claim.of_class >= SURE_PROBABILITY for claim in claims):
+        return False
     _, held = _numbers(outcome, best, by_free_runs=False)
-    nearer = held.cost < judge(outcome, outcome.empty).cost
-    return nearer and any(claim.of_class >= SURE_PROBABILITY for claim in claims)
+    return held.cost < judge(outcome, outcome.empty).cost
 
 
 def _remains_beside(outcome: Outcome, best: Fit) -> tuple[Remains, bool]:

@@ -51,11 +51,12 @@ def window_by_window(
         changes = own / space.softness
         changes = changes - (changes @ states) @ states.T
         # What columns of a window change beside each other, in directions of unit size.
-        values, vectors = np.linalg.eigh(_scaled(changes @ changes.T))
-        strong = values > least * max(float(values[-1]), 1e-300) if len(values) else np.zeros(0, dtype=bool)
         norms = np.linalg.norm(changes, axis=1)
-        with np.errstate(divide="ignore"):
-            across = np.where(norms > 0.0, 1.0 / norms, 0.0)[:, None] * vectors[:, strong] / np.sqrt(values[strong])
+        seen = norms > 1e-6 * max(float(norms.max(initial=0.0)), 1e-300)
+        scale = np.divide(1.0, norms, out=np.zeros(len(norms)), where=seen)
+        values, vectors = np.linalg.eigh(np.outer(scale, scale) * (changes @ changes.T))
+        strong = values > least * max(float(values.max(initial=0.0)), 1e-300)
+        across = scale[:, None] * vectors[:, strong] / np.sqrt(values[strong])
         units.append(across)
         alone.append(across.T @ (changes @ space.residual[first:last]))
         shared.append(across.T @ (changes @ space.shared[first:last]))
@@ -71,9 +72,3 @@ def window_by_window(
     edges = np.cumsum([0, *(across.shape[1] for across in units)])
     coefficients = [-(across @ found[a:b]) for across, a, b in zip(units, edges, edges[1:], strict=False)]
     return gain, coefficients, float(len(along) - np.count_nonzero(~apart))
-
-
-def _scaled(gram: Array) -> Array:
-    norms = np.sqrt(np.maximum(np.diag(gram), 0.0))
-    norms = np.where(norms > 1e-6 * max(float(norms.max(initial=0.0)), 1e-300), norms, np.inf)
-    return np.asarray(gram / np.outer(norms, norms))

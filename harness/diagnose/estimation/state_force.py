@@ -183,7 +183,7 @@ class StateForce:
     @cached_property
     def _squared_apart(self) -> Array:
         """Squared distances between nodes, in position and in velocity, (2, k, k)."""
-        return (self.at.T[:, :, None] - self.at.T[:, None]) ** 2
+        return _squared_apart(self.at, self.at)
 
     @cached_property
     def _one_force(self) -> NDArray[np.bool_]:
@@ -191,8 +191,7 @@ class StateForce:
         return (self.group[:, None] == self.group) & self.over_grid[:, None]
 
     def _correlation(self, force: Force) -> Array:
-        along, across = self._squared_apart
-        correlation = np.exp(-0.5 * (along / force.lengths[0] ** 2 + across / force.lengths[1] ** 2)) * self._one_force
+        correlation = _alike(self._squared_apart, force.lengths) * self._one_force
         correlation[np.diag_indices(len(correlation))] = 1.0 + COVARIANCE_JITTER
         return np.asarray(correlation)
 
@@ -213,7 +212,7 @@ class StateForce:
         own = (self.joint == number) & self.over_grid
         axes = [_further(axis) for axis in self.axes[number]]
         new = np.array([(p, v) for p in axes[0] for v in axes[1]]) / self.units[number]
-        towards = _alike(new[:, None] - self.at[own], force.lengths)
+        towards = _alike(_squared_apart(new, self.at[own]), force.lengths)
         inside = self._correlation(force)[np.ix_(own, own)]
         acting = self.torque * towards @ np.linalg.solve(inside, nodes[own])
         return axes[0], axes[1], acting.reshape(len(axes[0]), len(axes[1]))
@@ -509,9 +508,14 @@ def _inverse(lower: Array) -> Array:
     return np.asarray(inverse)
 
 
-def _alike(apart: Array, lengths: Array) -> Array:
-    """How alike a smooth force is at states so far apart, (…, 2): a squared exponential."""
-    return np.asarray(np.exp(-0.5 * np.sum((apart / lengths) ** 2, axis=-1)))
+def _squared_apart(these: Array, those: Array) -> Array:
+    """Squared distances between states (j, 2) and (k, 2), in position and in velocity, (2, j, k)."""
+    return np.asarray((these.T[:, :, None] - those.T[:, None]) ** 2)
+
+
+def _alike(squared_apart: Array, lengths: Array) -> Array:
+    """How alike a smooth force is at states so far apart: a squared exponential."""
+    return np.asarray(np.exp(-0.5 * np.tensordot(1.0 / lengths**2, squared_apart, 1)))
 
 
 def _smooth_surprise(lengths: Array) -> float:
