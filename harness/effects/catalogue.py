@@ -38,6 +38,7 @@ NAMES = (
     "added_inertia",
     "com_offset",
     "com_side_offset",
+    "link_inertia",
     "com_displacement",
     "transmission_ratio",
     "base_tilt",

@@ -21,6 +21,7 @@ FAMILIES = (
     {"sensor_delay", "sensor_lowpass", "sensor_highpass", "late_release"},
     # What lies beside the line is the link's own mass, in one piece.
     {"com_side_offset", "payload_mass"},
+    {"link_inertia", "payload_mass", "added_inertia", "com_offset"},
     {"com_side_offset", "link_flexibility"},
     {"base_tilt", "base_excitation"},
     {"sensor_nonlinearity", "cubic_stiffness", "sensor_gain", "encoder_interpolation"},

@@ -46,6 +46,32 @@ def test_what_there_was_no_time_to_weigh_is_possible_and_likely_at_most_where_it
     assert grade(outcome, conclusion, claim, values, []) == expected
 
 
+@pytest.mark.parametrize(("offset", "expected"), [(0.03, LIKELY), (-0.14, LIKELY), (-0.25, POSSIBLE)])
+def test_an_unusual_size_is_possible_while_there_was_no_time_to_ask_what_else_it_could_be(
+    offset: float, expected: str
+) -> None:
+    # Usual is a tenth of the link's 0.3 m; the near end of the last interval is 7.7 times that.
+    known = {c.key: c for c in candidates(nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0))}
+    claim = SimpleNamespace(candidate=known["com_offset@rod"])
+    outcome = SimpleNamespace(force=None, evidence=None, study=SimpleNamespace(likelihood=SimpleNamespace(rounded=1.0)))
+    conclusion = SimpleNamespace(hurried=True, level=1.0, remains=SimpleNamespace(significant=False))
+    values = {"offset": Estimate(offset, 0.01, offset - 0.02, offset + 0.02)}
+    assert grade(outcome, conclusion, claim, values, []) == expected
+
+
+@pytest.mark.parametrize(("stiffness", "expected"), [(1e4, LIKELY), (3e-3, POSSIBLE)])
+def test_of_a_stiffness_what_gives_far_is_unusual_and_not_what_is_stiff(stiffness: float, expected: str) -> None:
+    # A stop usually gives some hundredths of a radian under the weight of 0.15 N·m that leans on it, not fifty radians.
+    known = {c.key: c for c in candidates(nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0))}
+    claim = SimpleNamespace(candidate=known["end_stop@pivot"])
+    conclusion = SimpleNamespace(hurried=False, remains=SimpleNamespace(significant=True))
+    values = {
+        "angle": Estimate(0.4, 0.01, 0.38, 0.42),
+        "stiffness": Estimate(stiffness, 0.1 * stiffness, 0.8 * stiffness, 1.2 * stiffness),
+    }
+    assert grade(SimpleNamespace(force=None), conclusion, claim, values, []) == expected
+
+
 @pytest.mark.parametrize(
     ("key", "values", "vaguely"),
     [

@@ -27,6 +27,7 @@ WORDS = {
     "joint_stiffness": {"stiffness": "N*m/rad", "rest_angle": "rad"},
     "cubic_stiffness": {"stiffness": "N*m/rad**3"},
     "constant_torque": {"torque": "N*m"},
+    "link_inertia": {"share": "1"},
     "cogging_torque": {"amplitude": "N*m", "periods": "1/rev", "phase": "rad"},
     "end_stop": {"angle": "rad", "stiffness": "N*m/rad", "damping": "N*m*s/rad"},
     "stop_inertia": {"inertia": "kg*m**2"},
@@ -279,6 +280,18 @@ def test_centre_of_mass_along_and_beside(pendulum):
     beside = effects.apply(pendulum, Attachment("com_side_offset", "rod", {"offset": 0.01})).link("rod")
     # axis y × (−z) = −x
     assert np.allclose(beside.com, [-0.01, 0.0, -0.15], rtol=0, atol=1e-15)
+
+
+def test_inertia_of_a_link_that_other_joints_turn_and_of_no_other(pendulum):
+    with pytest.raises(InputError, match="added_inertia"):
+        effects.apply(pendulum, Attachment("link_inertia", "rod", {"share": 0.5}))
+    rod = pendulum.link("rod")
+    joint = replace(pendulum.joint("pivot"), name="elbow", parent="rod", child="tip", xyz=np.array([0.0, 0.0, -0.3]))
+    double = replace(pendulum, joints=(*pendulum.joints, joint), links=(*pendulum.links, replace(rod, name="tip")))
+    tip = effects.apply(double, Attachment("link_inertia", "tip", {"share": 0.5})).link("tip")
+    assert np.allclose(tip.inertia, 1.5 * rod.inertia, rtol=0, atol=1e-18)
+    assert tip.mass == rod.mass and np.array_equal(tip.com, rod.com)
+    assert effects.sites(effects.effect("link_inertia"), double) == ("rod", "tip")
 
 
 def test_a_tilted_base_shifts_the_equilibrium_back(pendulum):

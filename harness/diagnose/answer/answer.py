@@ -35,7 +35,7 @@ from harness.diagnose.answer.replay import Opening
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.answer.zeros import Zero, zeros_of
 from harness.diagnose.claims.conclude import Conclusion
-from harness.diagnose.claims.grades import POSSIBLE, foretells, grade, loosened, repeatability, repeated
+from harness.diagnose.claims.grades import POSSIBLE, foretells, grade, loosened, repeatability, repeated, verdict_of
 from harness.diagnose.criticism.check import Form
 from harness.diagnose.criticism.locate import Mismatch, locate
 from harness.diagnose.criticism.remainder import Remains
@@ -119,7 +119,7 @@ def answer(
         text.append(nothing_added(outcome.predictor.nominal, own.x, rows, beside=bool(own.hypothesis.members)))
     text += [foretelling(best.fitted.hypothesis.keys, rows)] if best is not None and rows else []
     return Diagnosis(
-        verdict=conclusion.verdict,
+        verdict=verdict_of(conclusion.verdict, grades.values()),
         summary=" ".join(filter(None, [*text, untried(deadline.not_tried)])),
         noise=noise,
         mismatch=[_mismatch(place) for place in places],

@@ -43,6 +43,9 @@ SURE_PROBABILITY = 0.95
 # times its usual size; beyond which a number is not believed: of a centre of mass, three lengths of its link;
 # chosen
 BEYOND_BELIEF_RATIO = 30.0
+# times its usual size; beyond which a number is not believed while there was no time to ask what else could be in its
+# place: as rare as five standard deviations; chosen
+UNASKED_BELIEF_RATIO = 5.0
 # times what is left; that a plain law must explain, or it may be part of that; chosen
 PLAIN_LAW_RATIO = 1.0
 # times an estimate; that its interval reaches to, beyond which recordings say that something is there, not what;

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from harness.diagnose.claims.averaged import of_other_sets
 from harness.diagnose.claims.conclude import Claim, Conclusion
-from harness.diagnose.claims.constants import BEYOND_BELIEF_RATIO, PLAIN_LAW_RATIO, SURE_PROBABILITY, VAGUE_RATIO
+from harness.diagnose.claims.constants import (
+    BEYOND_BELIEF_RATIO,
+    PLAIN_LAW_RATIO,
+    SURE_PROBABILITY,
+    UNASKED_BELIEF_RATIO,
+    VAGUE_RATIO,
+)
 from harness.diagnose.criticism.constants import FAKED_RATIO
 from harness.diagnose.criticism.remainder import above_floor
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95
@@ -129,7 +135,7 @@ def grade(
 
     Where the time was up before sets could be weighed beside the force that they leave out, possible, whatever they leave; or where
     free runs of what is told are no nearer to the data held out than those of the nominal model. Where it was up before all that
-    could be in its place was asked, likely at most.
+    could be in its place was asked, likely at most, and possible if it is far larger than usual.
 
     Told for its free runs alone: possible, where sets beside a force have its number elsewhere. Beside a force that is left out:
     possible, if sets without it and all that it cannot be told from are not much less likely
@@ -142,6 +148,8 @@ def grade(
     values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
     firmest = LIKELY if conclusion.hurried else ESTABLISHED
+    if conclusion.hurried and _beyond(UNASKED_BELIEF_RATIO, claim, values):
+        return POSSIBLE
     unweighed = conclusion.hurried and outcome.evidence is None
     if unweighed and (outcome.force is not None or above_floor(conclusion.level, outcome.study.likelihood)):
         return POSSIBLE
@@ -150,7 +158,11 @@ def grade(
             return POSSIBLE
         if not conclusion.remains.significant:
             return firmest
-        return POSSIBLE if _beyond_belief(claim, values) or _may_be_absent(claim.candidate, values) else LIKELY
+        return (
+            POSSIBLE
+            if _beyond(BEYOND_BELIEF_RATIO, claim, values) or _may_be_absent(claim.candidate, values)
+            else LIKELY
+        )
     if outcome.evidence is not None and (claim.of_class < SURE_PROBABILITY or not foretold):
         return POSSIBLE
     if (
@@ -164,6 +176,11 @@ def grade(
         claim.candidate, values, rows, gain=claim.gain, excess=conclusion.remains.excess, itself=itself
     )
     return firmest if found == ESTABLISHED else found
+
+
+def verdict_of(verdict: str, grades: Iterable[str]) -> str:
+    """The verdict once findings are graded: nothing is partly explained by what is no more than possible."""
+    return "unexplained" if verdict == "partly_explained" and all(grade == POSSIBLE for grade in grades) else verdict
 
 
 def beside_a_remainder(
@@ -212,15 +229,17 @@ def _at_that_size(outcome: Outcome, conclusion: Conclusion, claim: Claim, values
     return own.low <= others[1] and others[0] <= own.high
 
 
-def _beyond_belief(claim: Claim, values: Mapping[str, Estimate]) -> bool:
-    """Whether a number, at the near end of its interval, is many times what it usually is."""
+def _beyond(ratio: float, claim: Claim, values: Mapping[str, Estimate]) -> bool:
+    """Whether a number, at the near end of its interval, is more than so many times what it usually is."""
     for parameter in claim.candidate.effect.parameters:
-        if parameter.plausible is not None and np.isfinite(parameter.neutral):
-            away = min(
-                abs(end - parameter.neutral) for end in (values[parameter.name].low, values[parameter.name].high)
-            )
-            if away > BEYOND_BELIEF_RATIO * parameter.plausible.size(claim.candidate.references):
-                return True
+        usual = parameter.plausible
+        if usual is None or not (usual.inverse or np.isfinite(parameter.neutral)):
+            continue
+        ends = np.array([values[parameter.name].low, values[parameter.name].high])
+        with np.errstate(divide="ignore"):
+            away = np.abs(1.0 / ends) if usual.inverse else np.abs(ends - parameter.neutral)
+        if np.min(away) > ratio * usual.size(claim.candidate.references):
+            return True
     return False
 
 

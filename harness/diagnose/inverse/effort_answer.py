@@ -15,6 +15,7 @@ from harness.diagnose.answer.constants import SHOWN_HYPOTHESES
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import Foretold
 from harness.diagnose.answer.left_out import explained_share
+from harness.diagnose.claims.grades import verdict_of
 from harness.diagnose.inverse.effort_findings import effort_findings
 from harness.diagnose.inverse.effort_fit import EffortFit, fit_effort
 from harness.diagnose.inverse.effort_grades import estimates
@@ -72,9 +73,11 @@ class EffortAnswer:
             verdict = "unexplained" if incomplete else "consistent"
         else:
             verdict = "partly_explained" if incomplete else "explained"
+        # The words say "for certain" where something is possible.
+        graded = verdict_of(verdict, (str(row["grade"]) for row in found.rows))
         values = [estimates(best, study.nominal, k) for k in range(len(best.hypothesis.members))]
         return Diagnosis(
-            verdict=verdict,
+            verdict=graded,
             summary=" ".join(
                 filter(
                     None,

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, beside_a_remainder
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95, WIDEST_INTERVAL
 from harness.diagnose.estimation.intervals import Estimate
-from harness.diagnose.inverse.constants import FEWEST_WAVES, WAVE_RATIO
+from harness.diagnose.inverse.constants import FEWEST_WAVES, SURELY_OFF_SIGMAS, WAVE_RATIO
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_model import EffortModel
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.problem.hypothesis import Candidate
+from harness.effects.effect import Family
 
 Array = NDArray[np.float64]
 
@@ -78,7 +79,8 @@ def grade(
 
     smaller: the set without it; rows: see ``repeatability``; rivals: whether something else may be in its place, None where
     there was no time to ask; remainder: whether more than noise is left. Where nothing but noise is, it is established. What has a
-    special case that was not asked about is possible.
+    special case that was not asked about is possible. Where nominal quantities lie far outside their tolerance, the model is wrong
+    elsewhere, and what bodies carry may be no more than possible, all else no more than likely: numbers lean on what is wrong.
     """
     if rivals is None and best.hypothesis.members[k].effect.simpler:
         # A plainer law may do as well, and nobody has asked.
@@ -91,7 +93,7 @@ def grade(
     # What is left at joints that an effect does nothing at says nothing of it.
     beside = gains / max(float(gains.max()), 1e-300)
     gain, excess = float(np.sum(other - own)), float(beside @ (own - data.counts))
-    return beside_a_remainder(
+    found = beside_a_remainder(
         best.hypothesis.members[k],
         values,
         rows,
@@ -100,6 +102,11 @@ def grade(
         itself=rivals is False,
         whole=_whole(data, best.hypothesis.members[k], values, gain, excess),
     )
+    if np.max(np.abs(best.x[: study.nominal]), initial=0.0) <= SURELY_OFF_SIGMAS:
+        return found
+    if best.hypothesis.members[k].effect.family is Family.INERTIA:
+        return POSSIBLE
+    return LIKELY if found == ESTABLISHED else found
 
 
 def _whole(data: EffortData, member: Candidate, values: Mapping[str, Estimate], gain: float, excess: float) -> bool:

@@ -47,6 +47,7 @@ KNOWN = (
     "added_inertia",
     "com_offset",
     "com_side_offset",
+    "link_inertia",
     "base_tilt",
     "sensor_offset",
     "sensor_gain",

@@ -87,6 +87,9 @@ STAGE_SHARES = (0.55, 0.7, 0.9, 1.0)
 FEW_EFFECTS_SHARE = 0.35
 # of what is left of the search's time; that the search under noise alone may take, for the same reason; chosen
 NOISE_SEARCH_SHARE = 0.5
+# the same; where few effects leave only noise on short windows, so that noise is likely the measure of whole runs, too;
+# chosen
+NOISE_ALONE_SHARE = 0.85
 # of what is then left; that fitting what may not be as drawn may take, before sets are weighed; chosen
 DRAWN_SHARE = 0.4
 # of the time of criticism; that fitting ordinary laws at every joint may take, for what free runs say of them; chosen

@@ -27,7 +27,7 @@ DISSIPATION = (*RUBBING, "quadratic_drag")
 ROTOR = "added_inertia"
 PLAIN = (*DISSIPATION, ROTOR)
 ZEROS = ("constant_torque", "sensor_offset")
-CHANGES = ("payload_mass", "com_offset", "added_inertia", "com_side_offset")
+CHANGES = ("payload_mass", "com_offset", "added_inertia", "com_side_offset", "link_inertia")
 
 
 def ordinary(study: Study, near: Fit) -> list[Fit]:

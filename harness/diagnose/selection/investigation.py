@@ -11,7 +11,7 @@ from harness.diagnose.estimation.horizon import Horizon
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.reach import check_reach
 from harness.diagnose.prediction.predictor import Predictor
-from harness.diagnose.problem.constants import NOISE_SEARCH_SHARE
+from harness.diagnose.problem.constants import NOISE_ALONE_SHARE, NOISE_SEARCH_SHARE
 from harness.diagnose.problem.deadline import Deadline, Spared, TimeUp
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.problem.problem import Problem
@@ -103,8 +103,9 @@ def _search(
         study = _last_with_effects(reached)
         return study, sorted(study.fits.values(), key=study.criterion)
 
+    few = any(opened.short.only_noise(f) for f in opened.short.fits.values() if f.hypothesis.members)
     long_study, ordered = predictor.deadline.within(
-        NOISE_SEARCH_SHARE, *SEARCHED,
+        NOISE_ALONE_SHARE if few else NOISE_SEARCH_SHARE, *SEARCHED,
         lambda: _under_noise(opened, others, motion_hz), so_far,
     )  # fmt: skip
     # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
@@ -116,10 +117,9 @@ def _search(
     final = long_study
     if under is None:
         # The noise once more, now behind the best model; a last round under it if it has changed.
-        refined = under_its_own_noise(long_study, ordered, motion_hz, effort, progress)
+        refined = under_its_own_noise(long_study, ordered, motion_hz, effort, progress, reached)
         if refined is not None:
             final, ordered = refined
-            reached.append(final)
         final, ordered = _other_way(final, polish(final, ordered, effort, progress), effort, progress)
     final, ordered = under or (final, ordered)
     if final.known(Hypothesis()) is None:
@@ -141,10 +141,9 @@ def _under_noise(opened: Opened, others: Sequence[Opening], motion_hz: float) ->
         progress("efforts held between samples")
     study, ordered = _other_way(study, grow(study, seeds, effort, progress), effort, progress)
     reached.append(study)
-    quieter = under_its_own_noise(study, ordered, motion_hz, effort, progress, quieter=True)
+    quieter = under_its_own_noise(study, ordered, motion_hz, effort, progress, reached, quieter=True)
     if quieter is not None:
         study, ordered = quieter
-        reached.append(study)
     return study, ordered
 
 

@@ -60,10 +60,13 @@ def under_its_own_noise(
     motion_hz: float,
     effort: Effort,
     progress: Callable[[str], None],
+    reached: list[Study],
     *,
     quieter: bool = False,
 ) -> tuple[Study, list[Fit]] | None:
     """The search gone on with under the noise behind its best set; None where that is no other noise.
+
+    reached: told of the study before it is searched, for what there is if the time is up.
 
     quieter: only where noise is quieter than was thought. Behind a nominal model that is far off, what that leaves passes for
     noise, in which an effect that is weaker by far than the strongest one does not show.
@@ -81,6 +84,7 @@ def under_its_own_noise(
     empty = study.known(Hypothesis()) or study.empty()
     seeds = fitted_again(other, ordered[: 2 * effort.beam], best)
     other.fit(Hypothesis(), [empty.x], empty)
+    reached.append(other)
     return other, grow(other, seeds, effort, progress)
 
 

@@ -122,8 +122,10 @@ def _reached(
                     weigh(study.extend(fitted, found))
 
     def so_far() -> None:
+        # What leaves least may take longest to weigh: it is not passed over for what happened to be weighed before, nor is nothing.
+        nearest = min(begun, key=lambda fitted: fitted.score)
         for fitted in begun:
-            if evidence.has(fitted):
+            if evidence.has(fitted) or fitted is nearest or not fitted.hypothesis.members:
                 weigh(fitted)
 
     deadline = study.predictor.deadline

@@ -23,7 +23,6 @@ from harness.diagnose.problem.constants import STRONG_EVIDENCE, UNPARTED_EVIDENC
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate, Hypothesis
 from harness.diagnose.problem.windows import Window
 from harness.diagnose.selection.constants.weighing import NEARER_FIT_RATIO
-from harness.diagnose.selection.scans.catalogue import scanned
 from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.study import Study
 from harness.diagnose.selection.wald_test import carried
@@ -187,8 +186,11 @@ def evidence_over_the_state(study: Study, rough: Likelihood, along: Fit, referen
 
 
 def placed(member: Candidate) -> bool:
-    """Whether an effect was chosen among many places: numbers of periods, frequencies, angles."""
-    return scanned(member) or "phase" in member.effect.parameter_names
+    """Whether an effect is a wave chosen among many: numbers of periods, frequencies, phases.
+
+    A stop, too, is looked for at many angles, but no force holds some of it: it is stiff, and acts beyond its angle alone.
+    """
+    return "phase" in member.effect.parameter_names
 
 
 def without_placed(study: Study, fitted: Fit) -> Fit:
