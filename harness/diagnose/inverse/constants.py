@@ -142,7 +142,7 @@ HELD_OUT_SIGMAS = 1.0
 # three of a normal distribution
 FROM_NOTHING_SIGMAS = 3.0
 # joints; from which on the motion's own search seldom ends within a minute, and efforts are asked first; chosen
-EFFORTS_FIRST_JOINTS = 4
+EFFORTS_FIRST_JOINTS = 3
 # of the time; that efforts asked first may take; chosen
 EFFORTS_FIRST_SHARE = 0.5
 

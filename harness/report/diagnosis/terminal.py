@@ -77,14 +77,19 @@ def _number(finding: Mapping[str, Any], name: str) -> str:
 
 
 def _fit(fit: list[Mapping[str, Any]]) -> Shown:
-    models = ["nominal", "augmented", *(["predictive"] if "predictive" in fit[0] else [])]
+    # What an encoder behind a gear reads is explained beside the motion: the model that predicts best says nothing of it.
+    models = ["nominal", "augmented", *(["predictive"] if any("predictive" in channel for channel in fit) else [])]
     errors = [figures(head) for model in models for head in (f"{model}: training", "held out")]
     heads: tuple[Column | str, ...] = ("channel", "unit", *errors, figures("noise floor"))
     lines = [
         (
             channel["channel"],
             written(channel["unit"]),
-            *(rounded(channel[model][error]) for model in models for error in ("train_rmse", "heldout_rmse")),
+            *(
+                rounded(channel.get(model, {}).get(error))
+                for model in models
+                for error in ("train_rmse", "heldout_rmse")
+            ),
             rounded(channel["noise_floor"]),
         )
         for channel in fit

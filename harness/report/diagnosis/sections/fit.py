@@ -28,6 +28,7 @@ class BeforeAndAfter:
         shown_there = [f["effect"].replace("_", " ") for f in one_by_one(document["findings"]) if "shows_only_in" in f]
         return {
             "fit": fit,
+            "foretold": any("predictive" in channel for channel in fit),
             "picture": Markup(errors(fit)),
             "figure": rounded,
             "unit": written,
