@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import cache
 
+import numpy as np
+
 from harness.effects.effect import Effect, SiteKind
 from harness.effects.lines import lines_of
 from harness.effects.measured import Measured
+from harness.effects.scale import zero_poses
 from harness.errors import InputError
 from harness.registered import registered
-from harness.system import Coupling, Loop, System
+from harness.system import Coupling, Joint, Link, Loop, System
 from harness.system.closure import pins
 from harness.system.suggest import did_you_mean
 
@@ -40,6 +43,7 @@ NAMES = (
     "com_side_offset",
     "link_inertia",
     "com_displacement",
+    "imbalance",
     "transmission_ratio",
     "base_tilt",
     "base_excitation",
@@ -69,6 +73,8 @@ NAMES = (
 )
 
 BENDING_QUANTITIES = ("tip_deflection", "root_strain", "tip_acceleration")
+ROUNDING = 1e-9  # m and of a distance; a centre of mass nearer to an axis is on it but for what a file's digits leave
+PLUMB = 1e-6  # of gravity; what acts across an axis that stands plumb but for rounding
 # Slots of laws that act on a body in space along its velocity or angular velocity.
 IN_SPACE = frozenset({"damping", "coulomb_torque", "quadratic_drag"})
 
@@ -156,7 +162,7 @@ def _met(need: str, system: System, recording: Measured | None) -> bool:
         return any(link.beam is not None and not link.beam.geometric_stiffening for link in system.links)
     if need == "exact shapes":
         return any(link.beam is not None and link.beam.shapes != "samples" for link in system.links)
-    if recording is None or need == "axis":
+    if recording is None or need in ("axis", "balanced"):
         return True
     if need == "effort":
         return bool(recording.efforts)
@@ -189,8 +195,30 @@ def _links(effect: Effect, system: System) -> tuple[str, ...]:
             "axis" in effect.needs and link.name in in_space
         ):
             continue
+        if "balanced" in effect.needs and not _balanced(system, joint, link):
+            continue
         found.append(link.name)
     return tuple(found)
+
+
+def _balanced(system: System, joint: Joint, link: Link) -> bool:
+    """Whether a link turns about its own centre of mass by the drawing, and would feel that it does not.
+
+    Beside an axis that stands plumb on what never moves, a weight pulls nowhere.
+    """
+    if not joint.movable or joint.prismatic or system.gimbal_of(joint.name) is not None:
+        return False
+    com, axis = np.asarray(link.com), np.asarray(joint.axis)
+    if np.linalg.norm(np.cross(axis, com)) > ROUNDING * max(float(np.linalg.norm(com)), ROUNDING):
+        return False
+    carriers = {j.child: j for j in system.joints}
+    behind = joint.parent
+    while behind in carriers:
+        if carriers[behind].movable or system.link(behind).flexible:
+            return True
+        behind = carriers[behind].parent
+    pull = zero_poses(system)[link.name][0].T @ system.gravity
+    return bool(np.linalg.norm(np.cross(axis, pull)) > PLUMB * np.linalg.norm(pull))
 
 
 def _channels(effect: Effect, system: System, recording: Measured | None) -> tuple[str, ...]:

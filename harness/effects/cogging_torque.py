@@ -27,7 +27,7 @@ EFFECT = Effect(
         Parameter(
             "periods",
             "1/rev",
-            "periods in one turn; one would be an imbalance (``com_offset``, ``com_side_offset``)",
+            "periods in one turn; one would be an imbalance (``imbalance``, ``com_offset``, ``com_side_offset``)",
             lower=2.0,
             upper=200.0,
             scale=Scale(1.0),
@@ -58,6 +58,7 @@ EFFECT = Effect(
         "cubic_stiffness",
         "encoder_interpolation",
         "com_offset",
+        "imbalance",
         "payload_mass",
         "added_inertia",
         "clock_skew",

@@ -241,7 +241,8 @@ class Effect:
         the system), "rigid" (a rigid link with mass), "deflection" (a channel that sees bending), "exact shapes" (a beam
         whose modes theory goes on with; samples end where they end), "line" (a steady line in the channel's spectrum),
         "several" (recordings), "coupling" (a joint that follows another), "space" (a body that turns about any axis), "axis" (a
-        link that turns about one), "stated" (a model that states it: no recording proposes it).
+        link that turns about one), "balanced" (such a link with its centre of mass on that axis, where gravity or what carries it
+        can pull it to a side), "stated" (a model that states it: no recording proposes it).
     expressed_by: how each engine can say it; an engine that is not named cannot.
     simpler: effects that this one contains as a special case. modifies: effects at its site without one of which it is nothing;
         ``BY_MODEL`` among them where the model states one; two that modify the same exclude each other. alongside: (own parameters,

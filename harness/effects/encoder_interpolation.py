@@ -49,7 +49,7 @@ EFFECT = Effect(
     expressed_by={"any engine": "acts on the signal that any engine predicts"},
     needs=("channel", "angle"),
     simpler=(),
-    confusable_with=("sensor_nonlinearity", "cogging_torque", "sensor_offset", "sensor_gain", "base_tilt"),
+    confusable_with=("sensor_nonlinearity", "cogging_torque", "imbalance", "sensor_offset", "sensor_gain", "base_tilt"),
     rarity=1.5,
     sensor=Sensor(periodic_error, stage=55, linear=True),
 )

@@ -48,14 +48,15 @@ class References:
 class Scale:
     """A typical size as a rule: a factor times powers of the natural sizes.
 
-    ``Scale(0.02, torque=1, frequency=-1)`` is two per cent of torque / frequency.
+    ``Scale(0.02, torque=1, frequency=-1)`` is two per cent of torque / frequency, ``Scale(inertia=0.5, mass=-0.5)`` a radius of
+    gyration.
     """
 
     factor: float = 1.0
     torque: int = 0
-    inertia: int = 0
+    inertia: float = 0
     frequency: int = 0
-    mass: int = 0
+    mass: float = 0
     length: int = 0
     gravity: int = 0
     signal: int = 0

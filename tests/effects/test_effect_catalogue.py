@@ -39,6 +39,7 @@ WORDS = {
     "added_inertia": {"inertia": "kg*m**2"},
     "com_offset": {"offset": "m"},
     "com_displacement": {"x": "m", "y": "m", "z": "m"},
+    "imbalance": {"u": "m", "v": "m"},
     "base_tilt": {"angle": "rad"},
     "base_excitation": {"amplitude": "m/s**2", "frequency": "Hz", "phase": "rad"},
     "base_compliance": {"stiffness": "N/m", "mass": "kg", "damping": "N*s/m"},

@@ -48,6 +48,7 @@ KNOWN = (
     "com_offset",
     "com_side_offset",
     "link_inertia",
+    "imbalance",
     "base_tilt",
     "sensor_offset",
     "sensor_gain",
