@@ -13,7 +13,7 @@ from harness.system import System
 from harness.system.description import Array, constant
 
 ACROSS = ("u", "v")
-RADIUS = {"inertia": 0.5, "mass": -0.5}  # of gyration about the axis
+LITTLE = Scale(0.01, inertia=0.5, mass=-0.5)  # of the radius of gyration about the axis
 
 
 def across(axis: Array) -> tuple[Array, Array]:
@@ -40,11 +40,9 @@ def _shift(name: str, where: str) -> Parameter:
         name,
         "m",
         f"shift square to the joint's axis, {where}, mass and inertia about the centre of mass unchanged",
-        scale=Scale(0.01, **RADIUS),
+        scale=LITTLE,
         starts=(1.0, -1.0),
-        plausible=Plausible(
-            Scale(0.01, **RADIUS), "a hundredth of the radius of gyration: screws, keys, a bore beside the middle"
-        ),
+        plausible=Plausible(LITTLE, "a hundredth of the radius of gyration: screws, keys, a bore beside the middle"),
     )
 
 

@@ -59,13 +59,15 @@ LEFT = (NotTried("all of it", "everything"),)
     ],
 )
 def test_the_efforts_answer_stands_in_only_where_nothing_is_claimed(found, taken):
-    by_effort = answer("explained", None)
+    by_effort = answer("explained", "established")
     told = instead(found, by_effort)
     assert told is not None
     if not taken:
         assert told is found
         return
-    assert told.findings == by_effort.findings and not told.complete
+    # Nor is anything established.
+    assert [{**f, "grade": "established"} for f in told.findings] == by_effort.findings and not told.complete
+    assert [f["grade"] for f in told.findings] == ["likely"]
     assert UNRUN in told.not_tried
     # Looked at from one side only, nothing is called explained.
     assert told.verdict == "partly_explained"

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
+from harness.diagnose.claims.grades import ESTABLISHED, LIKELY
 from harness.diagnose.inverse.constants import EFFORTS_FIRST_JOINTS, EFFORTS_FIRST_SHARE
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.problem.deadline import Deadline, NotTried
@@ -62,8 +63,16 @@ def instead(found: Diagnosis | None, by_effort: Diagnosis | None) -> Diagnosis |
     # The answer by efforts ends with what it left untried itself: all of it is told in one sentence.
     told = by_effort.summary.removesuffix(untried(by_effort.not_tried)).rstrip()
     summary = f"{BY_EFFORTS} {told} {untried(not_tried)}"
+    findings = [
+        {**finding, "grade": LIKELY} if finding.get("grade") == ESTABLISHED else finding
+        for finding in by_effort.findings
+    ]
     return replace(
-        by_effort, verdict=WEAKER.get(by_effort.verdict, by_effort.verdict), summary=summary, not_tried=not_tried
+        by_effort,
+        verdict=WEAKER.get(by_effort.verdict, by_effort.verdict),
+        summary=summary,
+        findings=findings,
+        not_tried=not_tried,
     )
 
 
