@@ -22,6 +22,7 @@ from harness.diagnose.estimation import assemblies
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.inverse.efforts_first import efforts_first, instead
 from harness.diagnose.levels.differing_levels import differing_levels
+from harness.diagnose.levels.disagreement import disagreement
 from harness.diagnose.levels.known_error import worth_of_known_error
 from harness.diagnose.problem.acting import acting, coupled
 from harness.diagnose.problem.candidates import candidates
@@ -49,6 +50,7 @@ from harness.system.lowering import freed, one_degree
 
 Progress = Callable[[int, int, str], None]
 BENDING = ("link_flexibility",)
+APART = ("whether each recording is explained by itself", "recordings may be of different rigs, which is not told")
 LEVELS = ("whether dry friction differs from recording to recording", "its size may be a mean of several")
 
 
@@ -161,11 +163,12 @@ def diagnose(
         return replace(nothing, provenance=made_from, notes=notes)
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
+    apart = deadline.attempt(*APART, lambda: None if levels else disagreement(outcome, conclusion), lambda: None)
     tell("telling")
     notes += assemblies.told(outcome.predictor, outcome.problem.runs)
     with deadline.spared(Spared.TO_ITS_END):
         # What takes long in it is an attempt, with an end of its own.
-        found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels)
+        found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels, apart)
     found = with_second_encoders(instead(found, first) or found, system, read, held, second)
     return replace(found, provenance=made_from, notes=notes)
 

@@ -14,6 +14,7 @@ from harness.diagnose.answer.constants import INTERVALS_SHARE, PREDICTING_SHARE,
 from harness.diagnose.answer.correlations import correlations
 from harness.diagnose.answer.curves import curves
 from harness.diagnose.answer.diagnosis import Diagnosis
+from harness.diagnose.answer.disagreement_words import disagreement_words
 from harness.diagnose.answer.errors_told import fit_rows, likeliest_sets, ranking
 from harness.diagnose.answer.explain import (
     NO_FINDING,
@@ -42,6 +43,7 @@ from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.levels.between_recordings import Between, between_recordings
 from harness.diagnose.levels.differing_levels import Differing
+from harness.diagnose.levels.disagreement import Disagreement
 from harness.diagnose.problem.deadline import Stage
 from harness.diagnose.selection.outcome import Outcome, as_read
 from harness.parallel import meanwhile
@@ -66,9 +68,11 @@ PREDICTING = ("the model that predicts best", NO_FINDING)
 
 
 def answer(
-    outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None
-) -> Diagnosis:
-    """The answer; recordings: all of them, the one held out too, for what was found of their quality."""
+    outcome: Outcome, conclusion: Conclusion, recordings: Sequence[Recording], levels: Differing | None = None,
+    apart: Disagreement | None = None,
+) -> Diagnosis:  # fmt: skip
+    """The answer; recordings: all of them, the one held out too, for what was found of their quality. apart: what each of them
+    says by itself, where they disagree."""
     problem, deadline = outcome.problem, outcome.predictor.deadline
     deadline.begin(Stage.TELLING)
     # Nearly all of it in compiled code: on another thread, if there is one, beside all that follows.
@@ -113,6 +117,7 @@ def answer(
     )
     proposed = proposal()
     text = [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
+    text += [disagreement_words(apart, problem)]
     text += [form.sentence] if form is not None else []
     if not conclusion.claims:
         own = conclusion.own
@@ -154,6 +159,7 @@ def answer(
         opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
         levelled=levels.system if levels else None,
+        disagreement=apart.document() if apart else None,
         correlations=correlations(outcome.predictor, conclusion.own, [c.candidate.key for c in conclusion.claims]),
         not_tried=deadline.not_tried,
     )

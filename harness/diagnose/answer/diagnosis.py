@@ -27,7 +27,8 @@ class Diagnosis:
     verdict: "consistent", "explained", "partly_explained" or "unexplained". augmented: the model with the findings attached.
     curves: what the plots are drawn from. opening: from where the augmented model runs again; replay: how it does so in other
     engines, once asked for (``replayed``). levels, levelled: dry friction that differs from recording to recording, and the model
-    with its laws fitted beside such levels, where recordings ask for them. explained_share: share of the nominal model's
+    with its laws fitted beside such levels, where recordings ask for them. disagreement: what each recording says by itself, where
+    they disagree with one another. explained_share: share of the nominal model's
     mean-square mismatch on data held out that the findings remove. discrepancy: the force that they leave out, a row a joint.
     predicting, predictive: effects of the set that predicts best where a force is left out, and the model with them;
     unnamed_force: the force over the state that is one of them, if it is. provenance:
@@ -49,6 +50,7 @@ class Diagnosis:
     curves: Curves | None = None
     levels: Mapping[str, Any] | None = None
     levelled: System | None = None
+    disagreement: Mapping[str, Any] | None = None
     opening: Opening | None = None
     replay: Sequence[Mapping[str, Any]] = ()
     explained_share: float | None = None
@@ -102,6 +104,8 @@ class Diagnosis:
             document["replay"] = list(self.replay)
         if self.levels is not None:
             document["levels"] = dict(self.levels)
+        if self.disagreement is not None:
+            document["disagreement"] = dict(self.disagreement)
         if self.correlations is not None:
             document["correlations"] = dict(self.correlations)
         if self.provenance is not None:

@@ -60,3 +60,9 @@ LEAST_DIFFERENCE = 0.03
 TIED_SPREAD = 1e-6
 # hypotheses; the likeliest, in which dry friction is looked for where none is claimed; chosen
 RANKED_HYPOTHESES = 4
+
+# --- recordings that disagree with one another ---
+
+# times the noise; that a set leaves of all recordings together which leaves noise of each: what is left of that by laws that are
+# nearly right is no disagreement; chosen
+APART_RATIO = 3.0

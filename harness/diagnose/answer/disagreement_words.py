@@ -1,0 +1,35 @@
+"""Recordings that disagree with one another, in a sentence."""
+
+from __future__ import annotations
+
+from harness.diagnose.answer.findings import in_words
+from harness.diagnose.levels.disagreement import Disagreement
+from harness.diagnose.problem.problem import Problem
+from harness.recording.units import written
+
+FEW = 6  # recordings whose numbers a sentence has room for
+NOTHING = 1e-3  # of the largest number
+
+
+def disagreement_words(found: Disagreement | None, problem: Problem) -> str:
+    """That they do, by what, and how large that is in each; empty where they agree."""
+    if found is None:
+        return ""
+    most = max(found.times.values())
+    text = (
+        f"The recordings disagree with one another: each by itself is explained to {most:.2g} times the noise at most with "
+        f"{' and '.join(in_words(member.key) for member in found.members)}, all together by the same to {found.together:.3g} times."
+    )
+    k, name = found.differing[0]
+    member = found.members[k]
+    slides = {joint.name: joint.prismatic for joint in problem.system.joints}
+    unit = next((c.unit for c in problem.channels if c.name == member.site), "")
+    units = member.effect.units(prismatic=slides.get(member.site, False), channel_unit=unit)
+    own = written(dict(zip(member.effect.parameter_names, units, strict=True))[name])
+    values = {run: of_run[k][name].value for run, of_run in found.values.items()}
+    # Beside the largest, what is nothing but for rounding is nothing.
+    little = NOTHING * max(map(abs, values.values()))
+    each = [f"{value:.3g} in {run}" if abs(value) > little else f"0 in {run}" for run, value in values.items()]
+    more = f" and {len(each) - FEW} more" if len(each) > FEW else ""
+    text += f" Most differs the {name} of {in_words(member.key)} [{own}]: {', '.join(each[:FEW])}{more}."
+    return f"{text} They may be of different rigs, or of one before and after a change: diagnose those that agree by themselves."
