@@ -7,16 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
 from harness.diagnose.criticism.constants import (
     FAR_OUT_SHARE,
     FAST_MOTION_SHARE,
+    FEWEST_READ,
+    FEWEST_TURNS,
     MIDDLE_SHARE,
+    NARROW_SHARES,
+    NARROW_STEP,
+    NOISE_OF_REST,
     SLOW_MOTION_SHARE,
     TELLING_PLACE_RATIO,
 )
-from harness.diagnose.estimation.discrepancy import Discrepancy, covariance_at
+from harness.diagnose.estimation.discrepancy import Discrepancy, covariance_at, pieces_of
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.problem.problem import Problem
+from harness.diagnose.problem.windows import Window
 from harness.diagnose.selection.outcome import Outcome
 from harness.effects.scale import references
 from harness.system import System
@@ -28,7 +36,8 @@ Array = NDArray[np.float64]
 class LeftForce:
     """The force that a fit leaves out at one joint: at times of a recording [s], with the motion there.
 
-    run: which recording; force: the likeliest given the residuals [N·m or N]; q, qd: position and velocity; all (G,).
+    run: which recording; force: the likeliest given the residuals [N·m or N]; q, qd: position and velocity, as recorded where the
+    joint is; all (G,). memory: how long the force keeps [s].
     """
 
     joint: str
@@ -37,6 +46,7 @@ class LeftForce:
     q: Array
     qd: Array
     force: Array
+    memory: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -50,27 +60,57 @@ class Place:
 
 
 def left_force(outcome: Outcome, fitted: Fit, force: Discrepancy) -> list[LeftForce]:
-    """The likeliest course of the force given what a fit leaves (the mean of a Gaussian process given its response)."""
-    seen = force.responses.probe.likelihood
-    ((_, residuals),) = outcome.study.objective_under(seen, fitted).residuals([(fitted.x, fitted.states)])
+    """The likeliest course of the force given what a fit leaves (the mean of a Gaussian process given its response).
+
+    Initial states are as likely as they can be beside it: without the force they were fitted to what it did, and a blow at the
+    beginning would put them right again.
+    """
     out = []
-    for window, white in zip(fitted.windows, residuals, strict=True):
-        residual = white / np.sqrt(force.louder)
-        forced, motion = force.responses.of(window), force.responses.motion(window)
-        if motion is None or not len(forced.knots):
+    free = outcome.study.profiled_under(force.responses.probe.likelihood, fitted)
+    for window, profile in zip(fitted.windows, free, strict=True):
+        motion = force.responses.motion(window)
+        found = pieces_of(force.responses, [window], [profile])
+        if motion is None or not found:
             continue
-        spread = covariance_at(forced.knots, np.array(force.sizes) / force.scale, force.memory)
-        values, vectors = np.linalg.eigh(forced.r @ spread @ forced.r.T)
-        own_axes = vectors.T @ (forced.q.T @ residual) / (1.0 + np.maximum(values, 0.0))
+        ((along, r, knots),) = ((piece.along, piece.r, piece.knots) for piece in found)
+        spread = covariance_at(knots, np.array(force.sizes) / force.scale, force.memory)
+        values, vectors = np.linalg.eigh(r @ spread @ r.T)
+        own_axes = vectors.T @ along / np.sqrt(force.louder) / (1.0 + np.maximum(values, 0.0))
         # Residuals are prediction − measurement: what pushes the measurement is what the prediction lacks.
-        course = -spread @ forced.r.T @ (vectors @ own_axes)
+        course = -spread @ r.T @ (vectors @ own_axes)
         # The motion is that of another fit, which may have more coordinates than this one, or fewer.
         each = zip(force.joints, force.responses.places, np.split(course, len(force.joints)), strict=True)
         for joint, k, own in each:
-            size = force.scale * np.interp(motion.time, forced.knots, own)
-            start = outcome.problem.runs[window.run].time[window.first]
-            out.append(LeftForce(joint, window.run, motion.time + start, motion.q[:, k], motion.qd[:, k], size))
+            size = force.scale * np.interp(motion.time, knots, own)
+            time = motion.time + outcome.problem.runs[window.run].time[window.first]
+            # A model that lacks a force is soon elsewhere than the mechanism was, which the force has pushed.
+            q, qd = recorded(outcome.problem, window, joint, time, force.memory) or (motion.q[:, k], motion.qd[:, k])
+            out.append(LeftForce(joint, window.run, time, q, qd, size, force.memory))
     return out
+
+
+def recorded(problem: Problem, window: Window, joint: str, time: Array, memory: float) -> tuple[Array, Array] | None:
+    """Position and velocity (G,) of a joint by its own channel at times of the recording [s]; None where it has none.
+
+    The velocity is the slope of straight lines as long as a force keeps, as nothing of it is known finer, and zero where noise
+    makes such slopes.
+    """
+    channel = problem.position_of(joint)
+    if channel is None:
+        return None
+    run = problem.runs[window.run]
+    part = slice(window.first, window.last)
+    read = np.isfinite(run.values[channel, part])
+    if np.count_nonzero(read) < FEWEST_READ:
+        return None
+    when, what = run.time[part][read], run.values[channel, part][read]
+    even = np.arange(when[0], when[-1] + 0.5 * run.interval, run.interval)
+    length = min(2 * int(0.5 * memory / run.interval) + 1, len(even) - 1 + len(even) % 2)
+    length = max(length, 3)
+    slope = savgol_filter(np.interp(even, when, what), length, 1, deriv=1, delta=run.interval)
+    noise = run.roughness[channel] / run.interval * np.sqrt(12.0 / (length * (length**2 - 1.0)))
+    slope = np.where(np.abs(slope) > NOISE_OF_REST * noise, slope, 0.0)
+    return np.interp(time, when, what), np.interp(time, even, slope)
 
 
 def place_of(system: System, recordings: Sequence[str], left: Sequence[LeftForce]) -> Place | None:
@@ -86,14 +126,19 @@ def place_of(system: System, recordings: Sequence[str], left: Sequence[LeftForce
     for joint in joints:
         own = [p for p in left if p.joint == joint]
         at_joint = squares[joint] / natural[joint] ** 2 / max(total, 1e-300)
-        for words, masks in _places(system, recordings, own):
+        pieces = max(sum(_pieces(p) for p in own), 1.0)
+        for words, masks, alike in _places(system, recordings, own):
             inside = sum(_square(p, m) for p, m in zip(own, masks, strict=True)) / max(squares[joint], 1e-300)
             time = sum(float(np.sum(m)) for m in masks) / max(sum(len(p.time) for p in own), 1)
             # Of all that is left, a place with less than its share of the time says where it does not lie.
             if time <= 0.0 or inside < TELLING_PLACE_RATIO * time or at_joint * inside < time:
                 continue
-            # Of places that hold more than their time, the one that holds most beyond it.
-            worth = at_joint * (inside - time)
+            # Of places that hold more than their time, the one that holds most beyond it: less what the best of so many alike
+            # holds of a force without any place, whose square in independent pieces varies by twice its mean's square.
+            chance = float(np.sqrt(2.0 * np.log(alike)) * np.sqrt(2.0 * time * (1.0 - time) / pieces))
+            worth = at_joint * (inside - time - chance)
+            if worth <= 0.0:
+                continue
             if best is None or worth > best[0]:
                 best = worth, Place(joint, words, at_joint * inside, time)
     return best[1] if best is not None else None
@@ -105,10 +150,58 @@ def _square(part: LeftForce, mask: NDArray[np.bool_] | None = None) -> float:
     return float(np.sum(own**2)) * step
 
 
+def _pieces(part: LeftForce) -> float:
+    """How many values of a force there are that do not hang together: an exponential memory τ leaves T / 2τ."""
+    step = float(np.median(np.diff(part.time))) if len(part.time) > 1 else 1.0
+    return len(part.time) * step / max(2.0 * part.memory, step)
+
+
 def _places(
     system: System, recordings: Sequence[str], own: Sequence[LeftForce]
+) -> Iterator[tuple[str, list[NDArray[np.bool_]], int]]:
+    """Places that have a name, each with where every part of the force is within it and how many like it are looked at."""
+    for words, masks in _wide_places(system, recordings, own):
+        yield words, masks, 1
+    narrow = list(_narrow_places(system, own))
+    for words, masks in narrow:
+        yield words, masks, len(narrow)
+
+
+def _narrow_places(system: System, own: Sequence[LeftForce]) -> Iterator[tuple[str, list[NDArray[np.bool_]]]]:
+    """Stretches of the joint's way, or of a turn of what turns many times over."""
+    joint = system.joint(own[0].joint)
+    unit = "m" if joint.prismatic else "rad"
+    low, high = min(float(np.min(p.q)) for p in own), max(float(np.max(p.q)) for p in own)
+    turning = not joint.prismatic and high - low > FEWEST_TURNS * 2.0 * np.pi
+    way = 2.0 * np.pi if turning else high - low
+    if not way > 0.0:
+        return
+    for share in NARROW_SHARES:
+        width = share * way
+        places = round((1.0 if turning else 1.0 - share) / NARROW_STEP) + (not turning)
+        decimals = max(1 - int(np.floor(np.log10(width))), 0)
+        for k in range(places):
+            begin = k * NARROW_STEP * way + (0.0 if turning else low)
+            first, last = (f"{round(end, decimals) + 0.0:.{decimals}f}" for end in (begin, begin + width))
+            if turning:
+                yield (
+                    f"within {first} … {last} {unit} of every turn",
+                    [np.mod(p.q - begin, 2.0 * np.pi) < width for p in own],
+                )
+                continue
+            words = f"within {first} … {last} {unit}"
+            if k == 0:
+                words = f"below {last} {unit}"
+            elif k == places - 1:
+                words = f"above {first} {unit}"
+            # The last one holds the end of the way whatever rounding leaves of it.
+            yield words, [(p.q >= begin) & ((p.q <= begin + width) | (k == places - 1)) for p in own]
+
+
+def _wide_places(
+    system: System, recordings: Sequence[str], own: Sequence[LeftForce]
 ) -> Iterator[tuple[str, list[NDArray[np.bool_]]]]:
-    """Places that have a name, each with where every part of the force is within it."""
+    """Halves and thirds: by speed, by place, by direction, and by the time of each recording."""
     joint = system.joint(own[0].joint)
     unit = "m" if joint.prismatic else "rad"
     fast = max(float(np.max(np.abs(p.qd))) for p in own)

@@ -163,8 +163,8 @@ def covariance_at(knots: Array, sizes: Array, memory: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _Piece:
-    """A window's residual seen by the forces, initial states projected out: Qᵀr, R, knots; cost and number of the rest."""
+class Piece:
+    """A window's residual seen by the forces, initial states projected out: Qᵀr, R, knots [s]; cost and number of the rest."""
 
     along: Array
     r: Array
@@ -198,7 +198,8 @@ def profiled(here: Linearisation) -> list[Profiled]:
     return out
 
 
-def _pieces(found: Responses, windows: Sequence[Window], free: Sequence[Profiled]) -> list[_Piece]:
+def pieces_of(found: Responses, windows: Sequence[Window], free: Sequence[Profiled]) -> list[Piece]:
+    """Of every window that has a motion, what is left seen by the forces; free: the fit in its windows, states profiled out."""
     out = []
     for window, own in zip(windows, free, strict=True):
         forced = found.of(window)
@@ -213,11 +214,11 @@ def _pieces(found: Responses, windows: Sequence[Window], free: Sequence[Profiled
         along = (vectors[:, kept].T @ (forced.q.T @ own.residual)) / root
         count = max(own.samples - own.states.shape[1] - len(along), 0)
         outside = max(float(own.residual @ own.residual) - float(along @ along), 0.0)
-        out.append(_Piece(along, (root[:, None] * vectors[:, kept].T) @ forced.r, forced.knots, outside, count))
+        out.append(Piece(along, (root[:, None] * vectors[:, kept].T) @ forced.r, forced.knots, outside, count))
     return out
 
 
-def _gain(pieces: Sequence[_Piece], sizes: Array, memory: float, louder: float) -> tuple[float, Array]:
+def _gain(pieces: Sequence[Piece], sizes: Array, memory: float, louder: float) -> tuple[float, Array]:
     """Twice the restricted log-likelihood with such a force and so much louder noise over that of neither.
 
     With its slope in the logarithms of the sizes, the memory and the louder noise.
@@ -266,7 +267,7 @@ def estimate(
 
     free: the fit in its windows under the sensors' noise alone.
     """
-    pieces = _pieces(found, windows, free)
+    pieces = pieces_of(found, windows, free)
     if not pieces:
         return None
     n = len(joints)
@@ -303,7 +304,7 @@ def estimate(
     )
 
 
-def _first_size(pieces: Sequence[_Piece], joints: int, memory: float) -> float:
+def _first_size(pieces: Sequence[Piece], joints: int, memory: float) -> float:
     """A size that accounts for the excess of the residual over noise, in natural units."""
     excess = sum(max(float(p.along @ p.along) - len(p.along), 0.0) for p in pieces)
     one = sum(float(np.sum((p.r @ covariance_at(p.knots, np.ones(joints), memory)) * p.r)) for p in pieces)

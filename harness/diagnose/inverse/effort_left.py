@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ def effort_left(system: System, parts: Sequence[EffortData], fitted: EffortFit) 
     parts: the training data and those held out.
     """
     left, names = list[LeftForce](), list[str]()
-    rows = []
+    rows, keeps = [], dict[str, float]()
     for part in parts:
         residuals = part.model.residuals(fitted.hypothesis, fitted.x)
         for run, residual in zip(part.model.runs, residuals, strict=True):
@@ -35,13 +36,16 @@ def effort_left(system: System, parts: Sequence[EffortData], fitted: EffortFit) 
     for j in parts[0].joints:
         joint = system.joint_names[j]
         own = [part.force for part in left if part.joint == joint]
+        step = float(parts[0].model.runs[0].time[1])
+        keeps[joint] = step * _memory(own)
         power = float(np.mean(np.concatenate(own) ** 2)) - parts[0].noises[j].std ** 2
         if power <= 0.0:
             continue
-        size, step = float(np.sqrt(power)), float(parts[0].model.runs[0].time[1])
+        size = float(np.sqrt(power))
         unit, natural = system.joint(joint).force_unit, float(references(system, joint).torque)
-        rows.append(AtJoint(joint, size, unit, size / natural, step * _memory(own)))
-    return LeftOut(tuple(rows), place_of(system, names, left)) if rows else None
+        rows.append(AtJoint(joint, size, unit, size / natural, keeps[joint]))
+    kept = [replace(part, memory=keeps.get(part.joint, 0.0)) for part in left]
+    return LeftOut(tuple(rows), place_of(system, names, kept)) if rows else None
 
 
 def _memory(stretches: Sequence[Array]) -> float:
