@@ -24,11 +24,11 @@ QUICK = {
         "test_noise_free_recording", "test_numbers_in_tables",
         "test_one_law_far_off",
         "test_provenance", "test_pushed_runs", "test_replay", "test_resolved_numbers", "test_score_beside_force",
-        "test_disagreement", "test_link_inertia", "test_weighing_cut_short", "test_imbalance_found", "test_second_encoders_beside",
+        "test_disagreement", "test_place_of_left_force", "test_link_inertia", "test_weighing_cut_short", "test_imbalance_found", "test_second_encoders_beside",
         "test_folds", "test_plain_laws", "test_search_ends", "test_separation", "test_sharp_sensitivities", "test_state_force",
         "test_summary", "test_against_nominal", "test_taken_away",
         "test_thinned_recordings", "test_trials", "test_turning_in_space", "test_turning_joints", "test_unequal_windows",
-        "test_unnamed_force", "test_weak_contact", "test_what_acts", "test_zero_of_every_recording",
+        "test_unnamed_force", "test_weak_contact", "test_what_acts", "test_words_of_answers", "test_zero_of_every_recording",
     ),
     "proof": ("test_full_disk", "test_score", "test_truth", "test_same_recordings", "test_practitioner", "test_paper_damping"),
 }  # fmt: skip

@@ -106,7 +106,7 @@ USUAL_LIMIT = 120.0  # s, on a terminal: somebody waits there
     "Write diagnosis.json, report.html and the augmented model there; of --compare and --transfer JSON and page; of --fleet "
     "one JSON a unit as they come, and fleet.json, fleet.csv, report.html (default: denoc-fleet)."
 )
-@wide_options
+@wide_options(beside="--fleet")
 def diagnose(
     recordings: tuple[str, ...],
     models: tuple[str, ...],

@@ -66,7 +66,7 @@ SUITE_REFERENCE = "reference/accepted.json"
 )
 @allow_option
 @output_options("Write results.json, junit.xml and the other reports of the run there.")
-@wide_options
+@wide_options()
 def gate(
     models: tuple[str, ...],
     reference: str | None,

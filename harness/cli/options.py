@@ -45,14 +45,24 @@ def allow_option(function: F) -> F:
     )(function)
 
 
-def wide_options(function: F) -> F:
-    """``--workers`` and ``--dask``, for work that goes through the parallel map."""
-    function = click.option(
-        "--dask", metavar="ADDRESS", help="Run on an existing Dask cluster, for example tcp://head:8786."
-    )(function)
-    return click.option(
-        "--workers", metavar="N", type=click.IntRange(min=1), help="Processes on this machine; default: all cores."
-    )(function)
+def wide_options(beside: str = "") -> Callable[[F], F]:
+    """``--workers`` and ``--dask``, for work that goes through the parallel map; beside: the option that they need."""
+    condition = f" (with {beside})" if beside else ""
+
+    def decorate(function: F) -> F:
+        function = click.option(
+            "--dask",
+            metavar="ADDRESS",
+            help=f"Run on an existing Dask cluster, for example tcp://head:8786{condition}.",
+        )(function)
+        return click.option(
+            "--workers",
+            metavar="N",
+            type=click.IntRange(min=1),
+            help=f"Processes on this machine; default: all cores{condition}.",
+        )(function)
+
+    return decorate
 
 
 def console(json_file: str | None = None) -> Console:

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     help="Ask other methods about the same cases; default: in the full proof, where the extra [peers] is installed.",
 )
 @output_options("Folder of the proof: cases, sealed answers, digests, answers found, proof.json; default: denoc-proof.")
-@wide_options
+@wide_options()
 def prove(
     quick: bool,
     cases: int | None,

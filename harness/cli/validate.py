@@ -32,7 +32,7 @@ from harness.cli.options import allow_option, console, output_options, progress,
 )
 @click.option("--rows", "every_row", is_flag=True, help="Print every row, not a line for each group and what failed.")
 @click.option("--list", "list_cases", is_flag=True, help="List the cases of the suite and their sources.")
-@wide_options
+@wide_options()
 def validate(
     models: tuple[str, ...],
     out: Path | None,

@@ -4,6 +4,7 @@ import pytest
 
 from harness.diagnose.answer.explain import percent
 from harness.diagnose.answer.significant_digits import best, digits, ends, estimate, resolved, rounded
+from harness.plain_numbers import points
 
 
 @pytest.mark.parametrize(
@@ -50,10 +51,26 @@ def test_ends_that_lie_decades_apart_are_each_read_by_themselves() -> None:
     assert ends([0.005, 39.0]) == "0.005 … 39"
     assert ends([-1234.0, -2e-6]) == "-1200 … -2e-06"
     assert ends([0.0, 39.0]) == "0.00 … 39.0"
-    assert ends([-0.004, 39.0]) == "0 … 39.0"
+    assert ends([-0.004, 39.0]) == "-0.004 … 39.0"
     assert best(0.4, [0.005, 39.0]) == "0.400"
     assert best(0.001, [-0.5, 0.5]) == "0.0"
     assert best(0.25, None) == "0.250"
+
+
+def test_an_end_that_says_that_all_is_away_is_no_zero() -> None:
+    """A damping of 0.001 is stated: that none of it is left is the best value and one end, far below what parts the ends."""
+    assert ends([-0.001, 0.057]) == "-0.001 … 0.0570"
+    assert estimate(-0.001, None, (-0.001, 0.057)).startswith("-0.001 … 0.0570 (95 %), best -0.001")
+    assert ends([0.0, 0.057]) == "0.00 … 0.0570"
+    assert ends([-1e-16, 0.057]) == "0.00 … 0.0570"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.4, "0"), (-0.4, "0"), (-5.2, "-5"), (232327.3, "232327"), (1642453342761.0, "1.64e12"), (-2.5e6, "-2.50e6")],
+)
+def test_points_beyond_a_million_have_three_digits(value: float, text: str) -> None:
+    assert points(value) == text
 
 
 @pytest.mark.parametrize(

@@ -158,7 +158,7 @@ def test_a_catalogue_that_was_not_gone_through_beside_a_force_is_not_said_to_hol
 def test_a_set_that_was_not_judged_beside_a_force_is_told_as_that() -> None:
     cut = replace(_conclusion("unexplained"), cut_short=UNJUDGED, hurried=True)
     text = summary(cut, 30.0, [], [], Foretold(1.4), 0.93, LEFT)
-    assert "sensors' noise. The best set so far is nothing, and leaves 1.4 times the noise; it removes 93 %" in text
+    assert "sensors' noise. The best set so far is nothing; it removes 93 %" in text
     assert "so nothing is claimed. What is left of the data held out is" in text
 
 

@@ -157,7 +157,7 @@ def _beside_a_force(
     if findings:
         text = f"The nominal model leaves the recordings {size}; {holding_up(findings, explained, beside=beside)}."
     elif conclusion.cut_short == UNJUDGED:
-        text = CUT_SHORT[UNJUDGED].format(**_so_far(conclusion, explained), severity=size)
+        text = CUT_SHORT[UNJUDGED].format(**_so_far(conclusion, explained, beside=True), severity=size)
     else:
         doubt = UNWEIGHED if conclusion.cut_short else UNNAMED_COULD
         text = _nothing_for_certain(conclusion, possible, explained, doubt).format(severity=size)
@@ -178,15 +178,20 @@ def _beside_a_force(
     return sentences
 
 
-def _so_far(conclusion: Conclusion, explained: float | None) -> dict[str, str]:
-    """The best set of a search whose sets were not judged, and how far it is known to go."""
+def _so_far(conclusion: Conclusion, explained: float | None, *, beside: bool = False) -> dict[str, str]:
+    """The best set of a search whose sets were not judged, and how far it is known to go.
+
+    beside: a force that is left out, which is told with what it leaves of the worst channel: all channels at once are another
+    measure.
+    """
     keys = " + ".join(conclusion.best.hypothesis.keys) or "nothing"
     judged = "it has not been judged on data held out"
     if explained is not None and explained > 0.0:
         share = percent(explained)
         judged = f"it removes {share} of the mismatch on data held out, but which of its effects stand there was not examined"
     return {
-        "best": f"The best set so far is {keys}, and leaves {times(conclusion.level)} times the noise",
+        "best": f"The best set so far is {keys}"
+        + ("" if beside else f", and leaves {times(conclusion.level)} times the noise"),
         "judged": judged,
     }
 

@@ -7,6 +7,7 @@ from typing import Any
 from harness.diagnose.answer.explain import NO_FINDING
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.estimation.least_squares import Fit
+from harness.diagnose.experiment.constants import PARTED_SIGMAS
 from harness.diagnose.experiment.design import propose
 from harness.diagnose.problem.hypothesis import Candidate
 from harness.diagnose.selection.outcome import Outcome
@@ -44,6 +45,7 @@ def _proposed(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
             first, other = _differing_in(study, conclusion.best, claim, rival)
             if other is not None:
                 pairs.append((first, other, (claim.candidate.effect.name, rival.effect.name)))
+    runner_up = ""
     if not pairs and conclusion.best.hypothesis.members:
         # Nothing is left open; the runner-up would still be the first to doubt.
         for other in outcome.ordered:
@@ -52,8 +54,15 @@ def _proposed(outcome: Outcome, conclusion: Conclusion) -> dict[str, Any]:
             }
             if names and len(other.hypothesis.members) == len(conclusion.best.hypothesis.members):
                 pairs.append((conclusion.best, other, tuple(sorted(names))))
+                runner_up = " + ".join(other.hypothesis.keys)
                 break
     proposal = propose(study, pairs[:3])
     if proposal is None:
         return {"what": "", "separates": []}
+    if runner_up and proposal.separation < PARTED_SIGMAS:
+        return {"what": "", "separates": []}
+    if runner_up:
+        # The recordings part the two already: the answer lists no such pair, so none is named here.
+        what = f"{proposal.what}, where the likeliest set beside what is told ({runner_up}) would show most that it is wrong"
+        return {"what": what, "separates": [], "expected_sigma": proposal.separation}
     return {"what": proposal.what, "separates": list(proposal.separates), "expected_sigma": proposal.separation}

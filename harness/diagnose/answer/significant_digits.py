@@ -47,20 +47,23 @@ def rounded(value: float | None) -> str:
 
 
 def ends(interval: Interval) -> str:
-    """``low … high``, as many digits each as part the two, or as it needs itself if they lie decades apart; nothing for none."""
+    """``low … high``, as many digits each as part the two, or as it needs itself if they lie decades apart; nothing for none.
+
+    An end is no estimate that its own spread would blur: all of a stated damping away is -0.001, however far the other end lies.
+    """
     low, high = interval or (None, None)
     if low is not None and high is not None and low * high > 0.0:
         near, far = sorted((abs(low), abs(high)))
         if far > ENDS_RATIO * near:
             return f"{_short(low)} … {_short(high)}"
-    return " … ".join(resolved(end, _width(interval)) for end in interval or ())
+    return " … ".join(_end(end, _width(interval)) for end in interval or ())
 
 
 def best(value: float | None, interval: Interval) -> str:
     """The value beside its interval: as many digits as the nearer end leaves it."""
     low, high = interval or (None, None)
     if value is None or low is None or high is None or not low < value < high:
-        return resolved(value, _width(interval))
+        return _end(value, _width(interval))
     return resolved(value, 2.0 * min(value - low, high - value))
 
 
@@ -91,6 +94,13 @@ def _own(value: float, std: float, low: float, high: float) -> bool:
     """Whether a value and its deviation would tell half of an interval."""
     nearer, farther = sorted((value - low, high - value))
     return farther > min(LOPSIDED_RATIO * TWO_SIDED_95 * std, LOPSIDED_RATIO * nearer, abs(value))
+
+
+def _end(value: float | None, width: float | None) -> str:
+    """An end of an interval: by its own digits where those that the width leaves would show nothing of it."""
+    text = resolved(value, width)
+    nothing = value is not None and float(text) == 0.0
+    return _short(value) if value is not None and nothing and abs(value) > 10.0**-MOST_DIGITS * (width or 0.0) else text
 
 
 def _short(value: float) -> str:

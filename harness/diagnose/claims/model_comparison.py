@@ -10,6 +10,7 @@ from harness.diagnose.claims.constants import WORSE_PREDICTION_RATIO
 from harness.diagnose.claims.rivals import as_stated
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.selection.study import Study
+from harness.plain_numbers import points
 
 
 def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, imitated: Collection[str] = ()) -> str:
@@ -25,18 +26,22 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
         if as_stated(study, other).hypothesis.identity == best.hypothesis.identity:
             return "takes away what the model states, and needs more effects for it"
         leading = min(study.fits.values(), key=study.criterion)
-        if other.hypothesis.identity == leading.hypothesis.identity:
+        if not other.hypothesis.members:
+            # There is nothing in it that could be borne out: it is held against what is told.
+            leading = best
+        elif other.hypothesis.identity == leading.hypothesis.identity:
             shared = [key for key in other.hypothesis.keys if key in imitated]
             words = f"what nobody has named could have imitated {' and '.join(shared)}"
             return words if shared else "not borne out by data that it was not fitted to"
-        best, least = leading, np.inf
+        if leading is not best:
+            best, least = leading, np.inf
     further = other.hypothesis.size - best.hypothesis.size
     price = further * float(np.log(study.samples))
     gained = best.cost - other.cost
-    better = f"better (χ² by {gained:.0f}), too little for" if gained >= 1.0 else "no better with"
+    better = f"better (χ² by {points(gained)}), too little for" if gained >= 1.0 else "no better with"
     parts = {
         _bent(study, other): other.prior - best.prior,
-        f"fits the recordings worse (χ² by {-gained:.0f})": -gained,
+        f"fits the recordings worse (χ² by {points(-gained)})": -gained,
         f"fits {better} {further} more parameter{'s' * (further > 1)}": price,
     }
     said = max(parts, key=lambda words: parts[words])
@@ -48,7 +53,7 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
 
 
 def _ratio(times: float) -> str:
-    return f"{100.0 * (times - 1.0):.0f} %" if times < 2.0 else f"{times:.2g} times"
+    return f"{100.0 * (times - 1.0):.0f} %" if times < 2.0 else f"{float(f'{times:.2g}'):,.12g} times"
 
 
 def _bent(study: Study, fitted: Fit) -> str:

@@ -37,6 +37,7 @@ from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.effects.effect import Effect
 from harness.errors import InputError, UnsupportedError
 from harness.recording.recording import QualityNote, Recording
+from harness.recording.units import written
 from harness.system import System
 
 Array = NDArray[np.float64]
@@ -253,11 +254,12 @@ def _pieces(mine: Sequence[tuple[EffortRun, Grid, Array]], j: int, dry: float) -
 
 def _note(system: System, run: EffortRun, push: Push) -> QualityNote:
     joint = system.joint_names[push.joint]
+    unit = written(system.joint(joint).force_unit)
     return QualityNote(
         "outside_push",
         f"{joint}.effort",
-        f"from {push.first:.2f} to {push.last:.2f} s something outside pushes {joint} with up to {-push.peak:+.2g} N·m: the motion "
-        "needs an effort that was not recorded, and no ordinary torque explains it",
+        f"from {push.first:.2f} to {push.last:.2f} s something outside pushes {joint} with up to {-push.peak:+.2g} {unit}: the "
+        "motion needs an effort that was not recorded, and no ordinary torque explains it",
         "left out",
         int(np.count_nonzero((run.time >= push.first) & (run.time <= push.last))),
         ((push.first, push.last),),

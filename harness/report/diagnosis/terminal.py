@@ -11,6 +11,7 @@ from rich.text import Text
 from harness.diagnose.answer.diagnosis import numbers_of, one_by_one, rivals_of
 from harness.diagnose.answer.findings import none_of_stated
 from harness.diagnose.answer.significant_digits import estimate, resolved, rounded
+from harness.plain_numbers import points
 from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
@@ -62,7 +63,7 @@ def _findings(findings: list[Mapping[str, Any]]) -> Shown:
         parameters = "; ".join(_number(finding, name) for name in numbers_of(finding))
         others = ", ".join(rivals_of(finding))
         bic = finding.get("evidence", {}).get("delta_bic")
-        weight = "" if bic is None else f"{bic:.0f}"
+        weight = "" if bic is None else points(bic)
         lines.append((finding["effect"], finding["site"], finding.get("grade") or "", parameters, weight, others))
     return heads, lines
 
@@ -130,7 +131,7 @@ def _ranking(ranking: list[Mapping[str, Any]]) -> Shown:
         lines.append(
             (
                 said,
-                "–" if bic is None else f"{bic - least:.0f}",
+                "–" if bic is None else points(bic - least),
                 *(rounded(error) for error in held_out(row, channels)),
                 row.get("lost") or "",
             )
