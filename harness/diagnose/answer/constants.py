@@ -82,3 +82,10 @@ REPLAY_TIME = 4.0
 REPLAY_STEP = 5e-4
 # s; the same where it must be finer; chosen
 FINE_REPLAY_STEP = 1e-4
+
+# --- recordings that disagree with one another ---
+
+# recordings; whose numbers a sentence has room for; chosen
+RECORDINGS_NAMED = 6
+# of the largest number; below which one is told as nothing; chosen
+NOTHING_SHARE = 1e-3

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from harness.diagnose.answer.constants import NOTHING_SHARE, RECORDINGS_NAMED
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.levels.disagreement import Disagreement
 from harness.diagnose.problem.problem import Problem
 from harness.recording.units import written
-
-FEW = 6  # recordings whose numbers a sentence has room for
-NOTHING = 1e-3  # of the largest number
 
 
 def disagreement_words(found: Disagreement | None, problem: Problem) -> str:
@@ -28,8 +26,8 @@ def disagreement_words(found: Disagreement | None, problem: Problem) -> str:
     own = written(dict(zip(member.effect.parameter_names, units, strict=True))[name])
     values = {run: of_run[k][name].value for run, of_run in found.values.items()}
     # Beside the largest, what is nothing but for rounding is nothing.
-    little = NOTHING * max(map(abs, values.values()))
+    little = NOTHING_SHARE * max(map(abs, values.values()))
     each = [f"{value:.3g} in {run}" if abs(value) > little else f"0 in {run}" for run, value in values.items()]
-    more = f" and {len(each) - FEW} more" if len(each) > FEW else ""
-    text += f" Most differs the {name} of {in_words(member.key)} [{own}]: {', '.join(each[:FEW])}{more}."
+    more = f" and {len(each) - RECORDINGS_NAMED} more" if len(each) > RECORDINGS_NAMED else ""
+    text += f" Most differs the {name} of {in_words(member.key)} [{own}]: {', '.join(each[:RECORDINGS_NAMED])}{more}."
     return f"{text} They may be of different rigs, or of one before and after a change: diagnose those that agree by themselves."
