@@ -280,8 +280,11 @@ def _searched(
     document = found.to_json()
     screen = console(json_file)
     say_notes(document["notes"])
-    print_diagnosis(document, screen)
+    # Files first: what took minutes to find is kept whatever becomes of the terminal.
+    lines: list[str] = []
     if out is not None:
-        for path in write_diagnosis(found, out, said=lambda line: screen.print(line, markup=False)):
-            screen.print(f"wrote {path}", markup=False)
+        lines += [f"wrote {path}" for path in write_diagnosis(found, out, said=lines.append)]
+    print_diagnosis(document, screen)
+    for line in lines:
+        screen.print(line, markup=False)
     return document

@@ -104,7 +104,8 @@ class Likelihood:
         for c, colour in enumerate(self.colours):
             signal[:, c] = colour.whiten(signal[:, c])
         signal *= self.weights(window)
-        return signal.reshape(len(signal), -1)
+        # Where there is none, too: a short window may have no course that is slow enough.
+        return signal.reshape(len(signal), signal.shape[1] * signal.shape[2])
 
     @property
     def of_sensors(self) -> Likelihood:
