@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 from simulated_recordings import Rig, nominal, releases
 
@@ -40,13 +41,14 @@ def test_what_was_not_weighed_is_not_passed_over_for_what_is_far_worse() -> None
         )
     ]
     empty, worse, looked, nearest = (one.identity for one in sets)
-    fits = [
+    fits: list[Any] = [
         SimpleNamespace(hypothesis=one, score=score) for one, score in zip(sets, (2e8, 1.5e8, 1.4e8, 5e2), strict=True)
     ]
-    study = SimpleNamespace(predictor=SimpleNamespace(deadline=Deadline()), candidates=())
+    study: Any = SimpleNamespace(predictor=SimpleNamespace(deadline=Deadline()), candidates=())
 
     def likeliest(values: dict[frozenset[str], float]) -> frozenset[str]:
-        found = likeliest_beside(study, _Evidence(values, looked), fits, lambda _: None)  # type: ignore[arg-type]
+        evidence: Any = _Evidence(values, looked)
+        found = likeliest_beside(study, evidence, fits, lambda _: None)
         return frozenset(found.hypothesis.identity)
 
     # The set that a stop is in leaves 300,000 times less; the one that was looked at before is worse than nothing.

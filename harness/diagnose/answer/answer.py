@@ -194,7 +194,7 @@ def _summary(
                 c.candidate.effect.title,
                 c.candidate.site,
                 values[c.candidate.key],
-                units_of(outcome, c),
+                units_of(outcome.problem, c.candidate),
                 [
                     f"{z['recording']} {estimate(z['zero'], None, None, written(z['unit']))}"
                     for z in zeros[c.candidate.key]

@@ -11,15 +11,15 @@ from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.claims.held_out_only import held_names
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.problem.problem import Problem
 from harness.diagnose.selection.outcome import Outcome
 
 
-def units_of(outcome: Outcome, claim: Claim) -> dict[str, str]:
-    """Units of what a claim has numbers for, by its parameters."""
-    member = claim.candidate
-    system = outcome.problem.system
+def units_of(problem: Problem, member: Candidate) -> dict[str, str]:
+    """Units of what an effect at its site has numbers for, by its parameters."""
+    system = problem.system
     joints = {j.name: j.prismatic for j in system.joints} | {g.name: g.slides for g in system.gimbals}
-    unit = next((c.unit for c in outcome.problem.channels if c.name == member.site), "")
+    unit = next((c.unit for c in problem.channels if c.name == member.site), "")
     units = member.effect.units(prismatic=joints.get(member.site, False), channel_unit=unit)
     return dict(zip(member.effect.parameter_names, units, strict=True))
 
@@ -54,7 +54,7 @@ def finding_rows(
 def _finding(
     outcome: Outcome, claim: Claim, values: dict[str, Estimate], zeros: list[Zero], only_held: Sequence[str]
 ) -> dict[str, Any]:
-    units = units_of(outcome, claim)
+    units = units_of(outcome.problem, claim.candidate)
     return {
         "effect": claim.candidate.effect.name,
         "site": claim.candidate.site,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from harness.diagnose.answer.claims_as_data import units_of
 from harness.diagnose.answer.constants import NOTHING_SHARE, RECORDINGS_NAMED
 from harness.diagnose.answer.findings import in_words
 from harness.diagnose.levels.disagreement import Disagreement
@@ -20,10 +21,7 @@ def disagreement_words(found: Disagreement | None, problem: Problem) -> str:
     )
     k, name = found.differing[0]
     member = found.members[k]
-    slides = {joint.name: joint.prismatic for joint in problem.system.joints}
-    unit = next((c.unit for c in problem.channels if c.name == member.site), "")
-    units = member.effect.units(prismatic=slides.get(member.site, False), channel_unit=unit)
-    own = written(dict(zip(member.effect.parameter_names, units, strict=True))[name])
+    own = written(units_of(problem, member)[name])
     values = {run: of_run[k][name].value for run, of_run in found.values.items()}
     # Beside the largest, what is nothing but for rounding is nothing.
     little = NOTHING_SHARE * max(map(abs, values.values()))

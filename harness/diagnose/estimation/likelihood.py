@@ -7,7 +7,7 @@ very start of a window, whose past a sensor with memory would need, do not count
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -111,6 +111,11 @@ class Likelihood:
     def of_sensors(self) -> Likelihood:
         """The same with nothing but the sensors' noise."""
         return self if self.discrepancy is None else self.discrepancy.sensors
+
+    @property
+    def as_scattered(self) -> Likelihood:
+        """The same with the sensors' noise alone, as the channels' own scatter shows it."""
+        return replace(self.of_sensors, colours=crude_colours(self.problem))
 
     def roundest(self, channel: int) -> float:
         """Mean square that rounding alone may reach in a stretch of a channel, in units of the noise's variance; one at least.

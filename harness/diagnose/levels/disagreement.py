@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.criticism.constants import COMPLETE_RESIDUAL_RATIO, TEST_CHANCE
 from harness.diagnose.estimation.intervals import Estimate, estimates
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.levels.constants import APART_RATIO
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis
 from harness.diagnose.selection.dissipation_starts import with_one_change
@@ -42,7 +42,7 @@ class Disagreement:
     together: float
     values: Mapping[str, Sequence[Mapping[str, Estimate]]]
 
-    @property
+    @cached_property
     def differing(self) -> list[tuple[int, str]]:
         """Members and parameters whose estimates no common value explains (χ² of their scatter), the most telling first."""
         rows = []
@@ -89,16 +89,16 @@ def disagreement(outcome: Outcome, conclusion: Conclusion) -> Disagreement | Non
     if any(run.payload for run in problem.runs):
         return None
     # Noise that was estimated beside what all recordings leave together has the size of that.
-    rough = replace(study.likelihood.of_sensors, colours=crude_colours(problem))
+    rough = study.likelihood.as_scattered
     alone = [study.unfitted(rough, tuple(w for w in study.windows if w.run == run)) for run in range(len(problem.runs))]
     known: set[frozenset[str]] | None = None
     # The shortest first: where a model error is common to all, that is soonest known to be unexplained.
     for own in sorted(alone, key=lambda one: one.samples):
         empty = own.empty()
-        if empty.score > COMPLETE_RESIDUAL_RATIO**2 * own.samples:
+        if not _leaves_noise(own, empty):
             with_one_change(own, empty)
-        enough = {key for key, fitted in own.fits.items() if fitted.score <= COMPLETE_RESIDUAL_RATIO**2 * own.samples}
-        if not own.fits or not enough:
+        enough = {key for key, fitted in own.fits.items() if _leaves_noise(own, fitted)}
+        if not enough:
             return None
         # A recording that the nominal model explains asks for nothing, and is explained by more.
         if frozenset() not in enough:
@@ -109,7 +109,7 @@ def disagreement(outcome: Outcome, conclusion: Conclusion) -> Disagreement | Non
     likeliest = min(known, key=lambda key: sum(own.criterion(own.fits[key]) for own in alone if key in own.fits))
     hypothesis = next(own.fits[likeliest].hypothesis for own in alone if likeliest in own.fits)
     fits = _smallest(alone, [_of_one(own, hypothesis, alone) for own in alone])
-    if not _explained(alone, fits):
+    if not all(map(_leaves_noise, alone, fits)):
         return None
     hypothesis = fits[0].hypothesis
     together = _together(study.unfitted(rough), fits)
@@ -128,8 +128,8 @@ def disagreement(outcome: Outcome, conclusion: Conclusion) -> Disagreement | Non
     return found if found.differing else None
 
 
-def _explained(alone: Sequence[Study], fits: Sequence[Fit]) -> bool:
-    return all(f.score <= COMPLETE_RESIDUAL_RATIO**2 * own.samples for own, f in zip(alone, fits, strict=True))
+def _leaves_noise(study: Study, fitted: Fit) -> bool:
+    return fitted.score <= COMPLETE_RESIDUAL_RATIO**2 * study.samples
 
 
 def _smallest(alone: Sequence[Study], fits: Sequence[Fit]) -> Sequence[Fit]:

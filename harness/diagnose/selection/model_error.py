@@ -25,7 +25,6 @@ from harness.diagnose.estimation.discrepancy import (
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.misfit import Misfit, misfit, squares
-from harness.diagnose.estimation.scatter import crude_colours
 from harness.diagnose.problem.constants import DRAWN_SHARE
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
@@ -94,7 +93,7 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     torque = pull(system)
     takes = [study.likelihood.of_sensors]
     if any(colour.coloured > 0.0 for colour in study.likelihood.colours):
-        takes.append(_as_scattered(study))
+        takes.append(study.likelihood.as_scattered)
     found = (responses(study.predictor, sensors, fitted, torque, period) for sensors in takes)
     return [one for one in found if one is not None]
 
@@ -126,7 +125,7 @@ def begun_ordinary(
         return None
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
-    rough = _as_scattered(study)
+    rough = study.likelihood.as_scattered
     after = study.objective_under(rough, usual).residuals([(usual.x, usual.states)])[0][0]
     if after < LOUD_RATIO**2 * rough.samples(study.windows) or few_suffice():
         return None
@@ -163,7 +162,7 @@ def under_model_error(
     if rows[0].force is None or (asked and not _shapeless(study, rows[0].value, structure, False)):
         return None
     progress("a force that is left out")
-    rough = _as_scattered(study)
+    rough = study.likelihood.as_scattered
     taken, ranked = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows]
     search = True
     for _ in range(WEIGHING_ROUNDS):
@@ -301,11 +300,6 @@ def reweighed(study: Study, fitted: Fit) -> Study | None:
     ways = answers(study, fitted, study.swing)
     force = weighed(study, ways, fitted).force if ways else None
     return study.unfitted(replace(after, force=force or before.force).likelihood, before=study)
-
-
-def _as_scattered(study: Study) -> Likelihood:
-    """The likelihood of the sensors' noise as the channels' own scatter shows it."""
-    return replace(study.likelihood.of_sensors, colours=crude_colours(study.problem))
 
 
 def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy, evidence: Evidence | None = None) -> Misfit:
