@@ -19,7 +19,7 @@ QUICK = {
         "test_conventions", "test_crosstalk", "test_curved_valley", "test_deadline", "test_diagnose_noise_colour",
         "test_discrepancy",
         "test_dispersion", "test_effect_without_parameters", "test_effort_laws", "test_effort_words",
-        "test_efforts_first", "test_end_of_link",
+        "test_efforts_first", "test_end_of_link", "test_few_beside_a_force",
         "test_forms", "test_free_motion", "test_held_start", "test_joint_gain", "test_jump_in_short_windows",
         "test_noise_free_recording", "test_numbers_in_tables",
         "test_one_law_far_off",

@@ -20,7 +20,7 @@ from harness.diagnose.conditioning.held_start import released
 from harness.diagnose.conditioning.poses import in_charts
 from harness.diagnose.estimation import assemblies
 from harness.diagnose.inverse.effort import diagnose_effort
-from harness.diagnose.inverse.efforts_first import efforts_first, instead
+from harness.diagnose.inverse.efforts_first import ByEfforts, by_efforts
 from harness.diagnose.levels.differing_levels import differing_levels
 from harness.diagnose.levels.disagreement import disagreement
 from harness.diagnose.levels.known_error import worth_of_known_error
@@ -140,9 +140,10 @@ def diagnose(
         by_effort = diagnose_effort(system, rigid, last, only=only, further=further, tell=tell, deadline=deadline)
         by_effort = with_second_encoders(by_effort, system, read, held, second)
         return replace(by_effort, provenance=made_from, notes=notes)
-    first: Diagnosis | None = None
+    efforts = ByEfforts(None, deadline, deadline)
     if not further and not any(payloads):
-        first = efforts_first(system, read, held, only=only, tell=tell, deadline=deadline)
+        efforts = by_efforts(system, read, held, only=only, tell=tell, deadline=deadline)
+        deadline = efforts.motion
     problem = pose(system, read, heldout=held, payloads=payloads)
     every = [*read, *([held] if held is not None else [])]
     carrying = {link for change in payloads for link in change}
@@ -159,7 +160,7 @@ def diagnose(
         tell("weighing what was found")
         conclusion = conclude(outcome)
     except TimeUp:
-        nothing = instead(None, first) or nothing_fitted(crude_noise(problem), every, deadline)
+        nothing = efforts.instead(None) or nothing_fitted(crude_noise(problem), every, deadline)
         return replace(nothing, provenance=made_from, notes=notes)
     train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
     levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
@@ -169,7 +170,7 @@ def diagnose(
     with deadline.spared(Spared.TO_ITS_END):
         # What takes long in it is an attempt, with an end of its own.
         found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels, apart)
-    found = with_second_encoders(instead(found, first) or found, system, read, held, second)
+    found = with_second_encoders(efforts.instead(found) or found, system, read, held, second)
     return replace(found, provenance=made_from, notes=notes)
 
 

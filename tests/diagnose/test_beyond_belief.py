@@ -39,11 +39,33 @@ def test_what_there_was_no_time_to_weigh_is_possible_and_likely_at_most_where_it
 ) -> None:
     known = {c.key: c for c in candidates(nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0))}
     claim = SimpleNamespace(candidate=known["com_offset@rod"])
-    study = SimpleNamespace(likelihood=SimpleNamespace(rounded=1.0))
-    outcome = SimpleNamespace(force=None, evidence=None, study=study)
-    conclusion = SimpleNamespace(hurried=True, level=level, remains=SimpleNamespace(significant=False))
     values = {"offset": Estimate(0.03, 0.001, 0.028, 0.032)}
-    assert grade(outcome, conclusion, claim, values, []) == expected
+    assert grade(*cut_short(claim, level=level), claim, values, []) == expected
+
+
+@pytest.mark.parametrize(
+    ("bent", "gain", "expected"), [(False, 1e4, LIKELY), (True, 1e4, POSSIBLE), (False, 500.0, POSSIBLE)]
+)
+def test_what_is_cut_short_is_possible_beside_a_bent_model_and_where_it_is_smaller_than_the_noise(
+    bent: bool, gain: float, expected: str
+) -> None:
+    # A thousand samples of noise leave a thousand squares.
+    known = {c.key: c for c in candidates(nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0))}
+    claim = SimpleNamespace(candidate=known["com_offset@rod"])
+    values = {"offset": Estimate(0.03, 0.001, 0.028, 0.032)}
+    assert grade(*cut_short(claim, bent=bent, gain=gain), claim, values, []) == expected
+
+
+def cut_short(
+    claim: SimpleNamespace, *, level: float = 1.0, bent: bool = False, gain: float = 1e4
+) -> tuple[SimpleNamespace, SimpleNamespace]:
+    """An outcome and its conclusion when the time was up, of sets that leave noise."""
+    claim.gain = gain
+    study = SimpleNamespace(likelihood=SimpleNamespace(rounded=1.0), stretched=lambda fitted: bent)
+    conclusion = SimpleNamespace(
+        hurried=True, level=level, remains=SimpleNamespace(significant=False), best=SimpleNamespace(cost=1000.0)
+    )
+    return SimpleNamespace(force=None, evidence=None, study=study), conclusion
 
 
 @pytest.mark.parametrize(("offset", "expected"), [(0.03, LIKELY), (-0.14, LIKELY), (-0.25, POSSIBLE)])
@@ -53,10 +75,8 @@ def test_an_unusual_size_is_possible_while_there_was_no_time_to_ask_what_else_it
     # Usual is a tenth of the link's 0.3 m; the near end of the last interval is 7.7 times that.
     known = {c.key: c for c in candidates(nominal(), releases(Rig(), (0.8,), 1e-3, seed=3, duration=2.0))}
     claim = SimpleNamespace(candidate=known["com_offset@rod"])
-    outcome = SimpleNamespace(force=None, evidence=None, study=SimpleNamespace(likelihood=SimpleNamespace(rounded=1.0)))
-    conclusion = SimpleNamespace(hurried=True, level=1.0, remains=SimpleNamespace(significant=False))
     values = {"offset": Estimate(offset, 0.01, offset - 0.02, offset + 0.02)}
-    assert grade(outcome, conclusion, claim, values, []) == expected
+    assert grade(*cut_short(claim), claim, values, []) == expected
 
 
 @pytest.mark.parametrize(("stiffness", "expected"), [(1e4, LIKELY), (3e-3, POSSIBLE)])

@@ -13,7 +13,7 @@ from harness import diagnose
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.inverse import efforts_first as module
-from harness.diagnose.inverse.efforts_first import UNRUN, efforts_first, instead
+from harness.diagnose.inverse.efforts_first import UNRUN, ByEfforts, by_efforts, instead
 from harness.diagnose.problem.deadline import Deadline, NotTried
 from harness.system import Joint, JointType, Link, System
 
@@ -100,11 +100,12 @@ def test_efforts_are_asked_first_only_under_a_limit_and_where_all_are_known(monk
     monkeypatch.setattr(module, "diagnose_effort", record)
     system = arm()
     options = {"only": (), "tell": lambda _: None}
-    assert efforts_first(system, runs(system), None, deadline=Deadline(), **options) is None
-    assert efforts_first(system, runs(system, NAMES[:3]), None, deadline=Deadline(60.0), **options) is None
+    assert by_efforts(system, runs(system), None, deadline=Deadline(), **options).instead(None) is None
+    some = by_efforts(system, runs(system, NAMES[:3]), None, deadline=Deadline(60.0), **options)
+    assert some.instead(None) is None
     assert not asked
     whole = Deadline(60.0)
-    assert efforts_first(system, runs(system), None, deadline=whole, **options) is not None
+    assert by_efforts(system, runs(system), None, deadline=whole, **options).early is not None
     (part,) = asked
     assert not part.over
     # An interrupt ends both: what may go on then is done within seconds.
@@ -112,10 +113,39 @@ def test_efforts_are_asked_first_only_under_a_limit_and_where_all_are_known(monk
     assert part.over and whole.over
 
 
+def test_of_two_joints_efforts_are_asked_last_and_only_where_the_motion_claims_nothing(monkeypatch):
+    asked = []
+
+    def record(system, recordings, held, **options):
+        asked.append(options["deadline"])
+        return answer("explained", None)
+
+    monkeypatch.setattr(module, "diagnose_effort", record)
+    system = arm()
+    two = replace(system, links=system.links[:2], joints=system.joints[:2])
+    whole = Deadline(60.0)
+    efforts = by_efforts(two, runs(two), None, only=(), tell=lambda _: None, deadline=whole)
+    # Some of the time is left for them.
+    assert efforts.motion is not whole and efforts.motion.limited
+    claimed = answer("partly_explained", "likely", not_tried=LEFT)
+    assert efforts.instead(claimed) is claimed
+    assert not asked
+    told = efforts.instead(answer("unexplained", "possible", not_tried=LEFT))
+    assert told is not None and UNRUN in told.not_tried
+    (part,) = asked
+    assert not part.over
+    # Once is enough, and after an interrupt nothing is begun.
+    assert efforts.instead(None) is not None and len(asked) == 1
+    again = by_efforts(two, runs(two), None, only=(), tell=lambda _: None, deadline=whole)
+    whole.interrupt()
+    assert again.instead(None) is None and again.motion.over and len(asked) == 1
+
+
 def test_a_limit_too_short_for_the_motion_still_has_the_efforts_answer(monkeypatch):
-    monkeypatch.setattr(
-        import_module("harness.diagnose.diagnose"), "efforts_first", lambda *_, **__: answer("explained", None)
-    )
+    def told(*_, deadline: Deadline, **__):
+        return ByEfforts(None, deadline, deadline, answer("explained", None))
+
+    monkeypatch.setattr(import_module("harness.diagnose.diagnose"), "by_efforts", told)
     system = arm()
     found = diagnose(runs(system), system, time_limit=0.01)
     assert [f["site"] for f in found.findings] == ["b"]

@@ -135,7 +135,9 @@ def grade(
 
     Where the time was up before sets could be weighed beside the force that they leave out, possible, whatever they leave; or where
     free runs of what is told are no nearer to the data held out than those of the nominal model. Where it was up before all that
-    could be in its place was asked, likely at most, and possible if it is far larger than usual.
+    could be in its place was asked, likely at most, and possible if it is far larger than usual, if nominal quantities are bent far
+    outside their tolerance (something else is missing, and nobody has asked what), or if it explains less than the noise is (only
+    the noise's colour tells it then, and that was not looked at).
 
     Told for its free runs alone: possible, where sets beside a force have its number elsewhere. Beside a force that is left out:
     possible, if sets without it and all that it cannot be told from are not much less likely
@@ -148,7 +150,7 @@ def grade(
     values: its parameters; rows: see ``repeatability``; foretold: see ``foretells``.
     """
     firmest = LIKELY if conclusion.hurried else ESTABLISHED
-    if conclusion.hurried and _beyond(UNASKED_BELIEF_RATIO, claim, values):
+    if conclusion.hurried and _unasked(outcome, conclusion, claim, values):
         return POSSIBLE
     unweighed = conclusion.hurried and outcome.evidence is None
     if unweighed and (outcome.force is not None or above_floor(conclusion.level, outcome.study.likelihood)):
@@ -176,6 +178,14 @@ def grade(
         claim.candidate, values, rows, gain=claim.gain, excess=conclusion.remains.excess, itself=itself
     )
     return firmest if found == ESTABLISHED else found
+
+
+def _unasked(outcome: Outcome, conclusion: Conclusion, claim: Claim, values: Mapping[str, Estimate]) -> bool:
+    """Whether a claim would need what the time was up for: tests of what is left, and of what else it could be."""
+    if _beyond(UNASKED_BELIEF_RATIO, claim, values):
+        return True
+    study, best = outcome.study, conclusion.best
+    return outcome.force is None and (study.stretched(best) or claim.gain < best.cost)
 
 
 def verdict_of(verdict: str, grades: Iterable[str]) -> str:

@@ -145,6 +145,9 @@ FROM_NOTHING_SIGMAS = 3.0
 EFFORTS_FIRST_JOINTS = 3
 # of the time; that efforts asked first may take; chosen
 EFFORTS_FIRST_SHARE = 0.5
+# of the time; that the motion may take where it comes first: an answer by efforts of one or two joints takes 10 to 30 s;
+# chosen
+MOTION_FIRST_SHARE = 0.7
 
 # --- the answer ---
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from harness.diagnose.answer.findings import in_words
-from harness.diagnose.claims.grades import POSSIBLE
+from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE
 from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_grades import estimates, grade, repeatability, without_each
 from harness.diagnose.inverse.effort_search import EffortStudy
@@ -74,7 +74,8 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
         rivals = None if alike is None else bool(names)
         with suppress(TimeUp):
             grades[k] = grade(study, best, k, smaller, repeats, rivals=rivals, remainder=remainder)
-        how = grades[k]
+        # What the time was up for might have found something in its place.
+        how = grades[k] = LIKELY if deadline.not_tried and grades[k] == ESTABLISHED else grades[k]
         probability = sum(s for key, s in share.items() if member.key in key) / total
         findings.append(
             {

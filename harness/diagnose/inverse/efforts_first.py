@@ -1,18 +1,19 @@
-"""What recorded efforts tell of an arm while there is no time to run its motion.
+"""What recorded efforts tell while there is no time to run the motion.
 
-Running the motion of an arm with each of a hundred effects takes minutes, inverse dynamics along it seconds. Where there is a limit
-they are asked first, and what they tell is the answer if the limit leaves the motion without one.
+Running the motion of an arm with each of a hundred effects takes minutes, inverse dynamics along it seconds. Where there is a
+limit, arms of many joints have their efforts asked first; of one or two joints the motion comes first, and leaves some of the time.
+What the efforts tell is the answer if the limit leaves the motion without one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.claims.grades import ESTABLISHED, LIKELY
-from harness.diagnose.inverse.constants import EFFORTS_FIRST_JOINTS, EFFORTS_FIRST_SHARE
+from harness.diagnose.inverse.constants import EFFORTS_FIRST_JOINTS, EFFORTS_FIRST_SHARE, MOTION_FIRST_SHARE
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.problem.deadline import Deadline, NotTried
 from harness.errors import InputError, UnsupportedError
@@ -28,7 +29,27 @@ BY_EFFORTS = "By the recorded efforts, since there was no time to run the motion
 WEAKER = {"consistent": "unexplained", "explained": "partly_explained"}
 
 
-def efforts_first(
+@dataclass(eq=False)
+class ByEfforts:
+    """The answer by efforts of a mechanism whose every joint has its position and effort recorded, where there is a limit.
+
+    ask: for it, by a deadline; None where it cannot be asked for. motion: the deadline of the motion's own answer.
+    """
+
+    ask: Callable[[Deadline], Diagnosis] | None
+    deadline: Deadline
+    motion: Deadline
+    early: Diagnosis | None = None
+
+    def instead(self, found: Diagnosis | None) -> Diagnosis | None:
+        """The answer by efforts where the motion's own was cut short (None: before it had any) with nothing claimed."""
+        answered = found is not None and (found.complete or _claims(found))
+        if not answered and self.early is None and self.ask is not None and not self.deadline.interrupted:
+            self.early = _asked(self.ask, self.deadline.part(1.0))
+        return instead(found, self.early)
+
+
+def by_efforts(
     system: System,
     recordings: Sequence[Recording],
     held: Recording | None,
@@ -36,19 +57,23 @@ def efforts_first(
     only: Sequence[str],
     tell: Callable[[str], None],
     deadline: Deadline,
-) -> Diagnosis | None:
-    """What efforts tell of an arm whose every joint has its position and effort recorded, if there is a limit; None otherwise."""
+) -> ByEfforts:
+    """The answer by efforts, of arms of many joints asked for at once."""
     every = [*recordings, *([held] if held is not None else [])]
-    if (
-        not deadline.limited
-        or len(system.joint_names) < EFFORTS_FIRST_JOINTS
-        or not all(_whole(system, one) for one in every)
-    ):
-        return None
+    if not deadline.limited or not all(_whole(system, one) for one in every):
+        return ByEfforts(None, deadline, deadline)
+
+    def ask(by: Deadline) -> Diagnosis:
+        return diagnose_effort(system, recordings, held, only=only, tell=tell, deadline=by)
+
+    if len(system.joint_names) < EFFORTS_FIRST_JOINTS:
+        return ByEfforts(ask, deadline, deadline.part(MOTION_FIRST_SHARE))
+    return ByEfforts(ask, deadline, deadline, _asked(ask, deadline.part(EFFORTS_FIRST_SHARE)))
+
+
+def _asked(ask: Callable[[Deadline], Diagnosis], deadline: Deadline) -> Diagnosis | None:
     try:
-        found = diagnose_effort(
-            system, recordings, held, only=only, tell=tell, deadline=deadline.part(EFFORTS_FIRST_SHARE)
-        )
+        found = ask(deadline)
     except (InputError, UnsupportedError):
         # It is the motion that was asked about.
         return None

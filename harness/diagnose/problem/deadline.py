@@ -65,6 +65,7 @@ class Deadline:
         self._left: list[NotTried] = []
         self._shared = float("inf")
         self._parts: list[Deadline] = []
+        self.interrupted = False
 
     @property
     def limited(self) -> bool:
@@ -72,7 +73,7 @@ class Deadline:
         return self._ends[-1] < float("inf")
 
     def part(self, share: float) -> Deadline:
-        """A deadline of its own for something that comes first and may take a share of what is left; interrupted with this one."""
+        """A deadline of its own for something that may take a share of what is left; interrupted with this one."""
         part = Deadline(max(share * (self._ends[-1] - monotonic()), 1e-3))
         self._parts.append(part)
         return part
@@ -97,6 +98,7 @@ class Deadline:
     def interrupt(self) -> None:
         """Come to an end now, with the best answer so far."""
         now = monotonic()
+        self.interrupted = True
         for part in self._parts:
             part.interrupt()
         self._ends = [

@@ -29,6 +29,7 @@ from harness.diagnose.problem.constants import DRAWN_SHARE
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.constants.search import HOPELESS_COST_RATIO, RETAINED_SETS
+from harness.diagnose.selection.constants.starts import ON_COURSE_SHARE
 from harness.diagnose.selection.constants.weighing import (
     COMPARED_SETS,
     LINEAR_VIEW_ERROR,
@@ -111,14 +112,14 @@ def begun_ordinary(
     progress: Callable[[str], None],
     structure: Structure,
     reached: list[Study],
-    few_suffice: Callable[[], bool],
+    few_suffice: Callable[[], Fit | None],
 ) -> tuple[Study, list[Fit]] | None:
     """The same at once where ordinary dissipation is part of the answer, and still leaves far more than noise; None elsewhere.
 
     The noise would there have a search among ever stranger sets, each of them far more than significant. As laws are found the
     force shrinks, and more of them show beside it (a graduated search; Blake and Zisserman, Visual Reconstruction (1987)).
-    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys. few_suffice: whether few effects leave
-    nothing but noise there; then noise is the measure of whole runs too.
+    short: the fit of ordinary dissipation on short windows, where it has no wrong valleys. few_suffice: few effects that leave
+    nothing but noise there, if there are; then noise is the measure of whole runs too, unless a force is left out of these.
     """
     usual = everywhere(study, short)
     if usual is None:
@@ -126,10 +127,36 @@ def begun_ordinary(
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = study.likelihood.as_scattered
-    after = study.objective_under(rough, usual).residuals([(usual.x, usual.states)])[0][0]
-    if after < LOUD_RATIO**2 * rough.samples(study.windows) or few_suffice():
+    begun = [usual, study.empty()]
+    if _above(study, rough, usual) < (LOUD_RATIO**2 - 1.0) * rough.samples(study.windows):
         return None
-    return under_model_error(study, [usual, study.empty()], period, effort, progress, structure, reached, early=True)
+    few = few_suffice()
+    if few is not None:
+        there = study.fit(few.hypothesis, [few.x], few.beginning(study.windows))
+        if not _lacks_a_force(study, rough, usual, there, period):
+            return None
+        begun.append(there)
+    return under_model_error(study, begun, period, effort, progress, structure, reached, early=True)
+
+
+def _above(study: Study, sensors: Likelihood, fitted: Fit) -> float:
+    """What a fit leaves above the noise of the sensors."""
+    return study.objective_under(sensors, fitted).residuals([(fitted.x, fitted.states)])[0][0] - sensors.samples(
+        fitted.windows
+    )
+
+
+def _lacks_a_force(study: Study, rough: Likelihood, usual: Fit, few: Fit, period: float) -> bool:
+    """Whether few effects that suffice on short windows leave out a force that shows on whole runs.
+
+    A force that nobody has named, or noise of recorded efforts, has no time to lead far on a short window. On whole runs few
+    effects that are the truth leave noise, or far less than ordinary dissipation does. Of others, and of noise that has their
+    colour, the likelihood with a force in it tells which it is.
+    """
+    if _above(study, rough, few) < ON_COURSE_SHARE * _above(study, rough, usual):
+        return False
+    ways = answers(study, few, period)
+    return bool(ways) and weighed(study, ways, few).force is not None
 
 
 def under_model_error(

@@ -117,12 +117,13 @@ def ordinary_by_way_of_shorter(study: Study, fine: Study) -> Fit | None:
     return lengthened(study, apart, found) if branching(study) else everywhere(study, found)
 
 
-def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[str], None]) -> bool:
-    """Whether few effects leave nothing but noise on a study's windows, begun from the nominal model or from ordinary dissipation.
+def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[str], None]) -> Fit | None:
+    """Few effects that leave nothing but noise on a study's windows, if there are any.
 
-    Where they do not, sets that grow go on taking away a little each, and the search is given up: what is left is no law of few
-    effects, or no law of the catalogue. Neither beginning knows of the other, beside which it might seem hopeless. What is dear to
-    run is looked for where nothing else suffices, and beside the nominal model alone.
+    Begun from the nominal model and from ordinary dissipation: neither beginning knows of the other, beside which it might seem
+    hopeless. Where few effects do not suffice, sets that grow go on taking away a little each, and the search is given up: what is
+    left is no law of few effects, or no law of the catalogue. What is dear to run is looked for where nothing else suffices, and
+    beside the nominal model alone.
     """
     progress("few effects that leave only noise")
     nothing = study.empty()
@@ -136,8 +137,8 @@ def few_suffice(study: Study, usual: Fit, effort: Effort, progress: Callable[[st
         found = grow(apart, [beginning], effort, progress, to_begin_with=True, stop=stop)
         study.fits.update({key: fitted for key, fitted in apart.fits.items() if key not in study.fits})
         if study.only_noise(found[0]):
-            return True
-    return False
+            return found[0]
+    return None
 
 
 class _OffCourse:
