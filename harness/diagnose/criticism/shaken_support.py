@@ -40,14 +40,16 @@ UP_AND_DOWN, SIDEWAYS = "a support that moves up and down", "a support that move
 AT_ONCE = MOST_TOGETHER // 2  # two waves each
 
 
-def shaken_up_and_down(study: Study, fitted: Fit) -> Test:
-    """Gain by gravity that comes and goes at one frequency.
+def shaken_up_and_down(study: Study, fitted: Fit) -> Test | None:
+    """Gain by gravity that comes and goes at one frequency; none where no joint moves, which it would turn.
 
     In one phase, counted from the first sample of every recording; ``together``: with an amplitude and a phase of its own in every
     window.
     """
-    own = _probe(study, fitted)
     problem = study.problem
+    if not problem.system.joint_names:
+        return None
+    own = _probe(study, fitted)
     by_window: dict[Window, Array] = {}
     for run in dict.fromkeys(window.run for window in own.motions):
         found = {window: motion.q for window, motion in own.motions.items() if window.run == run}

@@ -11,7 +11,9 @@ from harness.diagnose.selection.study import Study
 
 
 def _asked(left: Remainder) -> Iterator[Test]:
-    yield shaken_up_and_down(left.study, left.fitted)
+    test = shaken_up_and_down(left.study, left.fitted)
+    if test is not None:
+        yield test
 
 
 def _responsive(study: Study) -> bool:

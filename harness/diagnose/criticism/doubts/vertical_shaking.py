@@ -13,6 +13,8 @@ def _as_well(suspect: Suspect) -> bool:
     if not shakes(best.hypothesis.members[suspect.places[0]]):
         return False
     vertical = shaken_up_and_down(study, smaller)
+    if vertical is None:
+        return False
     if do_better(study, best, smaller, [vertical]):
         return True
     if not suspect.remains.significant:
