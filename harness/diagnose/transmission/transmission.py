@@ -192,7 +192,7 @@ def _told(found: Diagnosis, joints: Sequence[JointTwist]) -> Diagnosis:
         verdict = "partly_explained"
     augmented = found.augmented
     if augmented is not None:
-        augmented = replace(augmented, attachments=(*augmented.attachments, *_attached(firm, joints)))
+        augmented = instead_of_the_drives(augmented, _attached(firm, joints))
     curves = found.curves
     if curves is not None:
         drawn = [residuals for joint in joints for residuals in joint.residuals()]
@@ -208,6 +208,13 @@ def _told(found: Diagnosis, joints: Sequence[JointTwist]) -> Diagnosis:
         augmented=augmented,
         curves=curves,
     )
+
+
+def instead_of_the_drives(system: System, more: Sequence[Attachment]) -> System:
+    """The system with what encoders on both sides of a joint tell, in place of what its drive alone has told of the same effect."""
+    told = {(a.effect, a.site) for a in more}
+    kept = (a for a in system.attachments if (a.effect, a.site) not in told)
+    return replace(system, attachments=(*kept, *more))
 
 
 def _attached(rows: Sequence[dict[str, Any]], joints: Sequence[JointTwist]) -> list[Attachment]:

@@ -25,6 +25,7 @@ from harness.diagnose.problem.hypothesis import nominal_quantities, scaled
 from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
 from harness.diagnose.transmission.constants import FEWEST_SAMPLES
 from harness.effects.catalogue import effect
+from harness.effects.effect import Effect
 from harness.effects.scale import swings
 from harness.engines.expressed import express
 from harness.recording.recording import Channel, Recording
@@ -169,14 +170,18 @@ def off_by_tolerance(system: System, links: System) -> list[System]:
 
 
 def behind_the_gears(system: System) -> System:
-    """The system without what acts on its drives: rotors, friction in them, and errors of sensors and drives."""
+    """The system without what acts on its drives: rotors, friction in them, and errors of sensors and drives.
+
+    Nor with what moves by coordinates of its own, a base or a link that gives: nothing reads those, and loads are those of links
+    that follow their joints.
+    """
     joints = tuple(replace(joint, armature=0.0, damping=0.0, friction=0.0) for joint in system.joints)
-    kept = tuple(
-        a
-        for a in system.attachments
-        if a.effect not in AT_THE_DRIVE and effect(a.effect).sensor is None and effect(a.effect).input is None
-    )
+    kept = tuple(a for a in system.attachments if a.effect not in AT_THE_DRIVE and _of_links(effect(a.effect)))
     return replace(system, joints=joints, attachments=kept)
+
+
+def _of_links(law: Effect) -> bool:
+    return law.side == "dynamics" and not law.adds_coordinates
 
 
 def _motion(
