@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -10,7 +11,8 @@ from harness.diagnose.selection import model_error as module
 from harness.diagnose.selection.model_error import begun_ordinary
 
 SAMPLES = 1000.0
-USUAL, FEW = 100.0 * SAMPLES, SimpleNamespace(hypothesis="few", x=None, beginning=lambda windows: None)
+USUAL = 100.0 * SAMPLES
+FEW: Any = SimpleNamespace(hypothesis="few", x=None, beginning=lambda windows: None)
 
 
 @pytest.mark.parametrize(
