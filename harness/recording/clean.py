@@ -16,6 +16,9 @@ OUTLIER_SIGMAS = 8.0  # some eleven of the samples' own: a cubic through four ne
 NEIGHBOURHOOD = 101  # samples that say how loud noise is around a sample
 BESIDE = 1.5  # of such deviations that neighbours of an outlier may be off by themselves
 LONE = 0.2  # of an outlier's distance: what its neighbours may be off; 0.3 at a corner on a sample
+BURST = 25  # samples of a burst at most: a glitch of a bus or a dropped packet, and no motion
+WILD = 0.7  # of the samples of a burst that are outliers by themselves
+LEAP = 3.0  # times the fastest change from sample to sample elsewhere, by which a burst begins and ends
 PLATEAU = 4  # equal samples in a row at an extreme
 SHORT_GAP = 5  # samples of an effort that are filled by a straight line
 
@@ -140,6 +143,75 @@ def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[A
         float(size.max()),
     )
     return mended, note
+
+
+def find_bursts(name: str, time: Array, values: Array, step: float) -> tuple[Array, QualityNote | None]:
+    """Stretches of up to ``BURST`` samples far off the line of what is before and after them, set to nan.
+
+    A reading that leaps off its line within a sample, stays far off it, and leaps back onto the same line within another one was
+    no motion: a stop or an impact leaves another line behind. For positions and velocities; accelerations may do so.
+    """
+    present = np.flatnonzero(np.isfinite(values))
+    if len(present) < 4 * BURST:
+        return values, None
+    x, t = values[present], time[present]
+    change = np.abs(np.diff(x))
+    index = np.arange(2, len(x) - 2)
+    error = np.abs(x[index] - _predicted(t, x, index, index, (-2, -1, 1, 2)))
+    least = 1e-9 * float(np.ptp(x))
+    usual = float(np.median(error[error > least])) if bool(np.any(error > least)) else 0.0
+    scale = 1.4826 * usual + 0.5 * step + least
+    leaps = LEAP * float(np.quantile(change, 0.98)) + OUTLIER_SIGMAS * scale
+    found: list[tuple[int, int]] = []
+    sizes: list[float] = []
+    starts = np.flatnonzero(change > leaps) + 1
+    after = 0
+    for first in starts.tolist():
+        if first < max(after, 4):
+            continue
+        ends = starts[(starts > first + 1) & (starts <= first + BURST)]
+        # The longest one whose either side is one line; a burst leaps within as well.
+        for last in ends[::-1].tolist():
+            if last + 3 >= len(x) or not _one_line(t, x, first, last, scale):
+                continue
+            inside = np.arange(first, last)
+            off = np.abs(x[inside] - _across(t, x, first, last, inside))
+            if np.mean(off > OUTLIER_SIGMAS * scale) >= WILD:
+                found.append((first, last))
+                sizes.append(float(off.max()))
+                after = last
+                break
+    count = sum(last - first for first, last in found)
+    if not found or count > 0.02 * len(x):
+        return values, None
+    mended = values.copy()
+    for first, last in found:
+        mended[present[first:last]] = np.nan
+    return mended, QualityNote(
+        "outlier",
+        name,
+        f"{count} samples in {len(found)} burst{'s' if len(found) > 1 else ''} lie up to {max(sizes):.3g} off the line of what is "
+        "before and after",
+        "left out",
+        count,
+        tuple((float(t[first]), float(t[last - 1])) for first, last in found[:16]),
+        max(sizes),
+    )
+
+
+def _one_line(time: Array, values: Array, first: int, last: int, scale: float) -> bool:
+    """Whether samples right before and right after a stretch lie on the cubic through their neighbours across it."""
+    near = np.array([first - 1, last])
+    off = np.abs(values[near] - _across(time, values, first - 1, last + 1, near))
+    # A cubic across many samples errs more than across one.
+    return bool(np.all(off < OUTLIER_SIGMAS * scale))
+
+
+def _across(time: Array, values: Array, first: int, last: int, target: NDArray[np.intp]) -> Array:
+    """Values at samples ``target`` of the cubic through the two samples before and the two after a stretch."""
+    nodes = np.array([first - 2, first - 1, last, last + 1])
+    origin = time[first]
+    return np.asarray(np.polyval(np.polyfit(time[nodes] - origin, values[nodes], 3), time[target] - origin))
 
 
 def _predicted(

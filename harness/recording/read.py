@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.errors import InputError
 from harness.recording.clean import (
     fill_effort,
+    find_bursts,
     find_outliers,
     find_saturation,
     quantisation_step,
@@ -230,10 +231,11 @@ def _channel(
         values, stale = find_stale(column.name, timing.time, values, step)
         if stale is not None:
             notes.append(stale)
+    for look, quantities in ((find_outliers, POSITIONS), (find_bursts, (*POSITIONS, "velocity"))):
+        if column.quantity in quantities:
+            values, outliers = look(column.name, timing.time, values, step)
+            notes += [outliers] if outliers is not None else []
     if column.quantity in POSITIONS:
-        values, outliers = find_outliers(column.name, timing.time, values, step)
-        if outliers is not None:
-            notes.append(outliers)
         values, joins = undo_rezeroing(column.name, unit, timing.time, values, step)
         notes += joins
     finite = values[np.isfinite(values)]

@@ -189,6 +189,42 @@ def test_a_hard_stop_is_no_outlier(tmp_path, seed):
     assert not notes(read(tmp_path, TIME, values), "outlier")
 
 
+@pytest.mark.parametrize("header", ["time,pivot.position", "time,pivot.velocity"])
+@pytest.mark.parametrize("seed", range(3))
+def test_bursts_are_left_out(tmp_path, seed, header):
+    # Wild samples, and a reading that drops to nothing for a while.
+    values = noisy(seed)
+    values[300:308] += np.array([1.0, -0.7, 0.9, 0.3, -1.1, 0.8, -0.4, 0.6])
+    values[905:917] -= 1.0
+    recording = read(tmp_path, TIME, values, header=header)
+    (note,) = notes(recording, "outlier")
+    assert note.count == 20
+    assert np.array_equal(np.flatnonzero(np.isnan(recording.channels[0].values)), [*range(300, 308), *range(905, 917)])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_velocity_that_bounces_is_no_burst(tmp_path, seed):
+    # Between two walls 0.02 rad apart it turns round every few samples, a tenth slower each time; then it swings free.
+    rng = np.random.default_rng(seed)
+    position, speed, read_off = 0.0, 1.5, []
+    for _ in TIME:
+        position += speed / RATE
+        if abs(position) > 0.01 and speed * position > 0.0:
+            speed *= -0.9
+        read_off.append(speed)
+    values = np.array(read_off) + swing(TIME) + rng.normal(0.0, 1e-3, len(TIME))
+    assert not notes(read(tmp_path, TIME, values, header="time,pivot.velocity"), "outlier")
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_slow_velocity_of_a_coarse_encoder_is_no_outlier(tmp_path, seed):
+    # Differences of counts: now and then one, by far most of the time none.
+    rng = np.random.default_rng(seed)
+    angle = np.round(swing(TIME, 0.02) / 1e-3 + rng.uniform()) * 1e-3
+    values = np.diff(angle, prepend=angle[0]) * RATE
+    assert not notes(read(tmp_path, TIME, values, header="time,pivot.velocity"), "outlier")
+
+
 def test_stale_readings_are_left_out(tmp_path):
     values = noisy()
     for first, last in ((100, 104), (555, 557), (1200, 1206)):

@@ -96,7 +96,12 @@ def answer(
     again = {key: repeatability(outcome, how, key) for key in claims}
     foretold = deadline.attempt(*FORETOLD, lambda: foretells(outcome, conclusion), lambda: False, spared=True)
     grades = {k: grade(outcome, conclusion, claim, values[k], again[k], foretold) for k, claim in claims.items()}
-    between = deadline.attempt(*BETWEEN, lambda: between_recordings(outcome, conclusion.best), Between)
+    # Beside laws that were not searched to the end, what each recording lacks of these would be friction of its own.
+    between = (
+        Between()
+        if conclusion.hurried
+        else deadline.attempt(*BETWEEN, lambda: between_recordings(outcome, conclusion.best), Between)
+    )
     left = deadline.attempt(*LEFT, lambda: left_out(outcome, conclusion, between), lambda: None, spared=True)
     form = deadline.attempt(*FORMULA, lambda: formula(outcome, conclusion), lambda: None)
     best = deadline.attempt(*PREDICTING, lambda: predictive(outcome, conclusion), lambda: None, share=PREDICTING_SHARE)
