@@ -162,6 +162,35 @@ def test_levels_of_friction_are_shown_where_there_are_any():
     assert "recording by recording" not in diagnosis_html(DOCUMENT)
 
 
+def test_what_recordings_that_disagree_say_by_themselves_is_shown():
+    def number(value):
+        return {"value": value, "std": 0.001, "ci95": [value - 0.002, value + 0.002], "unit": "m"}
+
+    drag = {"value": 2e-4, "std": 1e-5, "ci95": [1.8e-4, 2.2e-4], "unit": "N*m*s/rad"}
+    rows = [
+        {"recording": name, "times_noise": 1.03,
+         "parameters": {"viscous_damping@pivot.coefficient": drag, "com_offset@rod.offset": number(value)}}
+        for name, value in ((NASTY, 0.0321), ("last", 0.0111))
+    ]  # fmt: skip
+    apart = {
+        "effects": ["viscous_damping@pivot", "com_offset@rod"], "times_noise_together": 37.2, "recordings": rows,
+        "differing": ["com_offset@rod.offset"],
+    }  # fmt: skip
+    document = {**DOCUMENT, "disagreement": apart}
+    page = diagnosis_html(document)
+    screen = Console(file=io.StringIO(), width=200)
+    print_diagnosis(document, screen)
+    parsed = lxml_html.fromstring(page)
+    for text in (parsed.text_content(), screen.file.getvalue()):
+        for word in (NASTY, "last", "com_offset@rod.offset [m]", "0.0321 (0.0301 … 0.0341)", "0.0111", "1.03"):
+            assert word in text
+    assert "37.2" in parsed.text_content() and NASTY not in page
+    # What differs comes first, and is set off.
+    strong = [e.text_content() for e in parsed.xpath("//strong")]
+    assert any("0.0321" in told for told in strong) and not any("0.0002" in told for told in strong)
+    assert "disagree with one another" not in diagnosis_html(DOCUMENT)
+
+
 def test_repeatability_is_read_however_it_is_told():
     row = {"value": 0.1, "ci95": [0.0, 0.2]}
     wanted = {"torque": [{"recording": "a", **row}]}

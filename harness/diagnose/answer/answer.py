@@ -164,7 +164,7 @@ def answer(
         opening=_opening(outcome, conclusion, {str(item["channel"]): float(item["std"]) for item in noise}),
         levels=levels.document if levels else None,
         levelled=levels.system if levels else None,
-        disagreement=apart.document() if apart else None,
+        disagreement=apart.document([units_of(problem, m) for m in apart.members]) if apart else None,
         correlations=correlations(outcome.predictor, conclusion.own, [c.candidate.key for c in conclusion.claims]),
         not_tried=deadline.not_tried,
     )

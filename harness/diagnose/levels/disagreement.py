@@ -59,8 +59,8 @@ class Disagreement:
                     rows.append((square, k, parameter.name))
         return [(k, name) for _, k, name in sorted(rows, reverse=True)]
 
-    def document(self) -> dict[str, Any]:
-        """For programs: the set, and of every recording what it leaves and its parameters."""
+    def document(self, units: Sequence[Mapping[str, str]]) -> dict[str, Any]:
+        """For programs: the set, and of every recording what it leaves and its parameters; units: of every member's."""
         return {
             "effects": [member.key for member in self.members],
             "times_noise_together": self.together,
@@ -69,8 +69,13 @@ class Disagreement:
                     "recording": name,
                     "times_noise": times,
                     "parameters": {
-                        f"{member.key}.{key}": {"value": e.value, "std": e.std, "ci95": [e.low, e.high]}
-                        for member, own in zip(self.members, self.values[name], strict=True)
+                        f"{member.key}.{key}": {
+                            "value": e.value,
+                            "std": e.std,
+                            "ci95": [e.low, e.high],
+                            "unit": unit[key],
+                        }
+                        for member, own, unit in zip(self.members, self.values[name], units, strict=True)
                         for key, e in own.items()
                     },
                 }

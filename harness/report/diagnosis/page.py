@@ -27,6 +27,7 @@ def diagnosis_html(
         sections.Motion(curves),
         sections.Animation(curves, system),
         sections.Findings(),
+        sections.Disagreement(),
         sections.Residuals(curves),
         sections.BeforeAndAfter(),
         sections.Repeatability(),

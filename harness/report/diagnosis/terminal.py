@@ -15,6 +15,7 @@ from harness.plain_numbers import points
 from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
+from harness.report.diagnosis.sections.disagreement import heads_of, interval
 from harness.report.diagnosis.sets_in_words import sets_in_words
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
@@ -23,6 +24,7 @@ Shown = tuple[tuple[Column | str, ...], list[tuple[str, ...]]]
 
 MOST_FOUND = 8  # remarks on recordings shown on the terminal
 MOST_CHANNELS = 3  # whose errors are; all are in the report
+MOST_NUMBERS_APART = 2  # of recordings that disagree
 
 
 def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
@@ -36,6 +38,8 @@ def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
         _show(console, *_findings(document["findings"]))
     if document["fit"]:
         _show(console, *_fit(document["fit"]))
+    if document.get("disagreement"):
+        _show(console, *_disagreement(document["disagreement"]))
     if document.get("levels"):
         _show(console, *_levels(document["levels"]))
         console.print(Text(document["levels"]["how"]))
@@ -94,6 +98,21 @@ def _fit(fit: list[Mapping[str, Any]]) -> Shown:
             rounded(channel["noise_floor"]),
         )
         for channel in fit
+    ]
+    return heads, lines
+
+
+def _disagreement(apart: Mapping[str, Any]) -> Shown:
+    """What each recording says by itself: what differs, and else the first numbers, as far as a line has room."""
+    shown = heads_of(apart)[:MOST_NUMBERS_APART]
+    heads: tuple[Column | str, ...] = (
+        "recording",
+        figures("left by itself [noise]"),
+        *(figures(head) for _, head, _ in shown),
+    )
+    lines = [
+        (row["recording"], rounded(row["times_noise"]), *(interval(row["parameters"][key]) for key, _, _ in shown))
+        for row in apart["recordings"]
     ]
     return heads, lines
 

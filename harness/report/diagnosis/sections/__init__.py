@@ -3,6 +3,7 @@
 from harness.report.diagnosis.sections.animation import Animation
 from harness.report.diagnosis.sections.answer import Answer
 from harness.report.diagnosis.sections.data import Data, Provenance
+from harness.report.diagnosis.sections.disagreement import Disagreement
 from harness.report.diagnosis.sections.findings import Correlations, Findings, Repeatability
 from harness.report.diagnosis.sections.fit import BeforeAndAfter, Levels, Replay
 from harness.report.diagnosis.sections.force import MissingForce, UnnamedForce
@@ -17,6 +18,7 @@ __all__ = [
     "BeforeAndAfter",
     "Correlations",
     "Data",
+    "Disagreement",
     "Findings",
     "Levels",
     "MissingForce",
