@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.diagnose.answer.against_nominal import nothing_added, worse_than_nominal
+from harness.diagnose.answer.against_nominal import beside_findings, nothing_added, worse_than_nominal
 from harness.diagnose.answer.explain import foretelling
 from harness.diagnose.problem.hypothesis import Nominal
 
@@ -42,8 +42,8 @@ def test_nor_is_it_then_said_to_predict_better_than_what_is_claimed() -> None:
 
 def test_a_little_more_of_a_quiet_channel_may_be_traded_for_much_less_of_a_loud_one() -> None:
     loud, quiet = _rows(nominal=0.5, augmented=0.1), _rows(nominal=0.01, augmented=0.02)
-    assert worse_than_nominal([*loud, *quiet], "augmented") is None
-    assert worse_than_nominal(quiet, "augmented") is quiet[0]
+    assert worse_than_nominal([*loud, *quiet], "augmented", 0.9) is None
+    assert worse_than_nominal(quiet, "augmented", 0.9) is quiet[0]
 
 
 def test_a_model_with_nothing_added_is_said_to_be_the_nominal_one_adjusted() -> None:
@@ -64,7 +64,49 @@ def test_it_is_said_to_be_worse_on_data_held_out() -> None:
 
 def test_errors_of_a_set_that_is_not_claimed_are_not_its_own() -> None:
     text = nothing_added(QUANTITIES, np.array([-0.4, 0.1, 7.0]), _rows(nominal=0.02, augmented=0.03), beside=True)
-    assert text.endswith(", beside effects that are not claimed; the errors told as augmented are with these.")
+    assert "bent far outside their tolerances" not in text
+    assert text.endswith(
+        ", beside effects that are not claimed; the errors told as augmented are with these, and what is told so leaves 0.03 rad "
+        "of the data held out at pivot.position, more than the nominal model does (0.02 rad)."
+    )
+
+
+def test_what_no_tolerance_allows_is_not_said_to_be_allowed() -> None:
+    text = nothing_added(QUANTITIES, np.array([-0.4, -7.3]), _rows(nominal=0.02, augmented=0.02), beside=False)
+    assert (
+        "with its quantities bent far outside their tolerances, most the length of rod, by -7 % (7.3 standard" in text
+    )
+
+
+def test_an_error_that_is_a_twelfth_larger_is_told_by_digits_that_differ() -> None:
+    text = nothing_added(QUANTITIES, np.array([-2.5, 0.1]), _rows(nominal=0.01651, augmented=0.01784), beside=False)
+    assert text.endswith(
+        "leaves 0.018 rad of the data held out at pivot.position, more than the nominal model does (0.017 rad)."
+    )
+    text = nothing_added(QUANTITIES, np.array([-2.5, 0.1]), _rows(nominal=0.1059, augmented=0.1144), beside=False)
+    assert text.endswith(
+        "leaves 0.114 rad of the data held out at pivot.position, more than the nominal model does (0.106 rad)."
+    )
+
+
+def test_findings_do_not_hide_that_the_nominal_model_foretells_better() -> None:
+    (told,) = beside_findings(QUANTITIES, np.array([0.5, -0.2, 40.0]), _rows(nominal=0.118, augmented=4.35))
+    assert told == (
+        "The model told as augmented leaves 4.3 rad of the data held out at pivot.position, more than the nominal model does (0.12 "
+        "rad): what the other recordings teach does not carry over to these data."
+    )
+    assert beside_findings(QUANTITIES, np.array([0.5, -4.9]), _rows(nominal=0.1, augmented=0.101)) == []
+
+
+def test_findings_do_not_hide_how_far_nominal_quantities_are_bent() -> None:
+    # A quantity z tolerances t off is multiplied by exp(t z).
+    four = (*QUANTITIES, Nominal("damping", "pivot", 0.01), Nominal("mass", "tip", 0.01))
+    (told,) = beside_findings(four, np.array([-5.4, -6.6, -17.7, -12.0]), _rows(nominal=0.1, augmented=0.001))
+    assert told.startswith(
+        "Beside what was found, the nominal model is bent far outside its tolerances: the damping of pivot, by -16 % (18 standard "
+        "deviations of its tolerance), the mass of tip, by -11 % (12 standard deviations of its tolerance), the length of rod, by "
+        "-6.4 % (6.6 standard deviations of its tolerance), and 1 more."
+    )
 
 
 @pytest.mark.parametrize("z", [np.zeros(2), np.array([0.3, -0.9])])

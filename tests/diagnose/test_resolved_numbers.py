@@ -53,7 +53,7 @@ def test_ends_that_lie_decades_apart_are_each_read_by_themselves() -> None:
     assert ends([0.0, 39.0]) == "0.00 … 39.0"
     assert ends([-0.004, 39.0]) == "-0.004 … 39.0"
     assert best(0.4, [0.005, 39.0]) == "0.400"
-    assert best(0.001, [-0.5, 0.5]) == "0.0"
+    assert best(0.001, [-0.5, 0.5]) == "0.001"
     assert best(0.25, None) == "0.250"
 
 
@@ -110,3 +110,4 @@ def test_digits_are_written_out_up_to_a_thousand_million() -> None:
 
 def test_all_of_a_mismatch_is_never_said_to_be_removed_where_something_is_left() -> None:
     assert [percent(share) for share in (0.83, 0.9978, 0.9999678, 1.0)] == ["83 %", "99.8 %", "99.997 %", "100 %"]
+    assert [percent(share) for share in (1.285, -1365.0)] == ["130 %", "-140,000 %"]

@@ -192,3 +192,9 @@ def test_a_channel_and_a_force_at_another_joint_are_told_in_sentences_of_their_o
         "What is left of the data held out is 38 N·m at wrist.effort, 46 times the noise: a force of 5 N·m at wrist, 100 % of the "
         "largest that gravity or inertia make there, which keeps for about 0.89 s."
     ]
+
+
+def test_a_force_larger_than_what_acts_there_is_told_in_times_of_it() -> None:
+    large = LeftOut((AtJoint("servo", 3.5, "N*m", 1.285, 0.056),), None)
+    (told,) = left_in_words(large, Foretold(), "the noise")
+    assert "3.5 N·m at servo, 1.3 times the largest that gravity or inertia make there" in told

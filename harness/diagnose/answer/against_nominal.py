@@ -7,29 +7,65 @@ from typing import Any
 
 import numpy as np
 
-from harness.diagnose.answer.constants import PLAINLY_BETTER_ERROR, TOLD_BEND
+from harness.diagnose.answer.constants import (
+    BENT_BESIDE_FINDINGS,
+    BETTER_NOMINAL_ERROR,
+    MOST_BENT_NAMED,
+    OUTSIDE_TOLERANCE,
+    TOLD_BEND,
+)
 from harness.diagnose.problem.hypothesis import Array, Nominal, bent_by
 from harness.recording.units import written
 
 Row = Mapping[str, Any]
 
 
-def worse_than_nominal(rows: Sequence[Row], model: str) -> Row | None:
-    """The channel of the data held out where a model is farthest above the nominal one; None unless it is plainly worse there.
+def worse_than_nominal(rows: Sequence[Row], model: str, better: float) -> Row | None:
+    """The channel of the data held out where a model is farthest above the nominal one; None unless it is worse there.
 
-    rows: of ``fit``. Whether it is worse is asked of all channels together, each weighed by its noise: a model may trade a little
-    of one for much of another.
+    rows: of ``fit``. better: share of the model's error below which the nominal model's is less. Whether it is worse is asked of
+    all channels together, each weighed by its noise: a model may trade a little of one for much of another.
     """
     own, nominal = (_over_noise(rows, which) for which in (model, "nominal"))
-    if not nominal < PLAINLY_BETTER_ERROR * own:
+    if not nominal < better * own:
         return None
     return max(rows, key=lambda r: (r[model]["heldout_rmse"] - r["nominal"]["heldout_rmse"]) / r["noise_floor"])
 
 
 def beyond_nominal(row: Row, model: str) -> str:
     """By how much a model is worse there, as half a sentence."""
-    own, nominal = (f"{row[which]['heldout_rmse']:.2g} {written(row['unit'])}" for which in (model, "nominal"))
-    return f"leaves {own} of the data held out at {row['channel']}, more than the nominal model does ({nominal})"
+    errors = [row[which]["heldout_rmse"] for which in (model, "nominal")]
+    # Two that differ are not told by the same digits.
+    short = [f"{error:.2g}" for error in errors]
+    own, nominal = short if short[0] != short[1] else [f"{error:.3g}" for error in errors]
+    unit = written(row["unit"])
+    return f"leaves {own} {unit} of the data held out at {row['channel']}, more than the nominal model does ({nominal} {unit})"
+
+
+def beside_findings(nominal: Sequence[Nominal], x: Array, rows: Sequence[Row]) -> list[str]:
+    """Sentences on the augmented model where something was found: that it foretells worse than the nominal one, and how far that
+    had to be bent.
+
+    x: nominal quantities' deviations first [standard deviations of the tolerance]. rows: of ``fit``.
+    """
+    told = []
+    worse = worse_than_nominal(rows, "augmented", BETTER_NOMINAL_ERROR)
+    if worse is not None:
+        told.append(
+            f"The model told as augmented {beyond_nominal(worse, 'augmented')}: what the other recordings teach does not carry "
+            "over to these data."
+        )
+    z = np.asarray(x[: len(nominal)])
+    far = [int(k) for k in np.argsort(-np.abs(z)) if abs(z[k]) > BENT_BESIDE_FINDINGS]
+    if far:
+        names = [_bent(nominal, z, k) for k in far[:MOST_BENT_NAMED]]
+        more = len(far) - len(names)
+        told.append(
+            f"Beside what was found, the nominal model is bent far outside its tolerances: {', '.join(names)}"
+            f"{f', and {more} more' if more else ''}. That may stand in for something that is missing, and what was found may be "
+            "off by it, unless the tolerances are too narrow."
+        )
+    return told
 
 
 def nothing_added(nominal: Sequence[Nominal], x: Array, rows: Sequence[Row], *, beside: bool) -> str:
@@ -40,20 +76,29 @@ def nothing_added(nominal: Sequence[Nominal], x: Array, rows: Sequence[Row], *, 
     """
     z = np.asarray(x[: len(nominal)])
     most = int(np.argmax(np.abs(z))) if len(z) else -1
-    worse = None if beside else worse_than_nominal(rows, "augmented")
+    worse = worse_than_nominal(rows, "augmented", BETTER_NOMINAL_ERROR)
     if most < 0 or z[most] == 0.0 or not (beside or worse is not None or abs(z[most]) > TOLD_BEND):
         return ""
-    quantity = nominal[most]
-    by = 100.0 * (float(bent_by(nominal, z)[most]) - 1.0)
-    text = (
-        "Nothing is added in augmented.toml: it is the nominal model with its quantities adjusted as their tolerances allow, most "
-        f"the {quantity.kind} of {quantity.name}, by {by:+.2g} % ({abs(z[most]):.2g} standard deviations of its tolerance)"
-    )
+    allowed = abs(z[most]) <= OUTSIDE_TOLERANCE
+    how = "adjusted as their tolerances allow" if allowed else "bent far outside their tolerances"
+    text = f"Nothing is added in augmented.toml: it is the nominal model with its quantities {how}, most {_bent(nominal, z, most)}"
     if beside:
         text += ", beside effects that are not claimed; the errors told as augmented are with these"
-    elif worse is not None:
-        text += f"; it {beyond_nominal(worse, 'augmented')}"
+    if worse is not None:
+        text += f"{', and what is told so' if beside else '; it'} {beyond_nominal(worse, 'augmented')}"
     return f"{text}."
+
+
+def _bent(nominal: Sequence[Nominal], z: Array, k: int) -> str:
+    """By how much one of the nominal quantities is another."""
+    by = 100.0 * (float(bent_by(nominal, z)[k]) - 1.0)
+    share = f"{float(f'{by:.2g}'):+.12g}"
+    return f"the {nominal[k].kind} of {nominal[k].name}, by {share} % ({_deviations(abs(z[k]))} of its tolerance)"
+
+
+def _deviations(count: float) -> str:
+    number = f"{float(f'{count:.2g}'):.12g}"
+    return f"{number} standard deviation{'' if number == '1' else 's'}"
 
 
 def _over_noise(rows: Sequence[Row], model: str) -> float:

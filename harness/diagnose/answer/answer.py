@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.diagnose.answer.against_nominal import nothing_added
+from harness.diagnose.answer.against_nominal import beside_findings, nothing_added
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.claims_as_data import finding_rows, plainer_rivals, rivals_as_data, units_of
 from harness.diagnose.answer.constants import INTERVALS_SHARE, PREDICTING_SHARE, REPLAY_TIME
@@ -124,8 +124,10 @@ def answer(
     text = [_summary(outcome, conclusion, values, zeros, rows, grades, left), *([levels.sentence] if levels else [])]
     text += [disagreement_words(apart, problem)]
     text += [form.sentence] if form is not None else []
-    if not conclusion.claims:
-        own = conclusion.own
+    own = conclusion.own
+    if conclusion.claims:
+        text += beside_findings(outcome.predictor.nominal, own.x, rows)
+    else:
         text.append(nothing_added(outcome.predictor.nominal, own.x, rows, beside=bool(own.hypothesis.members)))
     text += [foretelling(best.fitted.hypothesis.keys, rows)] if best is not None and rows else []
     return Diagnosis(

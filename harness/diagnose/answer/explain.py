@@ -237,7 +237,8 @@ def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
     """
     force = left.largest
     size = f"a force of {force.size:.2g} {written(force.unit)}"
-    share = f"{percent(force.share)} of the largest that gravity or inertia make there"
+    natural = "the largest that gravity or inertia make there"
+    share = f"{percent(force.share)} of {natural}" if force.share <= 1.0 else f"{times(force.share, 2)} times {natural}"
     kept = f"which keeps for about {force.memory:.2g} s"
     error = _error(foretold, noise)
     here = f"{foretold.channel}.".startswith(f"{force.joint}.")
@@ -280,7 +281,7 @@ def foretelling(keys: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
     """
     # Second encoders are explained beside the motion, which that set says nothing of.
     rows = [row for row in rows if "predictive" in row]
-    row = worse_than_nominal(rows, "predictive")
+    row = worse_than_nominal(rows, "predictive", PLAINLY_BETTER_ERROR)
     if row is not None:
         what = " + ".join(keys) or "the nominal model with its quantities fitted"
         return (
@@ -311,9 +312,9 @@ def listed(words: Sequence[str]) -> str:
 
 
 def percent(share: float) -> str:
+    """A share in per cent; what is more than all of it is told as such, and all never where something is left."""
     if share < 0.995 or share >= 1.0:
-        return f"{100.0 * share:.2g} %" if share < 0.995 else "100 %"
-    # All is never said where something is left.
+        return f"{float(f'{100.0 * share:.2g}'):,.12g} %"
     return f"{100.0 * share:.{-floor(log10(100.0 * (1.0 - share)))}f} %"
 
 

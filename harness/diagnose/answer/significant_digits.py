@@ -60,11 +60,11 @@ def ends(interval: Interval) -> str:
 
 
 def best(value: float | None, interval: Interval) -> str:
-    """The value beside its interval: as many digits as the nearer end leaves it."""
+    """The value beside its interval: as many digits as the nearer end leaves it, or its own where those show nothing of it."""
     low, high = interval or (None, None)
     if value is None or low is None or high is None or not low < value < high:
         return _end(value, _width(interval))
-    return resolved(value, 2.0 * min(value - low, high - value))
+    return _end(value, 2.0 * min(value - low, high - value))
 
 
 def estimate(value: float, std: float | None, interval: Interval, unit: str = "") -> str:
@@ -97,7 +97,7 @@ def _own(value: float, std: float, low: float, high: float) -> bool:
 
 
 def _end(value: float | None, width: float | None) -> str:
-    """An end of an interval: by its own digits where those that the width leaves would show nothing of it."""
+    """A number beside an interval's width: by its own digits where those that the width leaves would show nothing of it."""
     text = resolved(value, width)
     nothing = value is not None and float(text) == 0.0
     return _short(value) if value is not None and nothing and abs(value) > 10.0**-MOST_DIGITS * (width or 0.0) else text
