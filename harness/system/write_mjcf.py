@@ -30,7 +30,7 @@ def to_mjcf(system: System) -> tuple[str, tuple[str, ...]]:
     Mimics are linear equalities, which MuJoCo holds softly. A free joint's positions are in the world: it hangs on the base.
     Raises UnsupportedError where a massless link branches, or a link floats from another, which MuJoCo cannot hold.
     """
-    left_out = without_gimbals(system, "MJCF")
+    system, left_out = without_gimbals(system, "MJCF", balls=True)
     system = chained(system, keep=(JointType.FREE, JointType.BALL))
     if system.tolerance != 0.01:
         left_out.append(f"tolerance {system.tolerance:g}")

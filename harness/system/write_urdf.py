@@ -24,7 +24,7 @@ def to_urdf(system: System) -> tuple[str, tuple[str, ...]]:
             mend="write TOML or MJCF",
             source=system.source,
         )
-    left_out = without_gimbals(system, "URDF")
+    system, left_out = without_gimbals(system, "URDF")
     if not np.allclose(system.gravity, STANDARD_GRAVITY, rtol=0.0, atol=1e-12):
         left_out.append(f"gravity {np.asarray(system.gravity).tolist()} m/s²: URDF leaves it to the simulator")
     if system.tolerance != 0.01:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from mechanisms_by_mujoco import BALL, BOX, CENTRED, LEGGED, legged, model_file, motion, recording
+from scipy.spatial.transform import Rotation
 
 from harness import diagnose
 from harness.diagnose.conditioning.poses import in_charts
@@ -142,15 +144,62 @@ def test_a_chart_is_written_and_read_again(tmp_path: Path) -> None:
     assert gimbal.coordinates == ("ball.rx", "ball.ry", "ball.rz")
 
 
-@pytest.mark.parametrize(("ending", "form"), [(".urdf", "URDF"), (".xml", "MJCF")])
-def test_what_resists_a_chart_as_a_whole_is_written_as_toml_alone(tmp_path: Path, ending: str, form: str) -> None:
+def test_what_resists_a_chart_as_a_whole_is_no_urdf(tmp_path: Path) -> None:
     """Damping of each angle is another law than damping of the angular velocity, and no damping is none."""
     resisting, _ = in_charts(load(model_file(tmp_path, BALL.format(damping=0.02))), hanging(0.0))
-    with pytest.raises(UnsupportedError, match=rf"gimbal 'ball' has damping 0.02 against .* which {form} cannot say"):
-        write(resisting, tmp_path / f"charted{ending}")
-    assert not (tmp_path / f"charted{ending}").exists()
+    with pytest.raises(UnsupportedError, match=r"gimbal 'ball' has damping 0.02 against .* which URDF cannot say"):
+        write(resisting, tmp_path / "charted.urdf")
+    assert not (tmp_path / "charted.urdf").exists()
     smooth, _ = in_charts(load(model_file(tmp_path, BALL.format(damping=0.0))), hanging(0.0))
-    assert "gimbal 'ball': that ball.rx, ball.ry, ball.rz belong together" in write(smooth, tmp_path / f"of{ending}")
+    for ending in (".urdf", ".xml"):
+        assert "gimbal 'ball': that ball.rx, ball.ry, ball.rz belong together" in write(
+            smooth, tmp_path / f"of{ending}"
+        )
+
+
+def test_dry_friction_of_a_chart_as_a_whole_is_no_mjcf(tmp_path: Path) -> None:
+    """MuJoCo's friction loss bounds each component by itself."""
+    system, _ = in_charts(load(model_file(tmp_path, BALL.format(damping=0.02))), hanging(0.0))
+    rubbing = replace(system, gimbals=tuple(replace(g, friction=0.01) for g in system.gimbals))
+    with pytest.raises(UnsupportedError, match=r"damping 0.02 and friction 0.01 against .* which MJCF cannot say"):
+        write(rubbing, tmp_path / "rubbing.xml")
+
+
+def test_a_damped_chart_is_written_as_a_ball_that_mujoco_turns_alike(tmp_path: Path) -> None:
+    """Origin: MuJoCo's forward dynamics of the model before its ball was taken apart, the body turned and turning alike."""
+    import mujoco
+
+    first = model_file(tmp_path, BALL.format(damping=0.02))
+    system, _ = in_charts(load(first), hanging(0.0))
+    file = tmp_path / "charted.xml"
+    assert write(system, file) == ()
+    whole, apart = (mujoco.MjModel.from_xml_path(str(path)) for path in (first, file))
+    assert (apart.nq, apart.nv, apart.dof_damping.tolist()) == (4, 3, [0.02] * 3)
+    body = system.joints[-1].child
+    data, expected = mujoco.MjData(apart), mujoco.MjData(whole)
+    mujoco.mj_forward(whole, expected)
+    unturned = expected.body(body).xmat.reshape(3, 3).copy()
+    data.qpos[:] = np.array([0.6, -0.3, 0.5, 0.2]) / np.linalg.norm([0.6, -0.3, 0.5, 0.2])
+    data.qvel[:] = (1.1, -0.7, 2.0)
+    mujoco.mj_forward(apart, data)
+    # The axes of a ball's velocity are those of the body that it carries, to which the drawn one is fastened turned.
+    turn = np.asarray(system.joints[-1].rotation).T
+    relative = unturned.T @ data.body(body).xmat.reshape(3, 3)
+    expected.qpos[:] = np.roll(Rotation.from_matrix(relative).as_quat(), 1)
+    expected.qvel[:] = turn @ data.qvel
+    mujoco.mj_forward(whole, expected)
+    np.testing.assert_allclose(turn @ data.qacc, expected.qacc, rtol=1e-9, atol=1e-9)
+
+
+def test_a_damped_body_in_space_is_written_as_slides_and_a_ball(tmp_path: Path) -> None:
+    """Damping of the velocity as a vector is as much of each of three slides square to one another: 0.05 of all six."""
+    import mujoco
+
+    system, _ = in_charts(load(model_file(tmp_path, BOX.format(damping=0.05))), thrown(0.0))
+    file = tmp_path / "charted.xml"
+    assert write(system, file) == ("gimbal 'root.shift': that root.x, root.y, root.z belong together",)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    assert (model.nq, model.nv, model.dof_damping.tolist()) == (7, 6, [0.05] * 6)
 
 
 def test_a_quaternion_without_length_is_refused(tmp_path: Path) -> None:
