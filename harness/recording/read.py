@@ -189,7 +189,7 @@ def unit_of_column(column: Column, table: Table) -> str:
 def _refuse_short(samples: int, file: Path) -> None:
     if samples < FEWEST:
         raise InputError(
-            f"has {samples} usable samples, too short to tell motion from noise",
+            f"has {samples} usable sample{'' if samples == 1 else 's'}, too short to tell motion from noise",
             mend=f"at least {FEWEST} are needed",
             source=file,
         )

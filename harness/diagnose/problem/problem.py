@@ -274,7 +274,7 @@ def _run(system: System, infos: tuple[ChannelInfo, ...], recording: Measured, in
     effort = None if effort is None else effort[keep]
     if len(time) < FEWEST_USABLE_SAMPLES:
         raise InputError(
-            f"the recording has {len(time)} usable samples",
+            f"the recording has {len(time)} usable sample{'' if len(time) == 1 else 's'}",
             mend=f"at least {FEWEST_USABLE_SAMPLES} are needed to tell motion from noise",
         )
     name = str(getattr(recording, "name", "") or getattr(recording, "source", "") or f"recording {index + 1}")
