@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from harness.report.diagnosis.sets_in_words import sets_in_words
+from harness.report.diagnosis.sets_in_words import first_not_likeliest, sets_in_words
 
 
 def rows(*sets: str) -> list[dict[str, list[str]]]:
@@ -24,3 +24,14 @@ def test_long_sets_are_told_by_what_differs_from_the_first() -> None:
 
 def test_nothing_is_said_of_no_ranking() -> None:
     assert sets_in_words([]) == []
+
+
+def test_a_first_row_that_is_not_the_likeliest_is_said_to_be_what_is_told() -> None:
+    rows = [{"effects": ["viscous_damping@pivot"], "bic": 110.0}, {"effects": [], "bic": 100.0}]
+    assert first_not_likeliest(rows).startswith(
+        "The first row is the set that this answer is of. It is not the likeliest"
+    )
+    assert first_not_likeliest(rows[::-1]) == first_not_likeliest([]) == ""
+    # A difference that is told as 0 is none.
+    assert first_not_likeliest([{"effects": [], "bic": 100.4}, rows[1]]) == ""
+    assert first_not_likeliest([{"effects": [], "bic": None}, rows[1]]) == ""

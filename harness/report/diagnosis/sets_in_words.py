@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 SHORT = 3  # effects of a set that are listed one by one
+SEEN = 0.5  # of ΔBIC; what is less is told as 0
 
 
 def sets_in_words(ranking: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -14,6 +15,17 @@ def sets_in_words(ranking: Sequence[Mapping[str, Any]]) -> list[str]:
         return []
     first = list(ranking[0]["effects"])
     return [" + ".join(first) or "nothing", *(_against(first, list(row["effects"])) for row in ranking[1:])]
+
+
+def first_not_likeliest(ranking: Sequence[Mapping[str, Any]]) -> str:
+    """What the first row is where ΔBIC does not say so, for another set is the likeliest; else nothing."""
+    known = [row["bic"] for row in ranking if row.get("bic") is not None]
+    if not ranking or ranking[0].get("bic") is None or ranking[0]["bic"] - min(known) < SEEN:
+        return ""
+    return (
+        "The first row is the set that this answer is of. It is not the likeliest, from which ΔBIC counts: what is likelier has "
+        "not stood what else was asked of it, or was not gone through."
+    )
 
 
 def _against(first: Sequence[str], own: Sequence[str]) -> str:

@@ -17,6 +17,7 @@ from harness.report.columns import Column, figures, print_table
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
 from harness.report.diagnosis.sections.disagreement import heads_of, interval
 from harness.report.diagnosis.sets_in_words import sets_in_words
+from harness.report.diagnosis.sets_in_words import first_not_likeliest, sets_in_words
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
 
@@ -46,6 +47,9 @@ def print_diagnosis(document: Mapping[str, Any], console: Console) -> None:
     ranking = document.get("ranking") or []
     if len(ranking) > 1:
         _show(console, *_ranking(ranking[:6]))
+        note = first_not_likeliest(ranking[:6])
+        if note:
+            console.print(Text(note))
     if document.get("replay"):
         _show(console, *_replay(document["replay"]))
     following = document.get("next_experiment") or {}

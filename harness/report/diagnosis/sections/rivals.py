@@ -9,7 +9,7 @@ from typing import Any
 from harness.diagnose.answer.significant_digits import rounded
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
 from harness.report.diagnosis.sections.figure import Document, points
-from harness.report.diagnosis.sets_in_words import sets_in_words
+from harness.report.diagnosis.sets_in_words import first_not_likeliest, sets_in_words
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,7 @@ class Rivals:
                 {**row, "errors": held_out(row, channels), "said": said.replace("_", " ")}
                 for row, said in zip(ranking, sets_in_words(ranking), strict=True)
             ],
+            "note": first_not_likeliest(ranking),
             "heads": headings(channels, "held-out error"),
             "best": min(known) if known else 0.0,
             "reasons": reasons,
