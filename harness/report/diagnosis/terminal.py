@@ -16,7 +16,6 @@ from harness.recording.units import written
 from harness.report.columns import Column, figures, print_table
 from harness.report.diagnosis.held_out_errors import channels_of, headings, held_out
 from harness.report.diagnosis.sections.disagreement import heads_of, interval
-from harness.report.diagnosis.sets_in_words import sets_in_words
 from harness.report.diagnosis.sets_in_words import first_not_likeliest, sets_in_words
 
 COLOURS = {"consistent": "bold green", "explained": "bold green", "partly_explained": "bold yellow"}
