@@ -22,7 +22,8 @@ def with_drive_side(system: System, site: str, parameters: Mapping[str, float]) 
 
     Armature, damping, friction and effort stay with the drive side, which is also what is measured as ``<site>``. If
     the model states no armature, the drive side is given one per cent of the carried inertia.
-    parameters: ``stiffness`` and ``damping`` of a coupling, or ``gap`` of a play.
+    parameters: ``stiffness`` and ``damping`` of a coupling, or ``gap`` of a play. Where the joint has a drive side already, both act one
+    after the other: the spring takes over where the play ends.
     Raises InputError if the joint cannot move.
     """
     joint = system.joint(site)
@@ -30,6 +31,8 @@ def with_drive_side(system: System, site: str, parameters: Mapping[str, float]) 
         raise InputError(f"joint {site!r} is fixed", mend="a coupling needs a joint that moves")
     inertia = references(system, site).inertia
     drive, coupling_name = f"{site}_drive", f"{site}_coupling"
+    if any(other.name == coupling_name for other in system.joints):
+        return _one_after_the_other(system, coupling_name, parameters)
     armature = joint.armature if joint.armature > 0.0 else MASSLESS_SHARE * inertia
     play = "gap" in parameters
     stiffness = inertia * TEETH_RATE**2 if play else parameters["stiffness"]
@@ -53,3 +56,20 @@ def with_drive_side(system: System, site: str, parameters: Mapping[str, float]) 
         teeth = {"gap": parameters["gap"], "stiffness": stiffness, "damping": damping}
         attachments = (*attachments, Attachment("backlash", coupling_name, teeth))
     return replace(system, joints=joints, links=links, attachments=attachments)
+
+
+def _one_after_the_other(system: System, coupling: str, parameters: Mapping[str, float]) -> System:
+    """The system with play before the spring of a coupling, or a spring behind the play of one: teeth as soft as the spring."""
+    joint = system.joint(coupling)
+    if "gap" in parameters:
+        teeth = {"gap": parameters["gap"], "stiffness": joint.stiffness, "damping": joint.damping}
+        return replace(
+            system.replace_joint(replace(joint, stiffness=0.0, damping=0.0)),
+            attachments=(*system.attachments, Attachment("backlash", coupling, teeth)),
+        )
+    soft = {name: parameters[name] for name in ("stiffness", "damping")}
+    attachments = tuple(
+        replace(own, parameters={**own.parameters, **soft}) if (own.effect, own.site) == ("backlash", coupling) else own
+        for own in system.attachments
+    )
+    return replace(system, attachments=attachments)

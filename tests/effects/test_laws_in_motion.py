@@ -144,21 +144,30 @@ def test_flexible_joint_and_backlash(pendulum):
     motion = released(soft, 0.7)[:, 0]
     assert np.abs(motion - expected(lambda twist, w: -2.0 * twist - 0.004 * w)).max() < 1e-6
 
-    loose = effects.apply(geared, Attachment("backlash", "pivot", {"gap": 0.04}))
+    def contact(stiffness, damping):
+        def torque(twist, w):
+            beyond = abs(twist) - 0.02
+            if beyond <= 0:
+                return 0.0
+            side = np.sign(twist)
+            # Damping sets in over half a hundredth of half the play.
+            share = min(beyond / (0.005 * 0.02), 1.0)
+            return -side * max(stiffness * beyond + damping * share * side * w, 0.0)
+
+        return torque
+
+    play = Attachment("backlash", "pivot", {"gap": 0.04})
+    loose = effects.apply(geared, play)
     teeth = loose.attachments[0].parameters
-
-    def contact(twist, w):
-        beyond = abs(twist) - 0.02
-        if beyond <= 0:
-            return 0.0
-        side = np.sign(twist)
-        # Damping sets in over half a hundredth of half the play.
-        share = min(beyond / (0.005 * 0.02), 1.0)
-        return -side * max(teeth["stiffness"] * beyond + teeth["damping"] * share * side * w, 0.0)
-
     motion = released(loose, 0.7)[:, 0]
     # Blow upon blow of stiff teeth magnifies step errors somewhat.
-    assert np.abs(motion - expected(contact)).max() < 1e-7
+    assert np.abs(motion - expected(contact(teeth["stiffness"], teeth["damping"]))).max() < 1e-7
+
+    # Both at one joint, in either order: the spring takes over where the play ends.
+    spring = Attachment("joint_flexibility", "pivot", {"stiffness": 2.0, "damping": 0.004})
+    for both in (effects.apply(soft, play), effects.apply(loose, spring)):
+        assert both.joint_names == soft.joint_names
+        assert np.abs(released(both, 0.7)[:, 0] - expected(contact(2.0, 0.004))).max() < 1e-6
 
 
 def test_a_link_made_flexible_rings_at_its_frequency(pendulum):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.diagnose.answer.against_nominal import beside_findings
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.constants import SHOWN_HYPOTHESES
 from harness.diagnose.answer.diagnosis import Diagnosis
@@ -86,6 +87,7 @@ class EffortAnswer:
                             verdict, severity, self.cutoff, found.titles, found.rivals, Foretold.worst(rows), explained, left,
                             hurried=bool(study.data.model.deadline.not_tried),
                         ),
+                        *(beside_findings(study.data.model.nominal, best.x, rows) if found.titles else ()),
                         self._pushed(),
                         shown_as(tests),
                     ],
