@@ -22,8 +22,8 @@ def with_drive_side(system: System, site: str, parameters: Mapping[str, float]) 
 
     Armature, damping, friction and effort stay with the drive side, which is also what is measured as ``<site>``. If
     the model states no armature, the drive side is given one per cent of the carried inertia.
-    parameters: ``stiffness`` and ``damping`` of a coupling, or ``gap`` of a play. Where the joint has a drive side already, both act one
-    after the other: the spring takes over where the play ends.
+    parameters: ``stiffness`` and ``damping`` of a coupling, or ``gap`` of a play. Where the joint has a drive side already,
+    both act one after the other: the spring takes over where the play ends.
     Raises InputError if the joint cannot move.
     """
     joint = system.joint(site)
