@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from harness.errors import InputError
+from harness.recording.differences import white_noise
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
@@ -51,7 +52,7 @@ def quantisation_step(values: Array) -> float:
 
 
 def find_saturation(name: str, time: Array, values: Array, step: float) -> QualityNote | None:
-    """Plateaus at an extreme that the motion runs into with speed, unlike a turning point or a rest."""
+    """Plateaus at an extreme that the motion runs into with speed, unlike a turning point or a rest; or noise cut off flat."""
     present = np.flatnonzero(np.isfinite(values))
     signal, stamps = values[present], time[present]
     if len(signal) < 4 * PLATEAU or float(np.ptp(signal)) == 0.0:
@@ -61,7 +62,9 @@ def find_saturation(name: str, time: Array, values: Array, step: float) -> Quali
     count, limits = 0, []
     for extreme in (float(signal.max()), float(signal.min())):
         runs = [run for run in runs_of(np.abs(signal - extreme) <= tolerance) if run[1] - run[0] >= PLATEAU]
-        cut = [run for run in runs if _runs_into(signal, run, step)]
+        cut = [run for run in runs if _runs_into(signal, run, step)] or _noise_cut_off(
+            stamps, signal, extreme, tolerance, step
+        )
         if cut:
             limits.append(extreme)
             count += sum(last - first for first, last in cut)
@@ -78,6 +81,14 @@ def find_saturation(name: str, time: Array, values: Array, step: float) -> Quali
         tuple(sorted(windows)[:16]),
         float(max(map(abs, limits))),
     )
+
+
+def _noise_cut_off(time: Array, signal: Array, extreme: float, tolerance: float, step: float) -> list[tuple[int, int]]:
+    """Where an extreme is read again and again between smaller readings: louder noise than its steps would else go beyond it."""
+    if abs(extreme) <= tolerance or not white_noise(time, signal) > 2.0 * max(step, tolerance):
+        return []
+    runs = runs_of(np.abs(signal - extreme) <= tolerance)
+    return runs if len(runs) >= PLATEAU and sum(last - first for first, last in runs) >= 2 * PLATEAU else []
 
 
 def runs_of(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -189,6 +189,19 @@ def test_a_hard_stop_is_no_outlier(tmp_path, seed):
     assert not notes(read(tmp_path, TIME, values), "outlier")
 
 
+@pytest.mark.parametrize("grain", [0.0, 1e-4])
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_that_is_cut_off_flat_tells_saturation(tmp_path, seed, grain):
+    # The converter adds noise before it clips, and reads its end again and again between smaller values.
+    values = np.clip(
+        np.clip(swing(TIME), -0.5, 0.5) + np.random.default_rng(seed).normal(0.0, 1e-3, len(TIME)), -0.5, 0.5
+    )
+    values = np.round(values / grain) * grain if grain else values
+    (note,) = notes(read(tmp_path, TIME, values), "saturation")
+    assert note.size == pytest.approx(0.5)
+    assert not notes(read(tmp_path, TIME, np.round(noisy(seed) / 1e-4) * 1e-4), "saturation")
+
+
 @pytest.mark.parametrize("header", ["time,pivot.position", "time,pivot.velocity"])
 @pytest.mark.parametrize("seed", range(3))
 def test_bursts_are_left_out(tmp_path, seed, header):
