@@ -128,11 +128,8 @@ def find_outliers(name: str, time: Array, values: Array, step: float) -> tuple[A
     x, t = values[present], time[present]
     index = np.arange(4, len(x) - 4)
     error = np.abs(x[index] - _predicted(t, x, index, index, (-2, -1, 1, 2)))
-    # Where noise grows with speed, what is loud among quiet samples is not so among its own; a reading that stands still has none.
-    around = median_filter(error, min(NEIGHBOURHOOD, len(error)), mode="nearest")
-    least = 1e-9 * float(np.ptp(x))
-    usual = float(np.median(error[error > least])) if bool(np.any(error > least)) else 0.0
-    scale = 1.4826 * np.maximum(around, usual) + 0.5 * step + least
+    # Where noise grows with speed, what is loud among quiet samples is not so among its own.
+    scale = _loudness(x, error, step, median_filter(error, min(NEIGHBOURHOOD, len(error)), mode="nearest"))
     loud = error > OUTLIER_SIGMAS * scale
     far, scale = index[loud], scale[loud]
     size = np.abs(x[far] - _predicted(t, x, far, far, (-2, -1, 1, 2)))
@@ -169,60 +166,57 @@ def find_bursts(name: str, time: Array, values: Array, step: float) -> tuple[Arr
     change = np.abs(np.diff(x))
     index = np.arange(2, len(x) - 2)
     error = np.abs(x[index] - _predicted(t, x, index, index, (-2, -1, 1, 2)))
-    least = 1e-9 * float(np.ptp(x))
-    usual = float(np.median(error[error > least])) if bool(np.any(error > least)) else 0.0
-    scale = 1.4826 * usual + 0.5 * step + least
-    leaps = LEAP * float(np.quantile(change, 0.98)) + OUTLIER_SIGMAS * scale
+    far = OUTLIER_SIGMAS * float(_loudness(x, error, step))
+    leaps = np.flatnonzero(change > LEAP * float(np.quantile(change, 0.98)) + far) + 1
     found: list[tuple[int, int]] = []
-    sizes: list[float] = []
-    starts = np.flatnonzero(change > leaps) + 1
-    after = 0
-    for first in starts.tolist():
-        if first < max(after, 4):
+    for first in leaps.tolist():
+        if first < (found[-1][1] if found else 4):
             continue
-        ends = starts[(starts > first + 1) & (starts <= first + BURST)]
-        # The longest one whose either side is one line; a burst leaps within as well.
-        for last in ends[::-1].tolist():
-            if last + 3 >= len(x) or not _one_line(t, x, first, last, scale):
-                continue
-            inside = np.arange(first, last)
-            off = np.abs(x[inside] - _across(t, x, first, last, inside))
-            if np.mean(off > OUTLIER_SIGMAS * scale) >= WILD:
-                found.append((first, last))
-                sizes.append(float(off.max()))
-                after = last
-                break
+        ends = leaps[(leaps > first + 1) & (leaps <= min(first + BURST, len(x) - 4))].tolist()
+        # The longest one: a burst leaps within as well.
+        last = next((end for end in reversed(ends) if _is_burst(t, x, first, end, far)), None)
+        if last is not None:
+            found.append((first, last))
     count = sum(last - first for first, last in found)
     if not found or count > 0.02 * len(x):
         return values, None
-    mended = values.copy()
+    mended, size = values.copy(), 0.0
     for first, last in found:
         mended[present[first:last]] = np.nan
+        size = max(size, float(_off_line(t, x, first, last).max()))
     return mended, QualityNote(
         "outlier",
         name,
-        f"{count} samples in {len(found)} burst{'s' if len(found) > 1 else ''} lie up to {max(sizes):.3g} off the line of what is "
+        f"{count} samples in {len(found)} burst{'s' if len(found) > 1 else ''} lie up to {size:.3g} off the line of what is "
         "before and after",
         "left out",
         count,
         tuple((float(t[first]), float(t[last - 1])) for first, last in found[:16]),
-        max(sizes),
+        size,
     )
 
 
-def _one_line(time: Array, values: Array, first: int, last: int, scale: float) -> bool:
-    """Whether samples right before and right after a stretch lie on the cubic through their neighbours across it."""
-    near = np.array([first - 1, last])
-    off = np.abs(values[near] - _across(time, values, first - 1, last + 1, near))
-    # A cubic across many samples errs more than across one.
-    return bool(np.all(off < OUTLIER_SIGMAS * scale))
+def _loudness(values: Array, error: Array, step: float, around: Array | float = 0.0) -> Array:
+    """Robust standard deviation of distances from the line of neighbours; around: their median near each sample, if it is larger.
+
+    What stands still has no noise, and does not count.
+    """
+    least = 1e-9 * float(np.ptp(values))
+    usual = float(np.median(error[error > least])) if bool(np.any(error > least)) else 0.0
+    return np.asarray(1.4826 * np.maximum(around, usual) + 0.5 * step + least)
 
 
-def _across(time: Array, values: Array, first: int, last: int, target: NDArray[np.intp]) -> Array:
-    """Values at samples ``target`` of the cubic through the two samples before and the two after a stretch."""
-    nodes = np.array([first - 2, first - 1, last, last + 1])
-    origin = time[first]
-    return np.asarray(np.polyval(np.polyfit(time[nodes] - origin, values[nodes], 3), time[target] - origin))
+def _is_burst(time: Array, values: Array, first: int, last: int, far: float) -> bool:
+    """Whether most samples of a stretch are off the line of what is before and after it, and those right beside it are not."""
+    beside = _off_line(time, values, first - 1, last + 1)[[0, -1]]
+    return bool(np.all(beside < far) and np.mean(_off_line(time, values, first, last) > far) >= WILD)
+
+
+def _off_line(time: Array, values: Array, first: int, last: int) -> Array:
+    """Distances of the samples of a stretch from the cubic through the two before and the two after it."""
+    nodes, inside = np.array([first - 2, first - 1, last, last + 1]), np.arange(first, last)
+    line = np.polyfit(time[nodes] - time[first], values[nodes], 3)
+    return np.asarray(np.abs(values[inside] - np.polyval(line, time[inside] - time[first])))
 
 
 def _predicted(

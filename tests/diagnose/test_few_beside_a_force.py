@@ -38,11 +38,11 @@ def test_few_effects_are_held_against_whole_runs(monkeypatch, left, force, besid
     sensors = SimpleNamespace(samples=lambda windows: SAMPLES)
 
     def under(likelihood, fit):
-        return SimpleNamespace(residuals=lambda points: [(costs[fit.hypothesis], ())])
+        return costs[fit.hypothesis], ()
 
     study = SimpleNamespace(
         likelihood=SimpleNamespace(as_scattered=sensors), windows=(), empty=lambda: fitted("nothing"),
-        fit=lambda hypothesis, starts, near: fitted(hypothesis), objective_under=under,
+        fit=lambda hypothesis, starts, near: fitted(hypothesis), residuals_under=under,
     )  # fmt: skip
     monkeypatch.setattr(module, "everywhere", lambda study, short: fitted("usual"))
     monkeypatch.setattr(module, "answers", lambda study, fit, period: ["way"])

@@ -58,10 +58,7 @@ def _finding(
     return {
         "effect": claim.candidate.effect.name,
         "site": claim.candidate.site,
-        "parameters": {
-            name: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[name]}
-            for name, e in values.items()
-        },
+        "parameters": {name: e.document(units[name]) for name, e in values.items()},
         "evidence": {
             "delta_bic": claim.delta_bic,
             "probability": claim.probability,

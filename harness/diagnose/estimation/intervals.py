@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,10 @@ class Estimate:
     std: float | None
     low: float
     high: float
+
+    def document(self, unit: str) -> dict[str, Any]:
+        """For programs."""
+        return {"value": self.value, "std": self.std, "ci95": [self.low, self.high], "unit": unit}
 
 
 def inflation(fitted: Fit) -> float:

@@ -81,10 +81,7 @@ def effort_findings(system: System, study: EffortStudy, best: EffortFit, *, rema
             {
                 "effect": member.effect.name,
                 "site": member.site,
-                "parameters": {
-                    name: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[name]}
-                    for name, e in values.items()
-                },
+                "parameters": {name: e.document(units[name]) for name, e in values.items()},
                 "evidence": {
                     "delta_bic": study.criterion(smaller) - study.criterion(best), "probability": probability,
                     "heldout_sigma": apart[k],

@@ -69,12 +69,7 @@ class Disagreement:
                     "recording": name,
                     "times_noise": times,
                     "parameters": {
-                        f"{member.key}.{key}": {
-                            "value": e.value,
-                            "std": e.std,
-                            "ci95": [e.low, e.high],
-                            "unit": unit[key],
-                        }
+                        f"{member.key}.{key}": e.document(unit[key])
                         for member, own, unit in zip(self.members, self.values[name], units, strict=True)
                         for key, e in own.items()
                     },

@@ -127,36 +127,23 @@ def begun_ordinary(
     progress("friction and drag at every joint")
     # Noise that was estimated beside a nominal model that is far off has the colour of what it lacks.
     rough = study.likelihood.as_scattered
-    begun = [usual, study.empty()]
-    if _above(study, rough, usual) < (LOUD_RATIO**2 - 1.0) * rough.samples(study.windows):
+    begun, noise = [usual, study.empty()], rough.samples(study.windows)
+    above = study.residuals_under(rough, usual)[0] - noise
+    if above < (LOUD_RATIO**2 - 1.0) * noise:
         return None
     few = few_suffice()
     if few is not None:
         there = study.fit(few.hypothesis, [few.x], few.beginning(study.windows))
-        if not _lacks_a_force(study, rough, usual, there, period):
+        # Few effects that are the truth leave noise on whole runs as well, or far less than ordinary dissipation does.
+        if study.residuals_under(rough, there)[0] - noise < ON_COURSE_SHARE * above:
+            return None
+        # A force that nobody has named, or noise of recorded efforts, has no time to lead far on a short window. The likelihood
+        # with a force in it tells it from noise that has its colour.
+        ways = answers(study, there, period)
+        if not ways or weighed(study, ways, there).force is None:
             return None
         begun.append(there)
     return under_model_error(study, begun, period, effort, progress, structure, reached, early=True)
-
-
-def _above(study: Study, sensors: Likelihood, fitted: Fit) -> float:
-    """What a fit leaves above the noise of the sensors."""
-    return study.objective_under(sensors, fitted).residuals([(fitted.x, fitted.states)])[0][0] - sensors.samples(
-        fitted.windows
-    )
-
-
-def _lacks_a_force(study: Study, rough: Likelihood, usual: Fit, few: Fit, period: float) -> bool:
-    """Whether few effects that suffice on short windows leave out a force that shows on whole runs.
-
-    A force that nobody has named, or noise of recorded efforts, has no time to lead far on a short window. On whole runs few
-    effects that are the truth leave noise, or far less than ordinary dissipation does. Of others, and of noise that has their
-    colour, the likelihood with a force in it tells which it is.
-    """
-    if _above(study, rough, few) < ON_COURSE_SHARE * _above(study, rough, usual):
-        return False
-    ways = answers(study, few, period)
-    return bool(ways) and weighed(study, ways, few).force is not None
 
 
 def under_model_error(
@@ -331,7 +318,7 @@ def reweighed(study: Study, fitted: Fit) -> Study | None:
 
 def _left(rough: Likelihood, study: Study, fitted: Fit, force: Discrepancy, evidence: Evidence | None = None) -> Misfit:
     """What a set leaves of what the sensors read."""
-    _, residuals = study.objective_under(rough, fitted).residuals([(fitted.x, fitted.states)])[0]
+    _, residuals = study.residuals_under(rough, fitted)
     state = None if evidence is None else evidence.force
     return replace(misfit(rough, fitted.windows, residuals, force), state=state)
 
@@ -398,7 +385,7 @@ def least(
     """
 
     def value(fitted: Fit) -> float:
-        _, residuals = study.objective_under(sensors, fitted).residuals([(fitted.x, fitted.states)])[0]
+        _, residuals = study.residuals_under(sensors, fitted)
         left, sizes = squares(sensors, fitted.windows, residuals)
         # −2 log L with the variance of every channel at its likeliest, one of the sensors' at least.
         variance = np.maximum(left / sizes, 1.0)

@@ -95,8 +95,7 @@ class Evidence:
         """Squares that a fit leaves without the force, under the sensors' noise."""
         key = fitted.hypothesis.identity, fitted.windows, fitted.x.tobytes()
         if key not in self.looked:
-            objective = study.objective_under(self.rough, fitted)
-            self.looked[key] = objective.residuals([(fitted.x, fitted.states)])[0][0]
+            self.looked[key], _ = study.residuals_under(self.rough, fitted)
         return self.looked[key]
 
     def _likeliest_of(self, fitted: Fit, such: Callable[[frozenset[str]], bool]) -> Beside | None:

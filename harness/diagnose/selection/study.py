@@ -22,7 +22,7 @@ from harness.diagnose.estimation.discrepancy import Profiled, profiled
 from harness.diagnose.estimation.least_squares import Fit, fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.linearisation import linearise, sharply
-from harness.diagnose.estimation.objective import Objective
+from harness.diagnose.estimation.objective import Objective, Residuals
 from harness.diagnose.estimation.window_states import measured_state
 from harness.diagnose.prediction.coordinates import is_logarithmic
 from harness.diagnose.prediction.predictor import Predictor
@@ -115,6 +115,10 @@ class Study:
     def objective_under(self, likelihood: Likelihood, fitted: Fit) -> Objective:
         """What a fit makes small in its own windows, under another likelihood."""
         return replace(self.objective(fitted.hypothesis).on(fitted.windows), likelihood=likelihood)
+
+    def residuals_under(self, likelihood: Likelihood, fitted: Fit) -> Residuals:
+        """What a fit leaves as it stands, under another likelihood."""
+        return self.objective_under(likelihood, fitted).residuals([(fitted.x, fitted.states)])[0]
 
     def profiled_under(self, likelihood: Likelihood, fitted: Fit) -> list[Profiled]:
         """Residuals of a fit under another likelihood, initial states, which were fitted under this one, profiled out."""

@@ -81,10 +81,7 @@ class JointTwist:
             out.append(
                 {
                     "effect": LAWS[law].effect, "site": site,
-                    "parameters": {
-                        p: {"value": e.value, "std": e.std, "ci95": [e.low, e.high], "unit": units[p]}
-                        for p, e in self.values(k).items()
-                    },
+                    "parameters": {p: e.document(units[p]) for p, e in self.values(k).items()},
                     "evidence": {
                         "delta_bic": fitted.delta[k], "probability": fitted.probability[k], "heldout_sigma": fitted.heldout[k],
                     },

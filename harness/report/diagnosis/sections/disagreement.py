@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.diagnose.answer.significant_digits import rounded
+from harness.diagnose.answer.significant_digits import best, ends, rounded
 from harness.recording.units import written
 from harness.report.diagnosis.sections.figure import Document
 
@@ -31,5 +31,4 @@ def heads_of(apart: Mapping[str, Any]) -> list[tuple[str, str, bool]]:
 
 def interval(number: Mapping[str, Any]) -> str:
     """A number with its 95 % interval."""
-    low, high = number["ci95"]
-    return f"{rounded(number['value'])} ({rounded(low)} … {rounded(high)})"
+    return f"{best(number['value'], number['ci95'])} ({ends(number['ci95'])})"
