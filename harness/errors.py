@@ -2,6 +2,8 @@
 
 import errno
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 LONGEST = 1000  # letters of a message; names out of a damaged file know no end
@@ -59,6 +61,20 @@ def one_line(text: str) -> str:
 
 class UnsupportedError(InputError):
     """The input is well formed, but says something this project does not model; names what and where."""
+
+
+@contextmanager
+def not_of_the_input() -> Iterator[None]:
+    """Within it all input has been examined: an InputError raised there is of arrays or models of ours, and told as a defect.
+
+    What is raised as unsupported stays what it is. Raises RuntimeError in place of the others.
+    """
+    try:
+        yield
+    except UnsupportedError:
+        raise
+    except InputError as error:
+        raise RuntimeError(f"refused what it had made itself: {error}") from error
 
 
 # Packages that the base install leaves out, by the name they are imported under, and the extra that brings them.

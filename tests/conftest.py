@@ -23,7 +23,7 @@ QUICK = {
         "test_forms", "test_free_motion", "test_held_start", "test_joint_gain", "test_jump_in_short_windows",
         "test_noise_free_recording", "test_numbers_in_tables",
         "test_one_law_far_off",
-        "test_provenance", "test_pushed_runs", "test_replay", "test_resolved_numbers", "test_score_beside_force",
+        "test_provenance", "test_pushed_runs", "test_refused_midway", "test_replay", "test_resolved_numbers", "test_score_beside_force",
         "test_disagreement", "test_short_single_recording", "test_place_of_left_force", "test_link_inertia",
         "test_weighing_cut_short", "test_imbalance_found", "test_second_encoders_beside",
         "test_without_joints", "test_loads_of_coordinates_added",

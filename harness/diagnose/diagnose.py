@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -39,7 +40,7 @@ from harness.effects.catalogue import register
 from harness.effects.effect import Effect
 from harness.effects.scale import swing
 from harness.effects.user import load_user_effects
-from harness.errors import InputError, UnsupportedError
+from harness.errors import InputError, UnsupportedError, not_of_the_input
 from harness.parallel import one_blas_thread
 from harness.recording import Recording, read_recordings
 from harness.system import System, load
@@ -153,23 +154,31 @@ def diagnose(
         if not (c.effect.name in BENDING and c.site in carrying)
     ]  # fmt: skip
     frequency = swing(system, read[0]) / (2.0 * np.pi)
-    try:
-        outcome = investigate(
-            problem, known, frequency, effort=effort, progress=tell, structure=worth_of_known_error, deadline=deadline
-        )
-        tell("weighing what was found")
-        conclusion = conclude(outcome)
-    except TimeUp:
-        nothing = efforts.instead(None) or nothing_fitted(crude_noise(problem), every, deadline)
-        return replace(nothing, provenance=made_from, notes=notes)
-    train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
-    levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
-    apart = deadline.attempt(*APART, lambda: None if levels else disagreement(outcome, conclusion), lambda: None)
-    tell("telling")
-    notes += assemblies.told(outcome.predictor, outcome.problem.runs)
-    with deadline.spared(Spared.TO_ITS_END):
-        # What takes long in it is an attempt, with an end of its own.
-        found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels, apart)
+    # A user's own law can refuse what it is given.
+    with nullcontext() if further else not_of_the_input():
+        try:
+            outcome = investigate(
+                problem,
+                known,
+                frequency,
+                effort=effort,
+                progress=tell,
+                structure=worth_of_known_error,
+                deadline=deadline,
+            )
+            tell("weighing what was found")
+            conclusion = conclude(outcome)
+        except TimeUp:
+            nothing = efforts.instead(None) or nothing_fitted(crude_noise(problem), every, deadline)
+            return replace(nothing, provenance=made_from, notes=notes)
+        train, judged = (read, [held]) if held is not None else (read[:-1], read[-1:])
+        levels = deadline.attempt(*LEVELS, lambda: differing_levels(outcome, conclusion, train, judged), lambda: None)
+        apart = deadline.attempt(*APART, lambda: None if levels else disagreement(outcome, conclusion), lambda: None)
+        tell("telling")
+        notes += assemblies.told(outcome.predictor, outcome.problem.runs)
+        with deadline.spared(Spared.TO_ITS_END):
+            # What takes long in it is an attempt, with an end of its own.
+            found = answer(outcome, conclusion, effort_hold.told(outcome.problem, every), levels, apart)
     found = with_second_encoders(efforts.instead(found) or found, system, read, held, second)
     return replace(found, provenance=made_from, notes=notes)
 

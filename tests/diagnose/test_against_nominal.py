@@ -49,7 +49,7 @@ def test_a_little_more_of_a_quiet_channel_may_be_traded_for_much_less_of_a_loud_
 def test_a_model_with_nothing_added_is_said_to_be_the_nominal_one_adjusted() -> None:
     text = nothing_added(QUANTITIES, np.array([-0.4, 1.6, 0.0]), _rows(nominal=0.02, augmented=0.02), beside=False)
     assert text == (
-        "Nothing is added in augmented.toml: it is the nominal model with its quantities adjusted as their tolerances allow, most "
+        "The model in augmented.toml is the nominal one with its quantities adjusted as their tolerances allow, most "
         "the length of rod, by +1.6 % (1.6 standard deviations of its tolerance)."
     )
 

@@ -81,7 +81,7 @@ def nothing_added(nominal: Sequence[Nominal], x: Array, rows: Sequence[Row], *, 
         return ""
     allowed = abs(z[most]) <= OUTSIDE_TOLERANCE
     how = "adjusted as their tolerances allow" if allowed else "bent far outside their tolerances"
-    text = f"Nothing is added in augmented.toml: it is the nominal model with its quantities {how}, most {_bent(nominal, z, most)}"
+    text = f"The model in augmented.toml is the nominal one with its quantities {how}, most {_bent(nominal, z, most)}"
     if beside:
         text += ", beside effects that are not claimed; the errors told as augmented are with these"
     if worse is not None:
