@@ -52,7 +52,7 @@ from harness.system.lowering import freed, one_degree
 Progress = Callable[[int, int, str], None]
 BENDING = ("link_flexibility",)
 APART = ("whether each recording is explained by itself", "recordings may be of different rigs, which is not told")
-LEVELS = ("whether dry friction differs from recording to recording", "its size may be a mean of several")
+LEVELS = ("whether friction differs from recording to recording", "its size may be a mean of several")
 
 
 @one_blas_thread()
@@ -164,6 +164,7 @@ def diagnose(
                 effort=effort,
                 progress=tell,
                 structure=worth_of_known_error,
+                laws=efforts.laws,
                 deadline=deadline,
             )
             tell("weighing what was found")

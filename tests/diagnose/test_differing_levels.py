@@ -1,4 +1,4 @@
-"""Dry friction that differs from recording to recording is told by a diagnosis, and only where it does."""
+"""Friction, dry or viscous, that differs from recording to recording is told by a diagnosis, and only where it does."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ ANGLES = (1.4, 1.1, 0.9, 0.7)  # rad
 ORDINARY = ("coulomb_friction", "viscous_damping", "quadratic_drag")
 
 
-def mujoco_swing(name: str, level: float, angle: float) -> Recording:
-    """A free swing of 10 s at 100 Hz whose dry friction is DRY · level."""
+def mujoco_swing(name: str, level: float, angle: float, *, viscous: float = 0.0) -> Recording:
+    """A free swing of 10 s at 100 Hz whose dry friction is DRY · level, or whose viscous damping is viscous · level instead."""
+    dry = 0.0 if viscous else DRY * level
     model = mujoco.MjModel.from_xml_string(
         f"""<mujoco><option timestep="0.0005" integrator="RK4" gravity="0 0 -{GRAVITY}"><flag contact="disable"/></option>
         <compiler boundinertia="0"/><worldbody><body>
-        <joint type="hinge" axis="0 1 0" frictionloss="{DRY * level}" solreffriction="0.001 1"/>
+        <joint type="hinge" axis="0 1 0" damping="{viscous * level}" frictionloss="{dry}" solreffriction="0.001 1"/>
         <inertial pos="0 0 -{COM}" mass="{MASS}" diaginertia="{INERTIA} {INERTIA} 1e-4"/></body></worldbody></mujoco>"""
     )
     data = mujoco.MjData(model)
@@ -41,12 +42,26 @@ def mujoco_swing(name: str, level: float, angle: float) -> Recording:
     return recording(name, 0.01 * np.arange(len(position)), {"pivot.position": np.array(position) + noise})
 
 
+def test_damping_of_warm_grease_is_told_as_damping() -> None:
+    """Dry friction at a level of its own in every recording would leave three times as much."""
+    truth = (1.6, 1.3, 1.0, 1.1)
+    runs = [mujoco_swing(f"run{k}", *one, viscous=4e-3) for k, one in enumerate(zip(truth, ANGLES, strict=True))]
+    found = harness.diagnose(runs, model=nominal(), only=ORDINARY)
+    levels = found.to_json()["levels"]
+    assert levels["kind"] == "viscous damping"
+    assert "Viscous damping differs from recording to recording" in found.summary
+    for row, level in zip(levels["recordings"][:3], truth, strict=False):
+        assert row["factor"] == pytest.approx(level, abs=0.02)
+    assert max(row["levelled_rmse"] for row in levels["recordings"][:3]) < 1.1 * NOISE
+
+
 def test_levels_that_differ_are_told_and_measured(tmp_path: Path) -> None:
     truth = (1.15, 0.92, 1.0, 1.05)
     runs = [mujoco_swing(f"run{k}", *one) for k, one in enumerate(zip(truth, ANGLES, strict=True))]
     found = harness.diagnose(runs, model=nominal(), only=ORDINARY)
     assert [f["effect"] for f in found.findings] == ["coulomb_friction"]
     levels = found.to_json()["levels"]
+    assert levels["kind"] == "dry friction"
     assert levels["chance"] < 1e-5
     rows = levels["recordings"]
     # What went into MuJoCo, relative to the last training recording; the one held out was not fitted to and has no level.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,10 @@ from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.inverse import efforts_first as module
 from harness.diagnose.inverse.efforts_first import UNRUN, ByEfforts, by_efforts, instead
+from harness.diagnose.prediction.coordinates import from_internal
+from harness.diagnose.problem.candidates import candidates
 from harness.diagnose.problem.deadline import Deadline, NotTried
+from harness.diagnose.selection.model_error import _as_found
 from harness.system import Joint, JointType, Link, System
 
 NAMES = ("a", "b", "c", "d")
@@ -151,3 +155,57 @@ def test_a_limit_too_short_for_the_motion_still_has_the_efforts_answer(monkeypat
     assert [f["site"] for f in found.findings] == ["b"]
     assert not found.complete
     assert found.provenance is not None
+
+
+def test_what_efforts_find_is_a_set_that_the_motion_begins_with(monkeypatch):
+    """Asked for once, with a limit or without, and only where it is wanted; of nothing where efforts cannot be asked."""
+    asked = []
+
+    def record(system, recordings, held, **options):
+        asked.append(options["deadline"])
+        found = answer("partly_explained", "established")
+        found.findings[0]["parameters"] = {"coefficient": {"value": 0.4, "ci95": [0.3, 0.5]}}
+        return found
+
+    monkeypatch.setattr(module, "diagnose_effort", record)
+    system = arm()
+    options = {"only": (), "tell": lambda _: None}
+    unhurried = by_efforts(system, runs(system), None, deadline=Deadline(), **options)
+    assert not asked
+    for _ in range(2):
+        assert unhurried.laws() == {"viscous_damping@b": {"coefficient": 0.4}}
+    assert len(asked) == 1
+    assert by_efforts(system, runs(system, NAMES[:3]), None, deadline=Deadline(), **options).laws() == {}
+    # An arm under a limit has been asked before.
+    hurried = by_efforts(system, runs(system), None, deadline=Deadline(60.0), **options)
+    assert hurried.laws() == unhurried.laws()
+    assert len(asked) == 2
+
+
+def test_a_set_begins_with_the_numbers_that_were_found_elsewhere():
+    """As many of them as stand together: of friction that falls with speed and its special case the one that comes first."""
+    rig = System(
+        "rig", (Joint("a", JointType.REVOLUTE, "base", "l", axis=np.array([0.0, 1.0, 0.0])),), (arm().links[0],)
+    )
+    rig = replace(rig, links=(replace(rig.links[0], name="l"),))
+    known = candidates(rig, runs(rig, ("a",)))
+    begun = []
+
+    def fit(hypothesis, starts, near):
+        begun.append((hypothesis, starts[0]))
+        return hypothesis
+
+    study = SimpleNamespace(predictor=SimpleNamespace(nominal=("mass", "length")), candidates=known, fit=fit)
+    laws = {
+        "viscous_damping@a": {"coefficient": 0.4},
+        "coulomb_friction@a": {"torque": 0.2},
+        "stribeck_friction@a": {"coulomb_torque": 0.1, "static_torque": 0.3, "stribeck_velocity": 0.5},
+        "viscous_damping@nowhere": {"coefficient": 1.0},
+    }
+    _as_found(study, laws, None)
+    ((hypothesis, x),) = begun
+    assert hypothesis.keys == ("viscous_damping@a", "coulomb_friction@a")
+    assert x[:2].tolist() == [0.0, 0.0]
+    values = [from_internal(m, x[2:][[k]]) for k, m in enumerate(hypothesis.members)]
+    assert np.concatenate(values) == pytest.approx([0.4, 0.2])
+    assert _as_found(study, {}, None) == []

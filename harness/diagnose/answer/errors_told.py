@@ -55,27 +55,33 @@ def ranking(outcome: Outcome, conclusion: Conclusion) -> list[dict[str, Any]]:
     ``heldout`` has the error of every channel, ``heldout_rmse`` that of the first one.
     """
     study, best = outcome.study, conclusion.best
-    least = _over_noise(outcome, _errors(outcome, best))
+    beside_force = outcome.evidence is not None
+    # Sets are compared as they are fitted; what is told may have its numbers from beside a force, and its errors are of those.
+    least = _over_noise(outcome, _errors(outcome, judge(outcome, best)))
     rows: list[dict[str, Any]] = []
     for fitted in likeliest(outcome, best, SHOWN_HYPOTHESES):
-        errors = _errors(outcome, fitted)
-        # A set that fits better and was not taken beside a force over the state is one whose work that force does as well.
-        imitated = conclusion.imitated if outcome.evidence is None else fitted.hypothesis.keys
+        told = fitted.hypothesis.identity == best.hypothesis.identity
+        errors = _errors(outcome, conclusion.held if told else judge(outcome, fitted))
+        # What more a set has that was not taken beside a force over the state is what that force does as well.
+        more = [key for key in fitted.hypothesis.keys if key not in best.hypothesis.keys]
         rows.append(
             {
                 "effects": list(fitted.hypothesis.keys),
                 "bic": fitted.score + study.paid(fitted),
                 "heldout_rmse": next(iter(errors.values())),
                 "heldout": errors,
-                "lost": why_lost(study, best, fitted, _over_noise(outcome, errors), least, imitated),
+                "lost": why_lost(
+                    study, best, fitted, _over_noise(outcome, errors), least,
+                    more if beside_force else conclusion.imitated, beside_force=beside_force,
+                ),
             }
-        )
+        )  # fmt: skip
     return rows
 
 
-def _errors(outcome: Outcome, fitted: Fit) -> dict[str, float]:
-    """What a set fitted to the training leaves of every channel held out, by its name."""
-    held = as_read(outcome, judge(outcome, fitted))
+def _errors(outcome: Outcome, held: Fit) -> dict[str, float]:
+    """What a fit, judged on the data held out, leaves of every channel there, by its name."""
+    held = as_read(outcome, held)
     return {channel.name: rmse(outcome, held, c) for c, channel in enumerate(outcome.problem.channels)}
 
 

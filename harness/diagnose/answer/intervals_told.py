@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from harness.diagnose.claims.averaged import averaged
 from harness.diagnose.claims.conclude import Conclusion
+from harness.diagnose.claims.dissipation_beside import fit_dissipation_beside
 from harness.diagnose.claims.rivals import with_the_same
 from harness.diagnose.estimation.intervals import Estimate, across, estimates, no_more_exact_than_the_law
 from harness.diagnose.estimation.least_squares import Fit
@@ -19,6 +20,7 @@ def intervals(outcome: Outcome, conclusion: Conclusion) -> dict[str, dict[str, E
         return _beside_the_force(outcome, conclusion, outcome.evidence)
     # What shows in the data held out alone can only be told by them.
     source = outcome.study if conclusion.only_held else outcome.training
+    fit_dissipation_beside(study, best, (claim.candidate for claim in conclusion.claims))
     own = source.sharpened(best if conclusion.only_held else conclusion.own)
     same = conclusion.own.hypothesis.keys == best.hypothesis.keys
     sharp: dict[frozenset[str], Fit] = {}

@@ -26,6 +26,7 @@ from harness.diagnose.claims.constants import (
 )
 from harness.diagnose.claims.cut_short import LEFT, UNCRITICISED, UNJUDGED, UNSEARCHED, Reached
 from harness.diagnose.claims.held_out_only import held_out_repeats, with_all
+from harness.diagnose.claims.idle_members import without_idle
 from harness.diagnose.claims.plain_laws import fit_ordinary, plain_laws
 from harness.diagnose.claims.posterior import posterior
 from harness.diagnose.claims.predictive_check import foretold, level, parts
@@ -233,6 +234,8 @@ def _as_far_as(outcome: Outcome, reached: Reached) -> Conclusion:
             "unexplained", reached.wanted, own, held, (), nothing, (), level(outcome, held), cut_short=UNJUDGED
         )
     deadline.leave(*LEFT["told" if reached.criticised else UNCRITICISED])
+    if not reached.by_free_runs:
+        best = without_idle(outcome, best)
     claims = _claims(outcome, best, None)
     firm = reached.criticised and not reached.incomplete
     without, with_ = ("consistent", "explained") if firm else ("unexplained", "partly_explained")
@@ -276,7 +279,7 @@ def _concluded(outcome: Outcome, reached: Reached) -> Conclusion:
         best, remains, incomplete, doubted, unproven = _criticised(outcome, wanted, reached)
     else:
         # What else may have made it, a force that nobody has named above all, is in that evidence, and so are the data held out.
-        best, doubted, unproven = outcome.reweigh(wanted), (), ()
+        best, doubted, unproven = without_idle(outcome, outcome.reweigh(wanted)), (), ()
         reached.settled = best
         if best.hypothesis.members:
             # Kept for what is told, and worked out while there is time.

@@ -13,11 +13,20 @@ from harness.diagnose.selection.study import Study
 from harness.plain_numbers import points
 
 
-def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, imitated: Collection[str] = ()) -> str:
+def why_lost(
+    study: Study,
+    best: Fit,
+    other: Fit,
+    error: float,
+    least: float,
+    imitated: Collection[str] = (),
+    *,
+    beside_force: bool = False,
+) -> str:
     """A few words; empty for the best itself.
 
     error, least: errors on the data held out, of the other and of the best. imitated: keys of what is not claimed although it fits,
-    because what nobody has named could have done its work.
+    because what nobody has named could have done its work. beside_force: whether sets were weighed beside a force that is left out.
     What fits better than the best, but is not claimed, is told why; what lies between is held against it.
     """
     if other.hypothesis.identity == best.hypothesis.identity:
@@ -31,8 +40,11 @@ def why_lost(study: Study, best: Fit, other: Fit, error: float, least: float, im
             leading = best
         elif other.hypothesis.identity == leading.hypothesis.identity:
             shared = [key for key in other.hypothesis.keys if key in imitated]
-            words = f"what nobody has named could have imitated {' and '.join(shared)}"
-            return words if shared else "not borne out by data that it was not fitted to"
+            if shared:
+                return f"what nobody has named could have imitated {' and '.join(shared)}"
+            if beside_force:
+                return "likelier under noise alone, and not beside the force that is left out"
+            return "not borne out by data that it was not fitted to"
         if leading is not best:
             best, least = leading, np.inf
     further = other.hypothesis.size - best.hypothesis.size

@@ -104,6 +104,8 @@ INPUT_DIFFERENCE = 0.05
 
 # --- the search ---
 
+# of a joint's noise; a set that leaves less says that something was taken for noise; chosen
+FAR_BELOW_NOISE = 0.7
 # independent samples; without which efforts are not fitted; chosen
 FEWEST_SAMPLES = 40
 # of the greatest speed; below which a joint is about to reverse; chosen
@@ -148,6 +150,8 @@ EFFORTS_FIRST_SHARE = 0.5
 # of the time; that the motion may take where it comes first: an answer by efforts of one or two joints takes 10 to 30 s;
 # chosen
 MOTION_FIRST_SHARE = 0.7
+# of what is left of the time; that efforts may take to tell laws which the motion's search begins with, 2 to 10 s as a rule; chosen
+SEEDING_SHARE = 0.15
 
 # --- the answer ---
 

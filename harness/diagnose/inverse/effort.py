@@ -18,13 +18,13 @@ from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.answer.nothing_fitted import nothing_fitted
 from harness.diagnose.conditioning.constants import ROBUST_SIGMA
-from harness.diagnose.inverse.constants import FEWEST_SAMPLES, NOISE_LAGS, REVERSING_SHARE
+from harness.diagnose.inverse.constants import FAR_BELOW_NOISE, FEWEST_SAMPLES, NOISE_LAGS, REVERSING_SHARE
 from harness.diagnose.inverse.effort_answer import EffortAnswer
-from harness.diagnose.inverse.effort_fit import EffortData
+from harness.diagnose.inverse.effort_fit import EffortData, EffortFit
 from harness.diagnose.inverse.effort_hold import held_runs, search_either_way
 from harness.diagnose.inverse.effort_model import KNOWN, EffortModel
 from harness.diagnose.inverse.effort_motion import EffortRun, cutoff_for, effort_run, pace
-from harness.diagnose.inverse.effort_noise import Grid, effort_noise, grid_of
+from harness.diagnose.inverse.effort_noise import EffortNoise, Grid, effort_noise, grid_of
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.inverse.effort_settle import settle, standing, surely_standing
 from harness.diagnose.inverse.ordinary_torque import link_terms, ordinary_torque
@@ -122,6 +122,17 @@ def diagnose_effort(
         best = deadline.attempt(
             *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
         )
+        noises = _noises_beside(system, study.data, best)
+        if noises is not None:
+            tell("noise of the efforts beside what was found")
+            smooth, turned = smooth.under(noises), turned.under(noises)
+            study = smooth
+            with deadline.spared():
+                study.fit(Hypothesis(), [np.zeros(study.nominal)])
+                study.fit(best.hypothesis, [best.x])
+            best = deadline.attempt(
+                *UNSEARCHED, lambda: search_either_way(smooth, turned, tell, told_of), lambda: study.best()
+            )
         deadline.begin(Stage.CRITICISM)
         # Where the time may be up before every member is judged by a fit without it, what stands without a doubt comes first.
         sure = (
@@ -236,6 +247,27 @@ def _data(
     known, unseen = every[: len(train)], every[len(train) :]
     data = EffortData(EffortModel(system, known, deadline), tuple(grids), tuple(noises))
     return data, EffortData(EffortModel(system, unseen, deadline), tuple(grid_of(run) for run in test), tuple(noises))
+
+
+def _noises_beside(system: System, data: EffortData, best: EffortFit) -> tuple[EffortNoise, ...] | None:
+    """The noise of each joint by what ordinary torques leave of what a set leaves; None where that is not far less than the noise.
+
+    Ordinary torques know no late or clipped drive, and what those make was taken for noise as long as nothing had named it.
+    """
+    residuals = data.model.residuals(best.hypothesis, best.x)
+    found = list(data.noises)
+    for j in data.joints:
+        left = data.plain(residuals, j)
+        if not len(left) or float(np.mean(left**2)) >= (FAR_BELOW_NOISE * data.noises[j].std) ** 2:
+            continue
+        mine = [k for k, run in enumerate(data.model.runs) if run.driven[j] and data.grids[k].samples]
+        runs = [replace(data.model.runs[k], effort=residuals[k]) for k in mine]
+        rest = ordinary_torque(system, runs, j, link_terms(system, runs)).left
+        pieces = _pieces(
+            [(run, data.grids[k], own) for run, k, own in zip(runs, mine, rest, strict=True)], j, data.noises[j].dry
+        )
+        found[j] = effort_noise(pieces, data.noises[j].dry)
+    return tuple(found) if any(new is not old for new, old in zip(found, data.noises, strict=True)) else None
 
 
 def _pieces(mine: Sequence[tuple[EffortRun, Grid, Array]], j: int, dry: float) -> list[Array]:

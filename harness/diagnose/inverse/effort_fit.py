@@ -160,6 +160,10 @@ class EffortData:
         other.whitened = self.whitened.recorded(other.model)
         return other
 
+    def under(self, noises: tuple[EffortNoise, ...]) -> EffortData:
+        """The same under another noise of each joint."""
+        return EffortData(self.model, self.grids, noises)
+
     def rows(self, hypothesis: Hypothesis, x: Array) -> Array:
         """Whitened residuals of all stretches."""
         return self.whitened.rows(hypothesis, x)

@@ -25,6 +25,7 @@ from harness.diagnose.inverse.constants import (
 )
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread, unfitted
 from harness.diagnose.inverse.effort_model import LAWS
+from harness.diagnose.inverse.effort_noise import EffortNoise
 from harness.diagnose.inverse.heldout_gain import heldout_gain
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, Hypothesis, compatible
@@ -52,6 +53,10 @@ class EffortStudy:
     @property
     def nominal(self) -> int:
         return len(self.data.model.nominal)
+
+    def under(self, noises: tuple[EffortNoise, ...]) -> EffortStudy:
+        """The same with nothing fitted yet, under another noise of each joint."""
+        return EffortStudy(self.data.under(noises), self.held.under(noises), self.candidates)
 
     def criterion(self, fitted: EffortFit) -> float:
         """Extended Bayesian information criterion (Chen and Chen, Biometrika 95 (2008) 759, γ = 1), and how plausible sizes are."""

@@ -1,19 +1,25 @@
-"""What recorded efforts tell while there is no time to run the motion.
+"""What recorded efforts tell of a motion: laws that its search may begin with, and the answer while there is no time to run it.
 
 Running the motion of an arm with each of a hundred effects takes minutes, inverse dynamics along it seconds. Where there is a
 limit, arms of many joints have their efforts asked first; of one or two joints the motion comes first, and leaves some of the time.
-What the efforts tell is the answer if the limit leaves the motion without one.
+What the efforts tell is the answer if the limit leaves the motion without one. Beside a force that is left out, free runs have many
+wrong valleys and efforts along the recorded motion none, so that what they tell is one of the sets that the search weighs, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from harness.diagnose.answer.diagnosis import Diagnosis
 from harness.diagnose.answer.explain import untried
 from harness.diagnose.claims.grades import ESTABLISHED, LIKELY
-from harness.diagnose.inverse.constants import EFFORTS_FIRST_JOINTS, EFFORTS_FIRST_SHARE, MOTION_FIRST_SHARE
+from harness.diagnose.inverse.constants import (
+    EFFORTS_FIRST_JOINTS,
+    EFFORTS_FIRST_SHARE,
+    MOTION_FIRST_SHARE,
+    SEEDING_SHARE,
+)
 from harness.diagnose.inverse.effort import diagnose_effort
 from harness.diagnose.problem.deadline import Deadline, NotTried
 from harness.errors import InputError, UnsupportedError
@@ -31,20 +37,35 @@ WEAKER = {"consistent": "unexplained", "explained": "partly_explained"}
 
 @dataclass(eq=False)
 class ByEfforts:
-    """The answer by efforts of a mechanism whose every joint has its position and effort recorded, where there is a limit.
+    """The answer by efforts of a mechanism whose every joint has its position and effort recorded.
 
-    ask: for it, by a deadline; None where it cannot be asked for. motion: the deadline of the motion's own answer.
+    ask: for it, by a deadline; None where it cannot be asked for. motion: the deadline of the motion's own answer. early: what was
+    asked for before the motion is run, where there is a limit.
     """
 
     ask: Callable[[Deadline], Diagnosis] | None
     deadline: Deadline
     motion: Deadline
     early: Diagnosis | None = None
+    _laws: Mapping[str, Mapping[str, float]] | None = field(default=None, init=False)
+
+    def laws(self) -> Mapping[str, Mapping[str, float]]:
+        """Numbers of what efforts find, by the effect's key; asked for once, and empty where that cannot be."""
+        if self._laws is None:
+            found = self.early
+            if found is None and self.ask is not None and not self.deadline.interrupted:
+                found = _asked(self.ask, self.motion.part(SEEDING_SHARE))
+            self._laws = {
+                f"{row['effect']}@{row['site']}": {name: told["value"] for name, told in row["parameters"].items()}
+                for row in (found.findings if found is not None else ())
+            }
+        return self._laws
 
     def instead(self, found: Diagnosis | None) -> Diagnosis | None:
         """The answer by efforts where the motion's own was cut short (None: before it had any) with nothing claimed."""
         answered = found is not None and (found.complete or _claims(found))
-        if not answered and self.early is None and self.ask is not None and not self.deadline.interrupted:
+        hurried = self.deadline.limited and not self.deadline.interrupted
+        if not answered and self.early is None and self.ask is not None and hurried:
             self.early = _asked(self.ask, self.deadline.part(1.0))
         return instead(found, self.early)
 
@@ -58,14 +79,16 @@ def by_efforts(
     tell: Callable[[str], None],
     deadline: Deadline,
 ) -> ByEfforts:
-    """The answer by efforts, of arms of many joints asked for at once."""
+    """The answer by efforts, of arms of many joints asked for at once where there is a limit."""
     every = [*recordings, *([held] if held is not None else [])]
-    if not deadline.limited or not all(_whole(system, one) for one in every):
+    if not all(_whole(system, one) for one in every):
         return ByEfforts(None, deadline, deadline)
 
     def ask(by: Deadline) -> Diagnosis:
         return diagnose_effort(system, recordings, held, only=only, tell=tell, deadline=by)
 
+    if not deadline.limited:
+        return ByEfforts(ask, deadline, deadline)
     if len(system.joint_names) < EFFORTS_FIRST_JOINTS:
         return ByEfforts(ask, deadline, deadline.part(MOTION_FIRST_SHARE))
     return ByEfforts(ask, deadline, deadline, _asked(ask, deadline.part(EFFORTS_FIRST_SHARE)))

@@ -10,6 +10,8 @@ stands in ``reference/sensitivity.json``.
 THINNED_RATE = 250.0
 # of the logarithm of a level; its spread before anything is recorded: what bearings are known to do; chosen
 LEVEL_SPREAD = 0.15
+# of the logarithm of a level; the same of viscous damping: oils lose half of their viscosity over ten to twenty kelvin; chosen
+VISCOUS_LEVEL_SPREAD = 0.5
 # of a parameter's scale; step of difference quotients; chosen between rounding and curvature
 LEVEL_FIT_DIFFERENCE = 1e-6
 # blocks of a recording; between which the gradient's scatter is taken; chosen

@@ -1,8 +1,8 @@
-"""What a diagnosis says of dry friction that differs from recording to recording, where recordings ask for it.
+"""What a diagnosis says of friction that differs from recording to recording, where recordings ask for it.
 
-The laws that the diagnosis claims, or finds likeliest where it doubts dry friction, are fitted once more with a level of
-dry friction for every training recording (``levels.levels``), if friction was not equal at a chance that leaves no doubt
-(``levels.unequal_friction``).
+The laws that the diagnosis claims, or finds likeliest where it doubts friction, are fitted once more with a level of one kind of
+friction, dry or viscous, for every training recording (``levels.levels``), if that was not equal at a chance that leaves no doubt
+(``levels.unequal_friction``). Where both kinds might do it, that is told which leaves less.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.rivals import ranking
 from harness.diagnose.criticism.constants import TEST_CHANCE
 from harness.diagnose.estimation.least_squares import Fit
-from harness.diagnose.levels.constants import LEAST_DIFFERENCE, RANKED_HYPOTHESES, TIED_SPREAD
+from harness.diagnose.levels.constants import FURTHEST_LEVEL, LEAST_DIFFERENCE, RANKED_HYPOTHESES, TIED_SPREAD
+from harness.diagnose.levels.kinds import KINDS, Kind
 from harness.diagnose.levels.levels import LevelFit, fit_levels, free_run_error, labels
 from harness.diagnose.levels.unequal_friction import Unequal, rubbing, unequal_friction
 from harness.diagnose.problem.problem import Problem
@@ -27,7 +28,6 @@ from harness.effects.room import STATED
 from harness.recording.recording import Recording
 from harness.system import Attachment, System
 
-DRY = ("coulomb_friction", "stribeck_friction", "load_dependent_friction", "dahl_friction")
 HOW = (
     "Laws and levels are fitted to the training recordings alone, with one level for all (shared) or one each (levelled). What is "
     "held out is predicted with the last training recording's level, its initial state fitted. That levels differ was judged on "
@@ -37,7 +37,7 @@ HOW = (
 
 @dataclass(frozen=True, eq=False)
 class Differing:
-    """Levels of dry friction that differ: for programs, in a sentence, and the model at the last training recording's level."""
+    """Levels of friction that differ: for programs, in a sentence, and the model at the last training recording's level."""
 
     document: Mapping[str, Any]
     sentence: str
@@ -47,25 +47,17 @@ class Differing:
 def differing_levels(
     outcome: Outcome, conclusion: Conclusion, train: Sequence[Recording], heldout: Sequence[Recording]
 ) -> Differing | None:
-    """Levels of dry friction of the training recordings, or None where one level for all is enough or none can be told.
+    """Levels of friction of the training recordings, or None where one level for all is enough or none can be told.
 
     train, heldout: the recordings behind the problem's runs.
     """
-    problem, deadline = outcome.problem, outcome.predictor.deadline
-    if not comparable(problem):
+    if not comparable(outcome.problem):
         return None
-    fitted = next((f for f in _shortlist(outcome, conclusion) if rubbing(outcome.study, f)), None)
-    if fitted is None or not _can_be_levelled(fitted):
+    found = [of_kind for kind in KINDS if (of_kind := _of_kind(outcome, conclusion, kind, train)) is not None]
+    if not found:
         return None
-    asked = unequal_friction(outcome.study, fitted)
-    if asked is None or asked.chance > TEST_CHANCE or float(np.ptp(asked.levels)) < LEAST_DIFFERENCE:
-        return None
-    start = _start(outcome, fitted)
-    anew = [_anew(outcome, fitted, k) for k in range(len(problem.runs))]
-    shared = fit_levels(start, train, spread=TIED_SPREAD, anew=anew[: len(train)], deadline=deadline)
-    levelled = fit_levels(shared.system, train, anew=anew[: len(train)], deadline=deadline)
-    if _equal(levelled):
-        return None
+    kind, fitted, asked, shared, levelled = min(found, key=lambda of_kind: of_kind[-1].cost)
+    anew = [_anew(outcome, fitted, k) for k in range(len(outcome.problem.runs))]
     rows: list[dict[str, Any]] = [
         {
             "recording": name, "held_out": False, "factor": levelled.levels[name], "std": levelled.level_std[name],
@@ -74,7 +66,7 @@ def differing_levels(
         for name in labels(train)
     ]  # fmt: skip
     for recording, breaks in zip(heldout, anew[len(train) :], strict=True):
-        before, after = (free_run_error(found.system, recording, anew=breaks) for found in (shared, levelled))
+        before, after = (free_run_error(one.system, recording, anew=breaks) for one in (shared, levelled))
         rows.append(
             {
                 "recording": recording.name, "held_out": True, "factor": None, "std": None,
@@ -82,13 +74,34 @@ def differing_levels(
             }
         )  # fmt: skip
     document = {
-        "joints": list(rubbing(outcome.study, fitted)),
+        "kind": kind.name,
+        "joints": list(rubbing(outcome.study, fitted, kind)),
         "chance": asked.chance,
         "recordings": rows,
         "laws": [_law(attachment) for attachment in levelled.system.attachments],
         "how": HOW,
     }
-    return Differing(document, _sentence(asked, rows), levelled.system)
+    return Differing(document, _sentence(kind, asked, rows), levelled.system)
+
+
+def _of_kind(
+    outcome: Outcome, conclusion: Conclusion, kind: Kind, train: Sequence[Recording]
+) -> tuple[Kind, Fit, Unequal, LevelFit, LevelFit] | None:
+    """A set and what recordings ask of its friction of a kind, and the set refitted with one level and with one each; None where
+    one is enough or none can be told."""
+    study, deadline = outcome.study, outcome.predictor.deadline
+    fitted = next((f for f in _shortlist(outcome, conclusion, kind) if rubbing(study, f, kind)), None)
+    if fitted is None or not _can_be_levelled(fitted):
+        return None
+    asked = unequal_friction(study, fitted, kind)
+    if asked is None or asked.chance > TEST_CHANCE or float(np.ptp(asked.levels)) < LEAST_DIFFERENCE:
+        return None
+    if float(np.max(np.abs(np.log(asked.levels)))) > FURTHEST_LEVEL - 1e-9:
+        return None  # so much more or less is asked of what hardly acts, for want of something else
+    start, anew = _start(outcome, fitted), [_anew(outcome, fitted, k) for k in range(len(train))]
+    shared = fit_levels(start, train, kind=kind, spread=TIED_SPREAD, anew=anew, deadline=deadline)
+    levelled = fit_levels(shared.system, train, kind=kind, anew=anew, deadline=deadline)
+    return None if _equal(levelled) else (kind, fitted, asked, shared, levelled)
 
 
 def comparable(problem: Problem) -> bool:
@@ -101,10 +114,10 @@ def comparable(problem: Problem) -> bool:
     return measured.issuperset(problem.system.joint_names)
 
 
-def _shortlist(outcome: Outcome, conclusion: Conclusion) -> list[Fit]:
-    """Sets whose dry friction may differ, the claimed one first, unless dry friction of the likeliest one is doubted."""
+def _shortlist(outcome: Outcome, conclusion: Conclusion, kind: Kind) -> list[Fit]:
+    """Sets whose friction of a kind may differ, the claimed one first, unless such friction of the likeliest one is doubted."""
     first = [conclusion.best, outcome.best]
-    if any(key.partition("@")[0] in DRY for key in conclusion.doubted):
+    if any(key.partition("@")[0] in kind.laws for key in conclusion.doubted):
         # Friction that differs leaves a remainder, and the remainder is why friction is doubted.
         first.reverse()
     return [*first, *ranking(outcome, conclusion.best, RANKED_HYPOTHESES)]
@@ -164,9 +177,9 @@ def _law(attachment: Attachment) -> dict[str, Any]:
     }
 
 
-def _sentence(asked: Unequal, rows: Sequence[Mapping[str, Any]]) -> str:
+def _sentence(kind: Kind, asked: Unequal, rows: Sequence[Mapping[str, Any]]) -> str:
     factors = ", ".join(f"{row['factor']:.3g}" for row in rows if not row["held_out"])
     return (
-        f"Dry friction differs from recording to recording beyond what one law for all explains (chance {asked.chance:.1g}): in "
-        f"the training recordings it is {factors} times that of the last one."
+        f"{kind.name.capitalize()} differs from recording to recording beyond what one law for all explains (chance "
+        f"{asked.chance:.1g}): in the training recordings it is {factors} times that of the last one."
     )

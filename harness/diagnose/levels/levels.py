@@ -1,9 +1,9 @@
 """Friction whose level differs from recording to recording: one factor each, beside laws that they share.
 
-Bearings warm up, grease moves, dust wanders: dry friction measured minutes apart differs by a tenth or two while its law stays the
-same. Fitted with one level, recordings disagree, and the disagreement pulls every other parameter. Here the laws attached to a
-system, its nominal quantities and every recording's initial state are fitted together with a factor on the dry friction of every
-recording but the last, whose level is what the next recording is predicted with.
+Bearings warm up, grease moves, dust wanders: dry friction measured minutes apart differs by a tenth or two while its law stays
+the same, and viscous damping by half. Fitted with one level, recordings disagree, and the disagreement pulls every other parameter.
+Here the laws attached to a system, its nominal quantities and every recording's initial state are fitted together with a factor on
+one kind of friction of every recording but the last, whose level is what the next recording is predicted with.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from harness.diagnose.levels.constants import (
     FIRST_STATE_TIME,
     GRADIENT_BLOCKS,
     LEVEL_FIT_DIFFERENCE,
-    LEVEL_SPREAD,
     MOST_LEVEL_EVALUATIONS,
     MOST_REFITS,
     SHORTEST_DAHL_WAY,
     START_ERROR,
     THINNED_RATE,
 )
+from harness.diagnose.levels.kinds import DRY, Kind
 from harness.diagnose.problem.deadline import Deadline
 from harness.diagnose.problem.hypothesis import Candidate, bent_by, nominal_quantities, scaled
 from harness.effects.attach import apply, sensor_chain
@@ -44,13 +44,6 @@ from harness.system import Attachment, System
 
 Array = NDArray[np.float64]
 
-SLOTS = (
-    "coulomb_torque",
-    "static_torque",
-    "mu_radius",
-    "dahl_torque",
-    "dahl_stiffness",
-)  # dry friction of a lane's row
 WHOLE = ("periods",)  # parameters that are whole numbers, and stay
 
 
@@ -59,7 +52,7 @@ class LevelFit:
     """A system refitted, with the level of friction of each recording.
 
     system: with the refitted attachments and their standard deviations; its level is that of the last recording.
-    levels: factor on the dry friction of every recording, by name, the last being 1. level_std: their standard deviations.
+    levels: factor on that kind of friction of every recording, by name, the last being 1. level_std: their standard deviations.
     rmse: of every recording's free run with its own level [unit of its positions]. cost: N log(S/N) and the priors' squares.
     """
 
@@ -74,16 +67,17 @@ def fit_levels(
     starts: System | Sequence[System],
     recordings: Sequence[Recording],
     *,
-    spread: float = LEVEL_SPREAD,
+    kind: Kind = DRY,
+    spread: float | None = None,
     anew: Sequence[Sequence[float]] = (),
     deadline: Deadline | None = None,
 ) -> LevelFit:
-    """Fit attached laws, nominal quantities, initial states and one level of dry friction a recording.
+    """Fit attached laws, nominal quantities, initial states and one level of a kind of friction a recording.
 
     starts: the system with the effects to fit attached, their parameters being where the search starts; of several, the one whose
     fit ends best. recordings: of free motion, every joint's position measured, in the order in which they were made.
-    spread: expected relative spread of the levels. anew: for every recording, the times [s] from its first sample at which the free
-    run begins anew, where motion cannot be predicted for longer. deadline: after which ``TimeUp`` is raised.
+    spread: expected relative spread of the levels, None for the kind's own. anew: for every recording, the times [s] from its first
+    sample at which the free run begins anew, where motion cannot be predicted for longer. deadline: after it ``TimeUp`` is raised.
     Raises InputError for recordings that are driven or lack a position, UnsupportedError for flexible systems.
     """
     systems = [starts] if isinstance(starts, System) else list(starts)
@@ -92,11 +86,12 @@ def fit_levels(
     if not recordings or not systems:
         raise InputError("no recording or no system given", mend="name at least one of each")
     best = min(
-        (_Levels(system, recordings, spread, anew, deadline).fit() for system in systems), key=lambda found: found.cost
+        (_Levels(system, recordings, kind, spread, anew, deadline).fit() for system in systems),
+        key=lambda found: found.cost,
     )
     # Valleys of friction laws are long and flat: from where the best one ended, with steps measured there, until it stands still.
     for _ in range(MOST_REFITS):
-        further = _Levels(best.system, recordings, spread, anew, deadline).fit()
+        further = _Levels(best.system, recordings, kind, spread, anew, deadline).fit()
         gained = best.cost - further.cost
         best = further if gained > 0.0 else best
         if gained < ENOUGH_REFIT_GAIN:
@@ -110,7 +105,7 @@ def free_run_error(system: System, recording: Recording, *, anew: Sequence[float
     anew: as in ``fit_levels``.
     Raises InputError for a recording that is driven or lacks a position.
     """
-    return _Levels(system, [recording], LEVEL_SPREAD, [anew]).error()
+    return _Levels(system, [recording], DRY, None, [anew]).error()
 
 
 def labels(recordings: Sequence[Recording]) -> list[str]:
@@ -135,14 +130,16 @@ class _Levels:
         self,
         system: System,
         recordings: Sequence[Recording],
-        spread: float,
+        kind: Kind,
+        spread: float | None,
         anew: Sequence[Sequence[float]],
         deadline: Deadline | None = None,
     ) -> None:
         self.deadline = deadline or Deadline()
         self.bare = replace(system, attachments=())
         self.attachments = system.attachments
-        self.spread = spread
+        self.kind = kind
+        self.spread = kind.spread if spread is None else spread
         self.names = system.joint_names
         breaks = anew or [()] * len(recordings)
         self.count = len(recordings)
@@ -258,7 +255,7 @@ class _Levels:
     def _level(self, row: Array, level: float) -> Array:
         out = row.copy()
         for name in self.names:
-            for slot in SLOTS:
+            for slot in self.kind.slots:
                 out[self.model.slot(name, slot)] *= level
         return out
 

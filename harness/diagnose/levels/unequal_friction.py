@@ -1,9 +1,9 @@
-"""Whether recordings ask for different levels of dry friction: a linear estimate and its chance, before anything is fitted.
+"""Whether recordings ask for different levels of friction: a linear estimate and its chance, before anything is fitted.
 
-At a fit with one law for all recordings, short stretches with initial states of their own say how much more or less dry friction
-each recording asks for, beside everything that recordings share: the fit's own parameters, any friction or force that is a fixed
-function of speed or of position, and friction that yields before it slides. The scatter between stretches of the same recording is
-what the estimate is held against, so a law that is merely wrong, and wrong alike in every recording, says nothing.
+At a fit with one law for all recordings, short stretches with initial states of their own say how much more or less friction of a
+kind each recording asks for, beside everything that recordings share: the fit's own parameters, any friction or force that is a
+fixed function of speed or of position, and friction that yields before it slides. The scatter between stretches of the same
+recording is what the estimate is held against, so a law that is merely wrong, and wrong alike in every recording, says nothing.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from harness.diagnose.levels.constants import (
     UNTOLD_LEVEL,
     YIELDING_WAYS,
 )
-from harness.diagnose.levels.levels import SLOTS
+from harness.diagnose.levels.kinds import DRY, Kind
 from harness.diagnose.problem.constants import SHORT_WINDOW_SWINGS
 from harness.diagnose.problem.windows import Window, cut
 from harness.diagnose.selection.study import Study
@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Unequal:
-    """What every recording asks for, as a factor on the dry friction of a fit, relative to the last training recording.
+    """What every recording asks for, as a factor on a kind of friction of a fit, relative to the last training recording.
 
     levels, std: shape (R,), those held out included; 1 and 0 for the last training recording. chance: of such differences if
     friction were equal (Hotelling's T², the covariance a jackknife's over stretches; Efron and Stein, Ann. Statist. 9 (1981) 586).
@@ -57,30 +57,31 @@ class Unequal:
     share: float
 
 
-def rubbing(study: Study, fitted: Fit) -> tuple[str, ...]:
-    """Joints that have dry friction in a fit."""
+def rubbing(study: Study, fitted: Fit, kind: Kind = DRY) -> tuple[str, ...]:
+    """Joints that have a kind of friction in a fit."""
     model = study.predictor.mechanism(fitted.hypothesis).model
     row = study.predictor.row(fitted.hypothesis, fitted.x)
-    sizes = ("coulomb_torque", "static_torque", "mu_radius", "dahl_torque")
     return tuple(
-        joint for joint in study.problem.system.joint_names if any(row[model.slot(joint, slot)] > 0.0 for slot in sizes)
+        joint
+        for joint in study.problem.system.joint_names
+        if any(row[model.slot(joint, slot)] > 0.0 for slot in kind.acting)
     )
 
 
-def unequal_friction(study: Study, fitted: Fit) -> Unequal | None:
-    """Levels of dry friction of all recordings to first order; None where there is nothing to compare.
+def unequal_friction(study: Study, fitted: Fit, kind: Kind = DRY) -> Unequal | None:
+    """Levels of a kind of friction of all recordings to first order; None where there is nothing to compare.
 
     fitted: to all recordings, of free motion in which every channel is a joint's.
     """
     # Held against the scatter between stretches, and so in need of no other model of error.
     study = replace(study, likelihood=study.likelihood.of_sensors)
     problem = study.problem
-    joints = rubbing(study, fitted)
+    joints = rubbing(study, fitted, kind)
     count = len(problem.runs)
     if count < 2 or not joints:
         return None
     stretches = _stretched(study, fitted)
-    grams, rights, size = _normal_equations(study, stretches, joints)
+    grams, rights, size = _normal_equations(study, stretches, joints, kind)
     if len(grams) < 2 * count:
         return None
     prior = np.zeros(size)
@@ -134,7 +135,9 @@ def _stretched(study: Study, fitted: Fit) -> Fit:
     return Fit(found.hypothesis, found.windows, found.x, found.states, linear, found.prior, True, fitted.free)
 
 
-def _normal_equations(study: Study, fitted: Fit, joints: tuple[str, ...]) -> tuple[list[Array], list[Array], int]:
+def _normal_equations(
+    study: Study, fitted: Fit, joints: tuple[str, ...], kind: Kind
+) -> tuple[list[Array], list[Array], int]:
     """Per stretch AᵀA and Aᵀr of [parameters, shared shapes, common level, levels of all but the last one trained on]."""
     predictor, likelihood, problem = study.predictor, study.likelihood, study.problem
     probes = {j: probe(predictor, likelihood, fitted, references(problem.system, j).torque) for j in joints}
@@ -143,7 +146,7 @@ def _normal_equations(study: Study, fitted: Fit, joints: tuple[str, ...]) -> tup
     others = [k for k in range(len(problem.runs)) if k != len(problem.train) - 1]
     grams, rights = [], []
     for k, window in enumerate(fitted.windows):
-        level = _level_change(study, fitted, motions[window], joints)
+        level = _level_change(study, fitted, motions[window], joints, kind)
         own = level[:, None] * (np.array(others) == window.run)
         columns = np.hstack(
             [
@@ -199,14 +202,14 @@ def _hats(x: Array, knots: tuple[float, ...]) -> list[Array]:
     return [np.interp(x, knots, np.eye(len(knots))[k]) for k in range(len(knots))]
 
 
-def _level_change(study: Study, fitted: Fit, motion: Response, joints: tuple[str, ...]) -> Array:
-    """Whitened change of the channels (M,) by the logarithm of the level of all dry friction in one stretch."""
+def _level_change(study: Study, fitted: Fit, motion: Response, joints: tuple[str, ...], kind: Kind) -> Array:
+    """Whitened change of the channels (M,) by the logarithm of the level of all friction of a kind in one stretch."""
     predictor = study.predictor
     mechanism = predictor.mechanism(fitted.hypothesis)
     model, n = mechanism.model, len(mechanism.names)
     rows = np.tile(predictor.row_in(fitted.hypothesis, fitted.x, motion.window.run), (2, 1))
     for joint in joints:
-        for slot in SLOTS:
+        for slot in kind.slots:
             rows[1, model.slot(joint, slot)] *= 1.0 + LEVEL_DIFFERENCE
     state = np.tile(fitted.states[motion.window], (2, 1))
     q, qd, _ = model.simulate(

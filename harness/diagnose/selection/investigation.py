@@ -21,7 +21,7 @@ from harness.diagnose.selection.constants.starts import MOTION_HARMONICS
 from harness.diagnose.selection.effort_hold import better_the_other_way, either_way
 from harness.diagnose.selection.first_look import first_look
 from harness.diagnose.selection.fitted_again import fitted_again
-from harness.diagnose.selection.model_error import Structure, under_model_error
+from harness.diagnose.selection.model_error import Laws, Structure, under_model_error
 from harness.diagnose.selection.noise_behind import under_its_own_noise
 from harness.diagnose.selection.opening import Opened, Opening
 from harness.diagnose.selection.openings.catalogue import openings
@@ -39,13 +39,14 @@ def investigate(
     effort: Effort | None = None,
     progress: Callable[[str], None] = lambda _: None,
     structure: Structure = lambda study, fitted, of_state: 0.0,
+    laws: Laws = dict,
     deadline: Deadline | None = None,
 ) -> Outcome:
     """Search for the set of effects that the recordings speak for.
 
-    frequency: of the slowest swing [Hz]. structure: see ``under_model_error``. deadline: by which the search is left with what has
-    been found till then; ``TimeUp`` is raised where not even the nominal model was fitted in time, InputError where the recordings
-    are beyond what the model's loops can reach.
+    frequency: of the slowest swing [Hz]. structure, laws: see ``under_model_error``. deadline: by which the search is left with
+    what has been found till then; ``TimeUp`` is raised where not even the nominal model was fitted in time, InputError where the
+    recordings are beyond what the model's loops can reach.
     """
     deadline = deadline or Deadline()
     predictor = Predictor(problem, deadline=deadline)
@@ -53,7 +54,9 @@ def investigate(
     period = 1.0 / frequency
     reached: list[Study] = []
     try:
-        final, ordered = _search(predictor, tuple(candidates), period, effort or Effort(), progress, reached, structure)
+        final, ordered = _search(
+            predictor, tuple(candidates), period, effort or Effort(), progress, reached, structure, laws
+        )
     except TimeUp:
         if not reached:
             raise
@@ -80,6 +83,7 @@ def _search(
     progress: Callable[[str], None],
     reached: list[Study],
     structure: Structure,
+    laws: Laws,
 ) -> tuple[Study, list[Fit]]:
     """The last study of the search and its fits, best first.
 
@@ -91,7 +95,7 @@ def _search(
     reached.append(short)
     short.predictor.shorten(np.array([min(c.std, c.innovation[1]) for c in short.likelihood.colours]))
     progress("short windows")
-    opened = Opened(short, first, horizon.joined(first), effort, progress, structure, reached)
+    opened = Opened(short, first, horizon.joined(first), effort, progress, structure, laws, reached)
     progress("free runs of the nominal model")
     # The first one may find that a force is left out, and goes on beside that; the others know noise alone.
     first_of_all, *others = openings().values()
@@ -109,7 +113,7 @@ def _search(
         lambda: _under_noise(opened, others, motion_hz), so_far,
     )  # fmt: skip
     # What is more than noise is weighed with a force that is left out; where nothing is, noise is the measure again.
-    under = under_model_error(long_study, ordered, period, effort, progress, structure, reached)
+    under = under_model_error(long_study, ordered, period, effort, progress, structure, reached, laws=laws)
     if under is not None and under[0].likelihood.discrepancy is None:
         long_study, ordered, under = replace(under[0], hints=long_study.hints), under[1], None
         reached.append(long_study)

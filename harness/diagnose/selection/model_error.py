@@ -9,7 +9,7 @@ err together cannot make look large.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,8 +25,9 @@ from harness.diagnose.estimation.discrepancy import (
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.estimation.likelihood import Likelihood
 from harness.diagnose.estimation.misfit import Misfit, misfit, squares
+from harness.diagnose.prediction.coordinates import to_internal
 from harness.diagnose.problem.constants import DRAWN_SHARE
-from harness.diagnose.problem.hypothesis import Hypothesis
+from harness.diagnose.problem.hypothesis import Hypothesis, compatible
 from harness.diagnose.selection.beam_search import Effort, grow, polish
 from harness.diagnose.selection.constants.search import HOPELESS_COST_RATIO, RETAINED_SETS
 from harness.diagnose.selection.constants.starts import ON_COURSE_SHARE
@@ -99,6 +100,9 @@ def answers(study: Study, fitted: Fit, period: float) -> list[Responses]:
     return [one for one in found if one is not None]
 
 
+Laws = Callable[[], Mapping[str, Mapping[str, float]]]
+"""Numbers of effects by their keys and parameters, by another look at the same recordings than free runs are."""
+
 Structure = Callable[[Study, Fit, bool], float]
 """What the likeliest error of one known shape (a jump, a leak, …) gains beyond its price beside a set; whether forces over the
 state are among those shapes."""
@@ -113,6 +117,7 @@ def begun_ordinary(
     structure: Structure,
     reached: list[Study],
     few_suffice: Callable[[], Fit | None],
+    laws: Laws = dict,
 ) -> tuple[Study, list[Fit]] | None:
     """The same at once where ordinary dissipation is part of the answer, and still leaves far more than noise; None elsewhere.
 
@@ -143,7 +148,7 @@ def begun_ordinary(
         if not ways or weighed(study, ways, there).force is None:
             return None
         begun.append(there)
-    return under_model_error(study, begun, period, effort, progress, structure, reached, early=True)
+    return under_model_error(study, begun, period, effort, progress, structure, reached, laws=laws, early=True)
 
 
 def under_model_error(
@@ -155,13 +160,15 @@ def under_model_error(
     structure: Structure = lambda study, fitted, of_state: 0.0,
     reached: list[Study] | None = None,
     *,
+    laws: Laws = dict,
     early: bool = False,
 ) -> tuple[Study, list[Fit]] | None:
     """The study with the force that is left out in its likelihood, and its sets, best first; None where there is no such force.
 
     Where the search under such a force finds sets that leave nothing but noise, theirs is a study without. period: of the slowest
     swing [s]. structure: a force of no shape has to be likelier than one error of a shape that is known.
-    reached: told of every study that is begun. early: nothing was searched for before.
+    reached: told of every study that is begun. laws: what another look at the recordings finds, and a set begins with. early:
+    nothing was searched for before.
     """
     alone = study.only_noise(ordered[0]) and not any(colour.coloured > 0.0 for colour in study.likelihood.colours)
     instead = plain_instead(study, ordered[0], progress) if alone else None
@@ -189,7 +196,7 @@ def under_model_error(
                 reached.append(wider)
             progress("one thing that is not as drawn")
             drawn = _drawn(wider, empty, fits)
-            every = [empty, *fits, *drawn]
+            every = [empty, *fits, *drawn, *_as_found(wider, laws(), empty)]
             nearest = min(every, key=lambda f: f.score)
             evidence = evidence_over_the_state(wider, rough, nearest, drawn[0]) if drawn else None
             if evidence is not None:
@@ -221,6 +228,17 @@ def under_model_error(
         reached.append(wider)
     fits = [wider.fit(f.hypothesis, [f.x], f) for f in ranked[: 2 * effort.beam]]
     return wider, polish(wider, sorted(fits, key=wider.criterion), effort, progress)
+
+
+def _as_found(study: Study, laws: Mapping[str, Mapping[str, float]], near: Fit) -> list[Fit]:
+    """The set of laws that another look at the recordings found, from its numbers, as far as they stand together."""
+    hypothesis, start = Hypothesis(), [np.zeros(len(study.predictor.nominal))]
+    for candidate in study.candidates:
+        values = laws.get(candidate.key)
+        if values is not None and compatible(hypothesis, candidate):
+            hypothesis = hypothesis.with_(candidate)
+            start.append(to_internal(candidate, np.array([values[name] for name in candidate.effect.parameter_names])))
+    return [study.fit(hypothesis, [np.concatenate(start)], near)] if hypothesis.members else []
 
 
 def _drawn(study: Study, empty: Fit, fits: Sequence[Fit]) -> list[Fit]:

@@ -13,7 +13,7 @@ from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.problem.windows import Window
 from harness.diagnose.selection.beam_search import Effort
 from harness.diagnose.selection.constants.starts import NONLINEAR_COST_RATIO
-from harness.diagnose.selection.model_error import Structure
+from harness.diagnose.selection.model_error import Laws, Structure
 from harness.diagnose.selection.short_window_starts import very_short
 from harness.diagnose.selection.study import Study
 
@@ -33,6 +33,7 @@ class Opened:
     effort: Effort
     progress: Callable[[str], None]
     structure: Structure
+    laws: Laws
     reached: list[Study]
     shorter: list[Fit] = field(default_factory=list)
     answer: tuple[Study, list[Fit]] | None = None

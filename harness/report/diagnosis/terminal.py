@@ -123,7 +123,7 @@ def _disagreement(apart: Mapping[str, Any]) -> Shown:
 def _levels(levels: Mapping[str, Any]) -> Shown:
     heads = (
         "recording",
-        figures("level of dry friction"),
+        figures(f"level of {levels.get('kind', 'dry friction')}"),
         figures("std"),
         figures("error, one level for all"),
         figures("error, one level each"),

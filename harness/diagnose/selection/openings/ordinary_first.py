@@ -36,7 +36,7 @@ def _go(opened: Opened) -> None:
     few = partial(few_suffice, short, usual, opened.effort, opened.progress)
     early = begun_ordinary(
         long, usual, short.swing, opened.effort, opened.progress, opened.structure, opened.reached,
-        lambda: short.predictor.deadline.within(FEW_EFFECTS_SHARE, *FEW, few, lambda: None),
+        lambda: short.predictor.deadline.within(FEW_EFFECTS_SHARE, *FEW, few, lambda: None), opened.laws,
     )  # fmt: skip
     if early is None:
         return
