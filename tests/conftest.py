@@ -31,7 +31,8 @@ QUICK = {
         "test_folds", "test_plain_laws", "test_search_ends", "test_separation", "test_sharp_sensitivities", "test_state_force",
         "test_summary", "test_against_nominal", "test_taken_away",
         "test_thinned_recordings", "test_trials", "test_turning_in_space", "test_turning_joints", "test_unequal_windows",
-        "test_unnamed_force", "test_weak_contact", "test_what_acts", "test_words_of_answers", "test_zero_of_every_recording",
+        "test_unnamed_force", "test_weak_contact", "test_what_acts",
+        "test_whole_waves", "test_words_of_answers", "test_zero_of_every_recording",
     ),
     "proof": ("test_full_disk", "test_score", "test_truth", "test_same_recordings", "test_practitioner", "test_paper_damping"),
 }  # fmt: skip

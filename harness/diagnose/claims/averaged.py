@@ -20,7 +20,7 @@ from harness.diagnose.estimation.constants import NORMAL_95
 from harness.diagnose.estimation.intervals import Estimate
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.prediction.coordinates import from_internal
-from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.problem.hypothesis import Candidate, whole_numbers
 from harness.diagnose.selection.outcome import Outcome
 from harness.diagnose.selection.state_evidence import Evidence
 
@@ -87,9 +87,14 @@ def _rows(
 def _estimates(
     member: Candidate, own: Array, spread: Array, rows: Sequence[tuple[float, Array, Array]]
 ) -> dict[str, Estimate]:
-    values = from_internal(member, own)
+    values, whole = from_internal(member, own), whole_numbers(member)
     out = {}
     for j, parameter in enumerate(member.effect.parameters):
+        if whole[j]:
+            # Neighbours of a whole number are other sets, with waves at other places.
+            count = float(round(float(values[j])))
+            out[parameter.name] = Estimate(count, 0.0, count, count)
+            continue
         ends = [own[j] - NORMAL_95 * spread[j], own[j] + NORMAL_95 * spread[j]]
         if rows:
             weights, means, spreads = (

@@ -13,10 +13,13 @@ from harness.diagnose.claims.averaged import of_other_sets
 from harness.diagnose.claims.conclude import Claim, Conclusion
 from harness.diagnose.claims.constants import (
     BEYOND_BELIEF_RATIO,
+    MANY_WAVES,
+    MANY_WAVES_RATIO,
     PLAIN_LAW_RATIO,
     SURE_PROBABILITY,
     UNASKED_BELIEF_RATIO,
     VAGUE_RATIO,
+    WAVE_RATIO,
 )
 from harness.diagnose.criticism.constants import FAKED_RATIO
 from harness.diagnose.criticism.remainder import above_floor
@@ -27,8 +30,9 @@ from harness.diagnose.estimation.intervals import Estimate, scaled
 from harness.diagnose.estimation.least_squares import Fit, covariance
 from harness.diagnose.estimation.misfit import Misfit, sandwich
 from harness.diagnose.problem.hypothesis import Candidate
+from harness.diagnose.selection.constants.weighing import FEWEST_WAVES
 from harness.diagnose.selection.outcome import Outcome, judge
-from harness.diagnose.selection.state_evidence import placed
+from harness.diagnose.selection.state_evidence import placed, waves_seen
 from harness.effects.effect import Parameter
 from harness.effects.scale import pull
 
@@ -174,8 +178,10 @@ def grade(
     ):
         return POSSIBLE
     itself = outcome.evidence is None or claim.probability >= SURE_PROBABILITY
+    excess = conclusion.remains.excess
+    whole = no_smooth_force(waves_seen(outcome.study, conclusion.best, claim.index), claim.gain, excess)
     found = beside_a_remainder(
-        claim.candidate, values, rows, gain=claim.gain, excess=conclusion.remains.excess, itself=itself
+        claim.candidate, values, rows, gain=claim.gain, excess=excess, itself=itself, whole=whole
     )
     return firmest if found == ESTABLISHED else found
 
@@ -222,6 +228,12 @@ def beside_a_remainder(
     ]
     unknown = first is not None and _vague(first, values[first.name])
     return ESTABLISHED if stands and all(stands) and not unknown and itself else LIKELY
+
+
+def no_smooth_force(waves: float, gain: float, excess: float) -> bool:
+    """Whether so many waves over an angle were seen, and explain so much of what there is, that no smooth force looks like them."""
+    ratio = MANY_WAVES_RATIO if waves >= MANY_WAVES else WAVE_RATIO
+    return waves >= FEWEST_WAVES and gain >= ratio * excess
 
 
 def foretells(outcome: Outcome, conclusion: Conclusion) -> bool:

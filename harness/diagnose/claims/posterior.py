@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.hypothesis import Hypothesis
 from harness.diagnose.selection.outcome import Outcome
-from harness.diagnose.selection.state_evidence import placed
+from harness.diagnose.selection.state_evidence import piece_of_a_force
 from harness.diagnose.selection.study import Study
 
 Array = NDArray[np.float64]
@@ -35,13 +35,14 @@ class Posterior:
 def weighed(outcome: Outcome, *, at_hand: bool = False) -> list[tuple[float, Fit]]:
     """The sets that were fitted, each with its share of the posterior; beside a force over the state, where there is one.
 
-    Laws that were chosen among many places are pieces of such a force, and sets with them are none of their own. at_hand: only
+    Laws that were chosen among many places are pieces of such a force unless whole waves of them were seen, and sets with them none
+    of their own. at_hand: only
     those that have been looked at beside that force, so that no run is needed.
     """
     study, evidence = outcome.study, outcome.evidence
     fits = list(study.fits.values())
     if evidence is not None:
-        fits = [f for f in fits if not any(map(placed, f.hypothesis.members)) and (not at_hand or evidence.has(f))]
+        fits = [f for f in fits if not piece_of_a_force(study, f) and (not at_hand or evidence.has(f))]
     if not fits:
         return []  # the time was up before any set was weighed under the last likelihood
     values = np.array([study.criterion(f) if evidence is None else evidence.criterion(study, f) for f in fits])

@@ -155,11 +155,6 @@ SEEDING_SHARE = 0.15
 
 # --- the answer ---
 
-# waves; over the angle, that must be seen for cogging to be more than a piece of a smooth force; measured on the draws below
-FEWEST_WAVES = 2.0
-# times what is left; that cogging must explain then; measured on Gaussian processes over 0.6 to 5 rad with lengths of 0.05 to 0.8
-# rad, 20 000 of each: one in 4 000 at most has two waves of 2 to 12 periods in it that explain so much (3 in 1 000 thirty times)
-WAVE_RATIO = 100.0
 # chance; at which a shape left in the residual counts; chosen
 SHAPE_CHANCE = 1e-4
 # of the residual's variance; that such a shape must explain besides; chosen

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, beside_a_remainder
+from harness.diagnose.claims.grades import ESTABLISHED, LIKELY, POSSIBLE, beside_a_remainder, no_smooth_force
 from harness.diagnose.estimation.constants import FEWEST_CLUSTERS, NORMAL_95, WIDEST_INTERVAL
 from harness.diagnose.estimation.intervals import Estimate
-from harness.diagnose.inverse.constants import FEWEST_WAVES, SURELY_OFF_SIGMAS, WAVE_RATIO
+from harness.diagnose.inverse.constants import SURELY_OFF_SIGMAS
 from harness.diagnose.inverse.effort_fit import EffortData, EffortFit, fit_effort, spread
 from harness.diagnose.inverse.effort_model import EffortModel
 from harness.diagnose.inverse.effort_search import EffortStudy
@@ -100,7 +100,7 @@ def grade(
         gain=gain,
         excess=excess,
         itself=rivals is False,
-        whole=_whole(data, best.hypothesis.members[k], values, gain, excess),
+        whole=no_smooth_force(_waves_seen(data, best.hypothesis.members[k], values), gain, excess),
     )
     if np.max(np.abs(best.x[: study.nominal]), initial=0.0) <= SURELY_OFF_SIGMAS:
         return found
@@ -109,14 +109,11 @@ def grade(
     return LIKELY if found == ESTABLISHED else found
 
 
-def _whole(data: EffortData, member: Candidate, values: Mapping[str, Estimate], gain: float, excess: float) -> bool:
-    """Whether a wave over the angle was seen so often, and explains so much of what there is, that no smooth force looks like it.
-
-    Less than a whole wave is a piece of any curve.
-    """
-    if "periods" not in values or gain < WAVE_RATIO * excess:
-        return False
+def _waves_seen(data: EffortData, member: Candidate, values: Mapping[str, Estimate]) -> float:
+    """How many whole waves of a member were seen at least, if it is a wave over the angle; 0 of what is none."""
+    if "periods" not in values:
+        return 0.0
     j = data.model.system.joint_names.index(member.site)
     turned = [run.q[run.usable, j] for run in data.model.runs if run.usable.any()]
     seen = max(float(q.max()) for q in turned) - min(float(q.min()) for q in turned)
-    return bool(values["periods"].low * seen >= FEWEST_WAVES * 2.0 * np.pi)
+    return values["periods"].low * seen / (2.0 * np.pi)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from harness.diagnose.estimation.least_squares import Fit
 from harness.diagnose.problem.constants import UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import Candidate, dear
@@ -15,6 +17,7 @@ from harness.diagnose.selection.constants.search import GENEROUS_PROMISE
 from harness.diagnose.selection.constants.weighing import (
     BEHIND_EVIDENCE,
     FAR_REMAINDER_EVIDENCE,
+    FEWEST_WAVES,
     HOPED_EVIDENCE,
     MEMBERS_TRIED_BESIDE,
     MOST_ROUNDS_BESIDE,
@@ -28,8 +31,10 @@ from harness.diagnose.selection.state_evidence import (
     Evidence,
     curious,
     evidence_over_the_state,
+    piece_of_a_force,
     placed,
     plainest,
+    visited,
     without_placed,
 )
 from harness.diagnose.selection.study import Study
@@ -39,7 +44,14 @@ LEFT = "further sets of effects beside the force that is left out", "another set
 
 def likeliest_beside(study: Study, evidence: Evidence, seeds: Sequence[Fit], progress: Callable[[str], None]) -> Fit:
     """The plainest of the sets that are not parted from the likeliest one, of the seeds and what can be reached from them."""
-    return plainest(_reached(study, evidence, seeds, progress, [c for c in study.candidates if not placed(c)]))
+    asked = [c for c in study.candidates if not placed(c) or _can_be_whole(study, c)]
+    return plainest(_reached(study, evidence, seeds, progress, asked))
+
+
+def _can_be_whole(study: Study, candidate: Candidate) -> bool:
+    """Whether as many waves of it as tell it from a smooth force may have been seen."""
+    periods = next((p for p in candidate.effect.parameters if p.name == "periods"), None)
+    return periods is not None and visited(study, candidate) * periods.upper >= FEWEST_WAVES * 2.0 * np.pi
 
 
 def plain_instead(study: Study, found: Fit, progress: Callable[[str], None]) -> Fit | None:
@@ -86,7 +98,7 @@ def _reached(
     expanded: set[frozenset[str]] = set()
 
     def weigh(fitted: Fit) -> None:
-        if fitted.hypothesis.identity not in known:
+        if fitted.hypothesis.identity not in known and not piece_of_a_force(study, fitted):
             known[fitted.hypothesis.identity] = evidence.criterion(study, fitted), fitted
 
     def front() -> list[Fit]:

@@ -22,7 +22,7 @@ from harness.diagnose.estimation.state_force import StateForce
 from harness.diagnose.problem.constants import STRONG_EVIDENCE, UNPARTED_EVIDENCE
 from harness.diagnose.problem.hypothesis import EVERYWHERE, Candidate, Hypothesis
 from harness.diagnose.problem.windows import Window
-from harness.diagnose.selection.constants.weighing import NEARER_FIT_RATIO
+from harness.diagnose.selection.constants.weighing import FEWEST_WAVES, NEARER_FIT_RATIO
 from harness.diagnose.selection.score_tests import carry_state
 from harness.diagnose.selection.study import Study
 from harness.diagnose.selection.wald_test import carried
@@ -192,12 +192,42 @@ def placed(member: Candidate) -> bool:
     return "phase" in member.effect.parameter_names
 
 
+def waves_seen(study: Study, fitted: Fit, k: int) -> float:
+    """How many whole waves of a member were seen, if it is a wave over an angle; 0 of what is none."""
+    member = fitted.hypothesis.members[k]
+    values = member.effect.named(study.predictor.effect_values(fitted.hypothesis, k, fitted.x))
+    return visited(study, member) * values.get("periods", 0.0) / (2.0 * np.pi)
+
+
+def visited(study: Study, member: Candidate) -> float:
+    """Over how wide an angle a wave was seen [rad]: of its joint, or of what its sensor reads; 0 where that was not recorded."""
+    problem = study.problem
+    site = member.site if "." in member.site else f"{member.site}.position"
+    names = [channel.name for channel in problem.channels]
+    if site not in names:
+        return 0.0
+    read = [run.values[names.index(site)] for run in problem.runs]
+    seen = np.concatenate([values[np.isfinite(values)] for values in read])
+    return float(np.ptp(seen)) if len(seen) else 0.0
+
+
+def piece_of_a_force(study: Study, fitted: Fit) -> bool:
+    """Whether a set has a law that was chosen among many places and of which too little was seen to be more than that."""
+    members = enumerate(fitted.hypothesis.members)
+    return any(placed(member) and waves_seen(study, fitted, k) < FEWEST_WAVES for k, member in members)
+
+
 def without_placed(study: Study, fitted: Fit) -> Fit:
     """The fit without what was chosen among many places: beside a force over the state such a law is a piece of that force.
 
-    One of the places always fits some of what any force does, and recordings of one rig repeat that.
+    One of the places always fits some of what any force does, and recordings of one rig repeat that. Less than a whole wave is a
+    piece of any smooth curve; waves that were seen whole stay.
     """
-    kept = [k for k, member in enumerate(fitted.hypothesis.members) if not placed(member)]
+    kept = [
+        k
+        for k, member in enumerate(fitted.hypothesis.members)
+        if not placed(member) or waves_seen(study, fitted, k) >= FEWEST_WAVES
+    ]
     if len(kept) == len(fitted.hypothesis.members):
         return fitted
     hypothesis = Hypothesis(tuple(fitted.hypothesis.members[k] for k in kept))

@@ -75,3 +75,6 @@ UNKNOWN_LOGARITHM = 1.0
 # twice the logarithm of how many; valleys a hundredth wide in which what vibrates fits the noise a little, one at
 # every frequency; chosen
 VALLEYS_EVIDENCE = 8.0
+# waves; over the angle, that must be seen for cogging to be more than a piece of a smooth force; measured on the draws of
+# ``claims.constants.WAVE_RATIO``
+FEWEST_WAVES = 2.0
