@@ -11,8 +11,9 @@ from harness.cases.case import Array
 from harness.denoc import Denoc
 from harness.errors import InputError
 from harness.system import Actuator, Joint, Keyframe, Stops, System
+from harness.system.lowering import followed
 from harness.system.magnitudes import check_start
-from harness.system.soft_constraints import limit_law
+from harness.system.soft_constraints import FAR, limit_law
 from harness.system.suggest import did_you_mean
 
 # MuJoCo's defaults, solreflimit and solimplimit, for files that do not say how soft a limit is.
@@ -116,7 +117,8 @@ def bounded(system: System, only: Collection[str] | None = None) -> System:
     stops = []
     inverse = None
     for joint in system.movable_joints:
-        if not has_range(joint) or (only is not None and joint.name not in only):
+        ends = _ends(joint)
+        if ends is None or (only is not None and joint.name not in only):
             continue
         if joint.name in stated:
             stops.append(stated[joint.name])
@@ -126,7 +128,7 @@ def bounded(system: System, only: Collection[str] | None = None) -> System:
             inverse = np.linalg.inv(model.mass_matrix(model.neutral))
         k = system.coordinate_names.index(joint.name)
         law = limit_law(_SOLREF, _SOLIMP, float(inverse[k, k]))
-        stops.append(Stops(joint.name, joint.lower, joint.upper, *law))
+        stops.append(Stops(joint.name, *ends, *law))
     return replace(system, stops=tuple(stops))
 
 
@@ -136,17 +138,48 @@ def has_range(joint: Joint) -> bool:
     return bool(own and np.isfinite(joint.lower) and np.isfinite(joint.upper) and joint.lower < joint.upper)
 
 
+def _ends(joint: Joint) -> tuple[float, float] | None:
+    """Where the range of a joint of its own ends [rad or m], far away at an end that has no limit; None without any."""
+    if len(joint.position_names) != 1 or not _limited(joint):
+        return None
+    return max(joint.lower, -FAR), min(joint.upper, FAR)
+
+
+def _limited(joint: Joint) -> bool:
+    return bool((np.isfinite(joint.lower) or np.isfinite(joint.upper)) and joint.lower < joint.upper)
+
+
+def can_be_reached(system: System) -> bool:
+    """Whether any joint, of its own or following another, has a limit."""
+    return any(_ends(joint) or (joint.mimic is not None and _limited(joint)) for joint in system.movable_joints)
+
+
 def reached(system: System, names: tuple[str, ...], time: Array, position: Array) -> tuple[str, ...]:
     """One line for each joint that a motion takes to its limits, and when; position (T, n), columns by ``names``."""
     lines = []
     for joint in system.movable_joints:
-        if not has_range(joint):
-            continue
-        course = position[:, names.index(joint.name)]
-        beyond = (course > joint.upper) | (course < joint.lower)
-        if beyond.any():
-            first = int(np.argmax(beyond))
-            limit = joint.upper if course[first] > joint.upper else joint.lower
-            unit = joint.position_unit
-            lines.append(f"joint {joint.name!r} reaches its limit of {limit:.4g} {unit} at {time[first]:.4g} s")
+        if _ends(joint) is not None:
+            lines += _first_beyond(joint, time, position[:, names.index(joint.name)])
     return tuple(lines)
+
+
+def passed(system: System, names: tuple[str, ...], time: Array, position: Array) -> tuple[str, ...]:
+    """The same of joints that follow others, whose limits do not act."""
+    lines = []
+    for joint in system.movable_joints:
+        if joint.mimic is not None and _limited(joint):
+            leader, multiplier, offset = followed(system, joint)
+            course = multiplier * position[:, names.index(leader)] + offset
+            told = f", and runs through it: it follows joint {leader!r}, whose limits alone act"
+            lines += [line + told for line in _first_beyond(joint, time, course)]
+    return tuple(lines)
+
+
+def _first_beyond(joint: Joint, time: Array, course: Array) -> list[str]:
+    """When a course of positions first leaves the joint's range; nothing where it does not."""
+    beyond = (course > joint.upper) | (course < joint.lower)
+    if not beyond.any():
+        return []
+    first = int(np.argmax(beyond))
+    limit = joint.upper if course[first] > joint.upper else joint.lower
+    return [f"joint {joint.name!r} reaches its limit of {limit:.4g} {joint.position_unit} at {time[first]:.4g} s"]

@@ -8,24 +8,26 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.cases.acting import bounded, driven, reached
+from harness.cases.acting import bounded, can_be_reached, driven, passed, reached
 from harness.cases.case import NATIVE, Array
 from harness.cases.checks.trajectory import initial_state
 from harness.effects import input_chain, sensor_chain
 from harness.engines import registry
 from harness.engines.expressed import realised
-from harness.engines.protocol import EngineError
+from harness.engines.protocol import EngineError, EngineModel
 from harness.errors import InputError, UnsupportedError
 from harness.recording.efforts import read_efforts
 from harness.recording.recording import QualityNote
 from harness.recording.units import factor_to_si
-from harness.system import Joint, System
+from harness.system import Joint, System, Trajectory
 from harness.system.lowering import followed
 from harness.system.magnitudes import check_start
 from harness.system.suggest import did_you_mean
 
 # Eight columns of doubles of this length are half a gigabyte.
 MOST_SAMPLES = 10_000_000
+# How closely limits are looked for [s], as many times at most.
+CLOSE, MOST_LOOKED_AT = 1e-3, 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,15 +187,21 @@ def run_once(
         arriving = kept(arriving)
     try:
         run = model.simulate(q0, qd0, time, tau=arriving, step=step)
-        met = reached(system, run.position_names, time, run.position) if limits else ()
-        if met:
-            notes += met
-            ends = bounded(system)
-            reason = adapter.refuses(realised(ends))
-            if reason is None:
-                run = adapter.build(realised(ends)).simulate(q0, qd0, time, tau=arriving, step=step)
-            else:
-                notes += (f"limits do not act, the motion runs through them: {reason}",)
+        met: tuple[str, ...] = ()
+        if limits and can_be_reached(system):
+            close = _closely(model, run, q0, qd0, arriving, step)
+            met = reached(system, close.position_names, close.time, close.position)
+            if met:
+                notes += met
+                ends = realised(bounded(system))
+                reason = adapter.refuses(ends)
+                if reason is None:
+                    bounded_model = adapter.build(ends)
+                    run = bounded_model.simulate(q0, qd0, time, tau=arriving, step=step)
+                    close = _closely(bounded_model, run, q0, qd0, arriving, step)
+                else:
+                    notes += (f"limits do not act, the motion runs through them: {reason}",)
+            notes += passed(system, close.position_names, close.time, close.position)
     except EngineError as error:
         raise InputError(str(error), mend="a smaller --step or --duration, or a gentler start") from error
     columns: dict[str, Array] = {"time": time}
@@ -219,6 +227,20 @@ def run_once(
     seen = {name: _through_sensors(system, name, values, time) for name, values in columns.items()}
     change = None if system.drives or met else _energy_change(system, model, run, tau)
     return SingleRun(engine, version, seen, change, notes)
+
+
+def _closely(
+    model: EngineModel, run: Trajectory, q0: Array, qd0: Array, tau: Array | None, step: float | None
+) -> Trajectory:
+    """The run at times so close that no limit is reached and left again unseen between two of them."""
+    apart = np.diff(run.time)
+    spacing = max(CLOSE, float(run.time[-1] - run.time[0]) / MOST_LOOKED_AT)
+    parts = int(np.ceil(apart.max() / spacing * (1.0 - 1e-9)))
+    if parts <= 1:
+        return run
+    between = (run.time[:-1, None] + apart[:, None] * np.arange(parts) / parts).ravel()
+    held = None if tau is None else np.vstack([np.repeat(tau[:-1], parts, axis=0), tau[-1:]])
+    return model.simulate(q0, qd0, np.append(between, run.time[-1]), tau=held, step=step)
 
 
 def column_name(joint: Joint, name: str, quantity: str) -> str:
@@ -259,9 +281,6 @@ def _through_sensors(system: System, channel: str, signal: Array, time: Array) -
 
 def _energy_change(system: System, model: object, run: object, tau: Array | None) -> float | None:
     """Change of the total energy where it should be kept: nothing drives, damps or rubs."""
-    from harness.engines.protocol import EngineModel
-    from harness.system import Trajectory
-
     losing = any(joint.damping or joint.friction or joint.stiffness for joint in system.joints)
     if tau is not None or losing or system.attachments or system.flexible:
         return None

@@ -31,9 +31,12 @@ def left_out(model: Any, kept: Container[int] = ()) -> list[str]:
     ):
         if count:
             notes.append(f"{count} {what} left out")
-    moving = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
-    if len(moving) > 1 and constrained and not disabled(model, "CONTACT"):
-        notes.append(f"contacts between {len(moving)} geom(s) left out")
+    if constrained and not disabled(model, "CONTACT"):
+        moving = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
+        if len(moving) > 1:
+            notes.append(f"contacts between {len(moving)} geom(s) left out")
+        if model.npair:
+            notes.append(f"contacts of {model.npair} pair(s) of geoms that the file names left out")
     notes += _compensation(model)
     if model.opt.density != 0.0 or model.opt.viscosity != 0.0:
         notes.append(

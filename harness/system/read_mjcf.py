@@ -28,17 +28,18 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.system.check import check_bodies, check_dynamics, check_joints, check_loops
-from harness.system.description import Array, Attachment, Joint, JointType, Keyframe, Link, Stops, System, constant
+from harness.system.description import Array, Attachment, Joint, JointType, Keyframe, Link, System, constant
 from harness.system.mjcf_actuators import actuators, reflected
 from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_keyframes import unusable, written
 from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
+from harness.system.mjcf_limits import ends, margins, stops
 from harness.system.mjcf_loops import loops
 from harness.system.mjcf_trial import GROWING, try_apart
 from harness.system.names import check_names
 from harness.system.rotation import about_axis, from_quaternion
-from harness.system.soft_constraints import limit_law
+from harness.system.soft_constraints import as_soft_as_by_default
 from harness.system.topology import arrange
 from harness.system.xml_source import parse_xml, without_foreign_comments
 
@@ -71,7 +72,7 @@ def read_mjcf(
     joints, links, effects, body_in_link = _tree(model, own)
     lines = _lines(spec) if root.find(".//include") is None else {}
     closed, said, told_loops = loops(model, _body_names(model), body_in_link, names, following, followed, lines, source)
-    notes += [*left_out(model, followed | said | set(closed)), *told_drives, *own, *told_loops]
+    notes += [*left_out(model, followed | said | set(closed)), *told_drives, *own, *margins(model, names), *told_loops]
     notes += [f"keyframe {_key_name(model, i)!r} left out: {why}" for i, why in meaningless.items()]
     joints = [replace(joint, mimic=following.get(joint.name)) for joint in joints]
     ordered_joints, ordered_links = arrange(joints, links, BASE, source=source, lines=lines)
@@ -88,7 +89,7 @@ def read_mjcf(
         tolerance=0.01 if tolerance is None else tolerance,
         attachments=tuple(effects),
         actuators=drives,
-        limits=_limits(model, names),
+        limits=stops(model, names),
         keyframes=_keyframes(model, names, meaningless),
         source=source,
         notes=tuple(notes),
@@ -212,20 +213,6 @@ def _joint_names(model: Any, bodies: list[str]) -> list[str]:
             names[k] = unique(f"{bodies[b]}__joint{number}", taken)
             taken.add(names[k])
     return names
-
-
-def _limits(model: Any, joints: list[str]) -> tuple[Stops, ...]:
-    """The joints' limits with their softness."""
-    if disabled(model, "LIMIT") or disabled(model, "CONSTRAINT"):
-        return ()
-    found = []
-    for k, name in enumerate(joints):
-        if model.jnt_limited[k] and model.jnt_type[k] not in _in_space():
-            solref, solimp = model.jnt_solref[k], model.jnt_solimp[k]
-            weight = float(model.dof_invweight0[model.jnt_dofadr[k]])
-            law = limit_law((float(solref[0]), float(solref[1])), (float(solimp[0]), float(solimp[1])), weight)
-            found.append(Stops(name, float(model.jnt_range[k, 0]), float(model.jnt_range[k, 1]), *law))
-    return tuple(found)
 
 
 def _key_name(model: Any, i: int) -> str:
@@ -386,7 +373,7 @@ def _joint(model: Any, k: int, name: str, parent: str, child: str, place: Array,
         place = place - reference * (turn @ axis)
     elif reference != 0.0:
         turn = turn @ about_axis(axis, -reference)
-    limited = bool(model.jnt_limited[k])
+    lower, upper = ends(model, k)
     force_limited = bool(model.jnt_actfrclimited[k])
     springs, dampers = not disabled(model, "SPRING"), not disabled(model, "DAMPER")
     dry = not (disabled(model, "FRICTIONLOSS") or disabled(model, "CONSTRAINT"))
@@ -404,8 +391,8 @@ def _joint(model: Any, k: int, name: str, parent: str, child: str, place: Array,
         friction=float(model.dof_frictionloss[dof]) if dry else 0.0,
         stiffness=float(model.jnt_stiffness[k]) if springs else 0.0,
         rest_position=float(model.qpos_spring[coordinate]) if model.jnt_stiffness[k] != 0.0 and springs else 0.0,
-        lower=float(model.jnt_range[k, 0]) if limited else -np.inf,
-        upper=float(model.jnt_range[k, 1]) if limited else np.inf,
+        lower=lower,
+        upper=upper,
         effort=float(np.abs(model.jnt_actfrcrange[k]).max()) if force_limited else np.inf,
     )
 
@@ -437,6 +424,11 @@ def _joint_laws(model: Any, k: int, name: str, notes: list[str]) -> list[Attachm
                 f"joint {name!r}: its stiffness {square:g} x², x = position - {slack:g}, pulls to one side alone, whichever side "
                 "x is on; it acts so"
             )
+    dry = model.dof_frictionloss[dof] and not (disabled(model, "FRICTIONLOSS") or disabled(model, "CONSTRAINT"))
+    if dry and not as_soft_as_by_default(model.dof_solref[dof], model.dof_solimp[dof]):
+        notes.append(
+            f"joint {name!r}: how soft its dry friction is (solreffriction, solimpfriction) is left out: it sticks here"
+        )
     if model.jnt_plasticadr[k] >= 0:
         notes.append(f"joint {name!r}: plastic yield of its spring is left out")
     return effects

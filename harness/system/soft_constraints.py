@@ -7,13 +7,16 @@ Source: MuJoCo's documentation, Computation: constraint model, solver parameters
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import copysign
 
 from harness.system.description import System
 
 # Where a joint that is limited on one side has its other limit [rad or m].
 FAR = 1e6
+
+# MuJoCo's defaults of ``solref`` and ``solimp``.
+_SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)
 
 Solver = tuple[tuple[float, float], float]
 """``solref``, and the impedance that is the first two numbers of ``solimp``."""
@@ -62,6 +65,11 @@ def limit_law(solref: tuple[float, float], solimp: tuple[float, float], invweigh
         return -first * inertia / impedance, -second * inertia / impedance, inertia
     time, ratio = first, second
     return inertia / (impedance * time**2 * ratio**2), 2.0 * inertia / (impedance * time), inertia
+
+
+def as_soft_as_by_default(solref: Iterable[float], solimp: Iterable[float]) -> bool:
+    """Whether a constraint's solver parameters are those that MuJoCo gives where a file states none."""
+    return tuple(solref) == _SOLREF and tuple(solimp) == _SOLIMP
 
 
 def limits(stop: Mapping[str, float]) -> tuple[float, float]:

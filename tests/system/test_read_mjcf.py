@@ -220,3 +220,27 @@ def test_reading_leaves_no_log_file(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(tmp_path)
     load_text(tmp_path, RICH, "model.mjcf")
     assert [p.name for p in tmp_path.iterdir()] == ["model.mjcf"]
+
+
+@pytest.mark.parametrize(
+    ("joint", "rest", "told"),
+    [
+        (
+            "",
+            '<contact><pair geom1="floor" geom2="g"/></contact>',
+            "contacts of 1 pair(s) of geoms that the file names left out",
+        ),
+        ('frictionloss="1" solreffriction="0.5 1"', "", "joint 'j': how soft its dry friction is"),
+        ('frictionloss="1" solimpfriction="0.1 0.2 0.01"', "", "joint 'j': how soft its dry friction is"),
+        ('frictionloss="1"', "", None),
+        ('solreffriction="0.5 1"', "", None),
+    ],
+)
+def test_named_contacts_and_soft_friction_are_told(tmp_path: Path, joint: str, rest: str, told: str | None) -> None:
+    system = load_text(
+        tmp_path,
+        f"""<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1" contype="0" conaffinity="0"/><body pos="0 0 1">
+        <joint name="j" type="slide" axis="0 0 1" {joint}/><geom name="g" size=".1" contype="0" conaffinity="0"/></body></worldbody>
+        {rest}</mujoco>""",
+    )
+    assert [note[: len(told or "")] for note in system.notes] == ([] if told is None else [told])

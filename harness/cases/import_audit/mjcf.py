@@ -129,8 +129,9 @@ def _kinds(model: Any, system: System, following: int) -> Iterator[Kind]:
         if largest(model.actuator_damping) or largest(model.actuator_dampingpoly):
             yield Kind("actuator damping", "", zero("actuator_damping", "actuator_dampingpoly"), ACTS)
     touching = int(np.sum((model.geom_contype != 0) | (model.geom_conaffinity != 0)))
-    if touching > 1 and constrained and not disabled(model, "CONTACT"):
-        yield Kind("contact", f"{touching} geoms", flag("CONTACT"))
+    if (touching > 1 or model.npair) and constrained and not disabled(model, "CONTACT"):
+        pairs = f", {model.npair} named pair(s)" if model.npair else ""
+        yield Kind("contact", f"{touching} geoms{pairs}", flag("CONTACT"))
     if model.opt.density or model.opt.viscosity:
 
         def still(changed: Any) -> None:

@@ -19,6 +19,7 @@ from harness.system import System
 from harness.system.inertia import combine
 from harness.system.lowering import neutral_position
 from harness.system.mjcf_left_out import disabled
+from harness.system.mjcf_limits import ends
 from harness.system.read_mjcf import compiled, names_of_joints
 
 KINDS = ("free", "ball", "prismatic", "revolute")  # in the order of mjtJoint
@@ -124,8 +125,7 @@ class MujocoReading:
                 values["damping"] = float(model.dof_damping[at]) if dampers else 0.0
             values["friction"] = float(model.dof_frictionloss[at]) if dry else 0.0
             if model.jnt_type[k] > 1:  # a ball's limit is a cone, and its spring has a rest in space
-                limits = model.jnt_range[k] if model.jnt_limited[k] else (-np.inf, np.inf)
-                values["lower"], values["upper"] = (float(x) for x in limits)
+                values["lower"], values["upper"] = ends(model, k)
                 if values["stiffness"]:
                     values["rest_position"] = float(model.qpos_spring[model.jnt_qposadr[k]])
             found[name] = values

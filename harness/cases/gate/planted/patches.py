@@ -59,7 +59,7 @@ READERS = (
          "rest_position=-float(model.qpos_spring[coordinate])", "file_passive; rest_position @ second"),
         ("damping forgotten", "damping=float(model.dof_damping[dof]) + driven.damping[0] if dampers else 0.0", "damping=0.0",
          "file_passive; damping @ first"),
-        ("upper limit for lower", "upper=float(model.jnt_range[k, 1])", "upper=float(model.jnt_range[k, 0])", "file_limits; upper @ first"),
+        ("upper limit for lower", "upper=upper,", "upper=lower,", "file_limits; upper @ first"),
         ("a joint's place in its body not turned", "place = xyz + rotation @ model.jnt_pos[k] if",
          "place = xyz + model.jnt_pos[k] if",
          "file_mass_matrix; xyz @ first"),
