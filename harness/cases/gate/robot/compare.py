@@ -41,14 +41,16 @@ class Kind:
 
 
 KINDS = (
-    Kind("masses", "links", ("mass",)),
+    Kind("masses", "links", ("mass", "gravcomp")),
     Kind("centres_of_mass", "links", ("com",)),
     Kind("inertias", "links", ("inertia",)),
     Kind("beams", "links", ("beam",)),
-    Kind("frames", "joints", ("type", "parent", "child", "xyz", "rotation", "axis")),
+    Kind("frames", "joints", ("type", "parent", "child", "xyz", "rotation", "axis", "axis2", "pitch", "mimic")),
     Kind("joint_laws", "joints", ("armature", "damping", "friction", "stiffness", "rest_position")),
     Kind("limits", "joints", ("lower", "upper", "effort", "velocity")),
 )
+# What a scene has by name beside these.
+BESIDE = ("actuators", "stops", "keyframes", "loops")
 
 
 def of_description(row: Row) -> bool:
@@ -134,7 +136,21 @@ def _scene(bench: Bench, held: Mapping[str, Any], now: Mapping[str, Any]) -> Row
         apart = _apart(held[member], now[member])
         if apart > SAME:
             changes.append((apart, "", member, f"{member}: {_said(held[member])} → {_said(now[member])}"))
+    for member in BESIDE:
+        if member in held:  # files of earlier versions have none of it
+            changes += _beside(member.removesuffix("s"), held[member], now[member])
     return _row(bench, "scene", "base", changes)
+
+
+def _beside(word: str, held: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[tuple[float, str, str, str]]:
+    """What changed of a kind of things that are kept by name: each that is gone or new, and every number."""
+    for name in sorted(held.keys() | now.keys()):
+        if name not in now or name not in held:
+            yield 1.0, "", word, f"{word} {name!r} is {'gone' if name not in now else 'new'}"
+            continue
+        for label, a, b in _leaves("", held[name], now[name]):
+            if (apart := _apart(a, b)) > SAME:
+                yield apart, "", word, f"{label.strip('. ')} of {word} {name!r}: {_said(a)} → {_said(b)}"
 
 
 def _row(bench: Bench, quantity: str, word: str, changes: list[tuple[float, str, str, str]]) -> Row:
