@@ -112,13 +112,19 @@ def _in_space(name: str, system: System | None) -> tuple[str, str] | None:
     return None
 
 
+def unpacked_name(path: Path) -> str:
+    """Name of a file without the ending of what packed it."""
+    return path.name.removesuffix(".gz").removesuffix(".bz2").removesuffix(".xz")
+
+
 def rules_beside(path: Path) -> tuple[Rule, ...]:
     """Rules of the TOML file beside a recording: ``run1.csv.toml``, ``run1.toml`` or ``columns.toml``, table ``columns``.
 
     A ``run1.toml`` without that table is taken for something else. Raises InputError for a file that is not valid.
     """
-    stem = path.name.removesuffix(".gz").rsplit(".", 1)[0]
-    places = ((path.name + ".toml", True), (stem + ".toml", False), ("columns.toml", True))
+    bare = unpacked_name(path)
+    stem = bare.rsplit(".", 1)[0]
+    places = ((path.name + ".toml", True), (bare + ".toml", True), (stem + ".toml", False), ("columns.toml", True))
     for name, must in places:
         file = path.with_name(name)
         if file == path or not file.is_file():

@@ -17,7 +17,7 @@ from harness.recording.clean import (
     quantisation_step,
 )
 from harness.recording.clocks import one_clock
-from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_beside
+from harness.recording.columns import Column, Rule, parse_rule, resolve, rules_beside, unpacked_name
 from harness.recording.folded import unfold
 from harness.recording.formats import Table, read_table
 from harness.recording.jitter import jitter_note
@@ -130,7 +130,7 @@ def recording_from_table(table: Table, rules: Sequence[Rule], system: System | N
         )
     efforts, filled = _complete(efforts, time, file)
     return Recording(
-        name=file.name.removesuffix(".gz").rsplit(".", 1)[0],
+        name=unpacked_name(file).rsplit(".", 1)[0],
         source=str(file),
         time=constant(time - first),
         channels=tuple(channels),

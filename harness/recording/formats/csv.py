@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harness.errors import InputError
-from harness.recording.formats.cells import is_absent, read_cells
+from harness.recording.formats.cells import Cells, is_absent, read_cells, refuse_two_marks
 from harness.recording.formats.csv_layout import Layout, Row, find_layout
 from harness.recording.formats.ros_csv import is_rostopic, joints_of
 from harness.recording.formats.table import Table, left_out
@@ -55,6 +55,8 @@ def read_csv(path: Path, text: str) -> Table:
     if is_rostopic(names):
         names, rows, units, aliases = joints_of(names, rows)
     columns: dict[str, Array] = {}
+    cells: dict[str, Cells] = {}
+    texts: dict[str, Sequence[str]] = {}
     faults: dict[str, InputError] = {}
     origins: dict[str, float] = {}
     for k, name in enumerate(names):
@@ -66,7 +68,8 @@ def read_csv(path: Path, text: str) -> Table:
                 f"two columns are named {name!r}", mend="rename one", source=path, line=layout.line, column=k + 1
             )
             continue
-        found = read_cells(path, name, [row[k] for row in rows], lines, layout.delimiter)
+        texts[name] = [row[k] for row in rows]
+        found = cells[name] = read_cells(path, name, texts[name], lines, layout.delimiter)
         columns[name] = found.values
         if found.fault is not None:
             faults[name] = found.fault
@@ -74,6 +77,7 @@ def read_csv(path: Path, text: str) -> Table:
             origins[name] = found.origin
         if found.unit:
             units[name] = found.unit
+    faults |= refuse_two_marks(path, cells, texts, lines)
     return Table(columns, units, lines, faults, origins, aliases=aliases, notes=tuple(notes))
 
 

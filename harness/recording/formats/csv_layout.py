@@ -6,12 +6,15 @@ import csv
 import io
 import re
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
+from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
 from harness.errors import InputError
-from harness.recording.formats.cells import is_absent, is_number
+from harness.recording.formats.cells import is_absent, is_number, number
 from harness.recording.formats.stamps import is_stamp
 from harness.recording.units import is_unit
 
@@ -91,7 +94,8 @@ def _with_header(path: Path, delimiter: str, head: list[Row], body: list[Row], w
     names_of_rows = False
     if not fitting:
         fitting = [row for row in head if not row.comment and len(row.cells) == width - 1][-1:]
-        names_of_rows = bool(fitting) and not trailing
+        names_of_rows = bool(fitting) and not trailing and _are_names(row.cells[0] for row in body)
+        fitting = fitting if names_of_rows or trailing else []
     if not fitting:
         wrong = next((row for row in reversed(head) if not row.comment and len(row.cells) > 1), None)
         if wrong is not None:
@@ -182,6 +186,14 @@ def _header_delimiter(header: str) -> str:
         if mark in outside:
             return mark
     return " " if len(outside.split()) > 1 else ","
+
+
+def _are_names(cells: Iterable[str]) -> bool:
+    """Whether cells may be names of rows: words, or whole numbers that ascend."""
+    numbers = [number(cell, " ") for cell in cells]
+    counted = [value for value in numbers if value is not None]
+    whole = all(value == round(value) for value in counted if isfinite(value))
+    return not counted or (len(counted) == len(numbers) and whole and all(a < b for a, b in pairwise(counted)))
 
 
 def _bare(cell: str) -> str:

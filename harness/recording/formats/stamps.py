@@ -25,6 +25,13 @@ def is_stamp(text: str) -> bool:
     return match is not None and (match["a"] is not None or match["hour"] is not None)
 
 
+def of_two_numbers(text: str) -> bool:
+    """Whether a stamp is 12:34 alone, which may be hours and minutes or minutes and seconds."""
+    match = STAMP.match(text.strip())
+    plain = match is not None and match["a"] is None and match["second"] is None
+    return plain and match is not None and match["half"] is None and match["zone"] is None
+
+
 def nanoseconds(texts: Sequence[str]) -> list[int] | None:
     """Time since 1970 [ns] of stamps with a date, since midnight of those without; None if one is no stamp.
 
