@@ -167,14 +167,16 @@ def resolve(
     *,
     source: Path,
     aliases: Mapping[str, str] | None = None,
+    unread: Mapping[str, str] | None = None,
 ) -> Found:
     """What each header is.
 
-    aliases: other names that headers go by. Joints that the system has not are left out beside others that it has,
-    unless they look misspelt. Raises InputError for a missing time, a rule for a column that is not there, a joint or link
-    that the system has not, a quantity that looks misspelt, and two columns for one quantity.
+    aliases: other names that headers go by. unread: what else the file holds, and why it was not read.
+    Joints that the system has not are left out beside others that it has, unless they look misspelt. Raises InputError for a
+    missing time, a rule for a column that is not there, a joint or link that the system has not, a quantity that looks misspelt,
+    and two columns for one quantity.
     """
-    rules, aliases = tuple(rules), aliases or {}
+    rules, aliases, unread = tuple(rules), aliases or {}, unread or {}
     found: list[Column] = []
     ignored: list[tuple[str, str]] = []
     strangers: list[tuple[Column, InputError]] = []
@@ -228,6 +230,7 @@ def resolve(
         found.append(column)
     for rule in rules:
         if rule not in used and not rule.optional:
+            _refuse_unread((rule.foreign,), unread, source)
             names = [split_unit(h)[0] for h in headers] + [split_unit(a)[0] for a in aliases.values()]
             raise InputError(
                 f"there is no column {rule.foreign!r} to map to {rule.ours}",
@@ -235,9 +238,13 @@ def resolve(
                 source=source,
             )
     if "time" not in taken:
+        _refuse_unread(("time", *(rule.foreign for rule in rules if rule.ours == "time")), unread, source)
         raise InputError("there is no column 'time'", mend=_time_mend(headers), source=source)
     ignored += _left_out(strangers, found, system)
     if len(found) < 2:
+        _refuse_unread(
+            [name for name in unread if split_unit(name)[0].rpartition(".")[2] in QUANTITIES], unread, source
+        )
         names_ = ", ".join(repr(h) for h, _ in ignored[:6]) or "none"
         raise InputError(
             f"no column besides time is known; found {names_}",
@@ -246,6 +253,13 @@ def resolve(
         )
     found.sort(key=lambda column: column.quantity != "time")
     return Found(tuple(found), tuple(ignored))
+
+
+def _refuse_unread(names: Iterable[str], unread: Mapping[str, str], source: Path) -> None:
+    """Refuse what is wanted and was not read, with the reason."""
+    for name in names:
+        if name in unread:
+            raise InputError(f"column {name!r} {unread[name]}", mend="store it once, as plain numbers", source=source)
 
 
 def _of_no_motion(headers: Sequence[str], system: System | None) -> str:

@@ -44,7 +44,7 @@ def read_efforts(path: str | Path, system: System, *, mapping: Sequence[str] = (
     own = tuple(parse_rule(text) for text in mapping)
     mapped = {rule.foreign for rule in own}
     rules = own + tuple(rule for rule in rules_beside(file) if rule.foreign not in mapped)
-    found = resolve(tuple(table.columns), rules, system, source=file, aliases=table.aliases)
+    found = resolve(tuple(table.columns), rules, system, source=file, aliases=table.aliases, unread=table.unread)
     clock = found.columns[0]
     notes = [*table.notes, *ignored_notes(found.ignored)]
     factor, _ = factor_to_si(unit_of_column(clock, table), "time", prismatic=None, source=file, column=clock.header)

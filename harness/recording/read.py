@@ -84,7 +84,7 @@ def read_recordings(
 
 def recording_from_table(table: Table, rules: Sequence[Rule], system: System | None, file: Path) -> Recording:
     """The recording that a table holds; see ``read_recording``."""
-    found = resolve(tuple(table.columns), rules, system, source=file, aliases=table.aliases)
+    found = resolve(tuple(table.columns), rules, system, source=file, aliases=table.aliases, unread=table.unread)
     notes = [*table.notes, *ignored_notes(found.ignored)]
     columns, empty = _with_numbers(found.columns, table, file)
     notes += empty

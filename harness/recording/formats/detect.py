@@ -6,6 +6,8 @@ import bz2
 import errno
 import gzip
 import lzma
+import re
+import struct
 import tempfile
 import zlib
 from collections.abc import Callable
@@ -46,7 +48,36 @@ OTHERS = {
     b"7z\xbc\xaf": "a 7-zip archive",
     b"TDSm": "a LabVIEW TDMS file",
 }
+HEAD_4 = 20  # bytes
 READABLE = "CSV, Parquet, HDF5, netCDF, MATLAB .mat, NumPy .npz, MCAP or a ROS bag"
+
+
+# Of JSON an object, or an array of something; a header may begin with a bracket as well.
+MARKED_UP = {re.compile(rb"^\s*(\{|\[\s*[\[{\d\-\"])"): "JSON", re.compile(rb"^\s*<[?!a-zA-Z]"): "XML or a web page"}
+
+
+def is_matlab_4(head: bytes) -> bool:
+    """Whether a file begins as MATLAB's did up to version 4: five whole numbers, and the name of the first matrix.
+
+    Source: MAT-File Format (The MathWorks), Level 4: type MOPT (machine, 0, precision, kind), rows, columns, whether it is complex,
+    and the length of the name with its zero at the end.
+    """
+    if len(head) < HEAD_4:
+        return False
+    for order, machine in (("<", 0), (">", 1)):
+        kind, rows, columns, complex_, length = struct.unpack(f"{order}5i", head[:HEAD_4])
+        digits = [kind // 1000, kind // 100 % 10, kind // 10 % 10, kind % 10]
+        fits = digits[:2] == [machine, 0] and digits[2] <= 5 and digits[3] <= 2 and complex_ in (0, 1)
+        name = head[HEAD_4 : HEAD_4 + length]
+        if (
+            fits
+            and rows >= 0
+            and columns >= 0
+            and 1 < length <= 64
+            and name.rstrip(b"\0").decode("latin-1").isidentifier()
+        ):
+            return True
+    return False
 
 
 def read_table(path: Path) -> Table:
@@ -78,6 +109,11 @@ def _read_file(path: Path, file: Path, layers: int = 0) -> Table:
     for magic, module, reader in READERS:
         if head.startswith(magic):
             return read_apart(module, reader, path, file)
+    if is_matlab_4(head):
+        return read_apart("matlab", "read_matlab", path, file)
+    for pattern, kind in MARKED_UP.items():
+        if pattern.match(head):
+            raise InputError(f"is {kind}, not a recording", mend=f"export it as {READABLE}", source=path)
     for magic, kind in OTHERS.items():
         if head.startswith(magic):
             raise InputError(f"is {kind}, not a recording", mend=f"export it as {READABLE}", source=path)

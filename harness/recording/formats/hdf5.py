@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.recording.formats.packing import unit_of, unpacked
-from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out
+from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out, take
 from harness.recording.recording import QualityNote
 
 
@@ -33,7 +33,7 @@ def read_hdf5(path: Path, file: Path) -> Table:
         if item.dtype.names:
             prefix = label.rsplit(".", 1)[0] + "." if "." in label else ""
             for member in item.dtype.names:
-                columns.update(as_columns(prefix + member, item[member]))
+                take(columns, as_columns(prefix + member, item[member]), notes)
             return
         attribute: Callable[[str], Any] = item.attrs.get
         values, told = unpacked(label, item[()], attribute) if item.shape else (None, ())
@@ -41,7 +41,7 @@ def read_hdf5(path: Path, file: Path) -> Table:
         if not found:
             notes.append(left_out(label, "is no vector of numbers"))
             return
-        columns.update(found)
+        take(columns, found, notes)
         notes.extend(told)
         unit = unit_of(attribute)
         if unit:

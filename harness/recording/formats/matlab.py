@@ -10,7 +10,7 @@ from scipy.io import loadmat
 from scipy.io.matlab import MatlabOpaque, MatReadError
 
 from harness.errors import InputError
-from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out
+from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out, take
 from harness.recording.recording import QualityNote
 
 OBJECTS = "is an object (timeseries, table, Dataset), which only MATLAB reads: save x.Time and x.Data as vectors"
@@ -33,9 +33,8 @@ def read_matlab(path: Path, file: Path) -> Table:
         if isinstance(value, dict):
             if "values" in value and isinstance(value.get("label"), str) and value["label"].strip():
                 # A signal of Simulink's structure with time.
-                columns.update(
-                    as_columns(f"{name.rpartition('.')[0]}.{value['label'].strip()}".lstrip("."), value["values"])
-                )
+                label = f"{name.rpartition('.')[0]}.{value['label'].strip()}".lstrip(".")
+                take(columns, as_columns(label, value["values"]), notes)
                 return
             for key, inner in value.items():
                 walk(f"{name}.{key}" if name else key, inner)
@@ -48,7 +47,7 @@ def read_matlab(path: Path, file: Path) -> Table:
         if not found:
             opaque = isinstance(value, MatlabOpaque) or getattr(value, "dtype", np.dtype(float)).names is not None
             notes.append(left_out(name, OBJECTS if opaque else "is no vector of numbers"))
-        columns.update(found)
+        take(columns, found, notes)
 
     for key, value in content.items():
         if not key.startswith("__"):

@@ -9,7 +9,7 @@ from scipy.io import netcdf_file
 
 from harness.errors import InputError
 from harness.recording.formats.packing import unit_of, unpacked
-from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out
+from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out, take
 from harness.recording.recording import QualityNote
 
 
@@ -27,7 +27,7 @@ def read_netcdf(path: Path, file: Path) -> Table:
                 if not found:
                     notes.append(left_out(name, "is no vector of numbers"))
                     continue
-                columns.update({key: value.astype(np.float64) for key, value in found.items()})
+                take(columns, {key: value.astype(np.float64) for key, value in found.items()}, notes)
                 notes.extend(told)
                 unit = unit_of(stated.get)
                 if unit:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import InputError
-from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out
+from harness.recording.formats.table import Table, as_columns, equal_lengths, left_out, take
 from harness.recording.recording import QualityNote
 
 
@@ -37,10 +37,10 @@ def read_numpy(path: Path, file: Path) -> Table:
     for name, values in members.items():
         if values.dtype.names:
             for member in values.dtype.names:
-                columns.update(as_columns(f"{name}.{member}" if name else member, values[member]))
+                take(columns, as_columns(f"{name}.{member}" if name else member, values[member]), notes)
             continue
         found = as_columns(name, values) if name else {}
         if not found:
             notes.append(left_out(name, "is no vector of numbers" if name else "is an array without names of columns"))
-        columns.update(found)
+        take(columns, found, notes)
     return equal_lengths(path, columns, {}, notes)

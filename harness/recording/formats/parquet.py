@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import InputError, MissingPackageError
-from harness.recording.formats.table import Table, left_out
+from harness.recording.formats.table import Table, left_out, take
+from harness.recording.recording import QualityNote
 
 try:
     import pyarrow as pa
@@ -30,7 +31,7 @@ def read_parquet(path: Path, file: Path) -> Table:
         raise InputError("has columns but no samples", mend="record again or name another file", source=path)
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
-    notes = []
+    notes: list[QualityNote] = []
     origins: dict[str, float] = {}
     for field_, column in zip(table.schema, table.columns, strict=True):
         name, kind = field_.name, field_.type
@@ -40,12 +41,12 @@ def read_parquet(path: Path, file: Path) -> Table:
             # Counted from the first stamp, as nanoseconds since 1970 do not fit a double.
             first = next((value for value in ticks.to_pylist() if value is not None), 0)
             values = np.array([np.nan if v is None else (v - first) * scale for v in ticks.to_pylist()])
-            columns[name] = values
+            take(columns, {name: values}, notes)
             units[name] = "s"
             origins[name] = first * scale
         elif pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind):
             numbers = pc.cast(column, pa.float64(), safe=False)
-            columns[name] = np.asarray(numbers.to_numpy(zero_copy_only=False), dtype=np.float64)
+            take(columns, {name: np.asarray(numbers.to_numpy(zero_copy_only=False), dtype=np.float64)}, notes)
         else:
             notes.append(left_out(name, f"holds {kind}, not numbers"))
             continue

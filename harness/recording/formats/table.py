@@ -12,6 +12,8 @@ from harness.errors import InputError
 from harness.recording.recording import QualityNote
 from harness.system.description import Array
 
+NOT_READ = "not_read"
+
 
 @dataclass(frozen=True, eq=False)
 class Table:
@@ -37,6 +39,11 @@ class Table:
     def rows(self) -> int:
         return max((len(values) for values in self.columns.values()), default=0)
 
+    @property
+    def unread(self) -> dict[str, str]:
+        """What else the file holds by name, and why it is no column."""
+        return {note.channel: note.what for note in self.notes if note.kind == NOT_READ and note.channel}
+
     def numbers(self, header: str) -> Array:
         """Values of a column, shape (rows,); raises InputError if it holds anything but numbers."""
         if header in self.faults:
@@ -46,7 +53,20 @@ class Table:
 
 def left_out(channel: str, what: str) -> QualityNote:
     """A note that something in the file was not read."""
-    return QualityNote("not_read", channel, what, "left out")
+    return QualityNote(NOT_READ, channel, what, "left out")
+
+
+TWICE = "is the name of two columns"
+
+
+def take(columns: dict[str, Array], found: Mapping[str, Array], notes: list[QualityNote]) -> None:
+    """Add columns to those that a file has; of two that have one name neither is read, with a note."""
+    for name, values in found.items():
+        if name in columns:
+            del columns[name]
+            notes.append(left_out(name, TWICE))
+        elif not any(note.channel == name and note.what == TWICE for note in notes):
+            columns[name] = values
 
 
 def as_column(values: object) -> Array | None:
@@ -83,7 +103,7 @@ def equal_lengths(path: Path, columns: dict[str, Array], units: dict[str, str], 
     Raises InputError if there is none, or no sample in them.
     """
     if not columns:
-        told = f": {notes[0].what}" if notes else ""
+        told = f": {notes[0].channel!r} {notes[0].what}".replace("'' ", "it ") if notes else ""
         raise InputError(f"holds no vector of numbers{told}", mend="store each column as one", source=path)
     columns, units = _without_common_group(columns, units)
     lengths = [len(values) for name, values in columns.items() if name == "time" or name.startswith("time ")]
