@@ -10,6 +10,7 @@ from harness.cases.checks import StateAgreement
 from harness.cases.checks.as_read import AsRead
 from harness.cases.tolerances import acceleration_allowed
 from harness.cases.user_beams import beam_checks, comparable, straight_checks
+from harness.engines.attached import check_attached
 from harness.engines.expressed import realised
 from harness.errors import InputError
 from harness.system import System, load
@@ -17,7 +18,7 @@ from harness.system.audit import audit
 
 
 def read(path: Path, *, physical: bool = True, allow: Sequence[Path] = (), floating: bool = False) -> System:
-    """The model; InputError if it cannot be read or has no joint that moves.
+    """The model; InputError if it cannot be read, has no joint that moves, or an effect attached that cannot act.
 
     physical: refuse inertia that no body can have. allow: folders beside its own that it may name files in.
     floating: let the root link of a URDF float.
@@ -25,6 +26,7 @@ def read(path: Path, *, physical: bool = True, allow: Sequence[Path] = (), float
     system = load(path, physical=physical, allow=allow, floating=floating)
     if not system.coordinate_names:
         raise InputError("no joint moves", source=path, mend="give a mechanism with a revolute or prismatic joint")
+    check_attached(system)
     return system
 
 

@@ -89,6 +89,7 @@ def simulate(
     from harness.cases.beam_shapes import told_shapes
     from harness.cases.case import NATIVE
     from harness.cases.single_run import assignments, drive_from, run_once, sample_times
+    from harness.engines.attached import check_attached
     from harness.report.run_files import csv_text, write_plot, write_recording
     from harness.system import load
 
@@ -97,6 +98,7 @@ def simulate(
 
         load_user_effects(file)
     mechanism = load(system, physical=not allow_unphysical, allow=allow, floating=floating)
+    check_attached(mechanism)
     if engine == NATIVE:
         from harness.denoc.compiling import ahead
 

@@ -50,6 +50,7 @@ def view(
       denoc view models/urdf/double_pendulum.urdf --position shoulder=2 --out view.html
     """
     from harness.cases.single_run import assignments, sample_times
+    from harness.engines.attached import check_attached
     from harness.errors import InputError
     from harness.json_text import json_text
     from harness.report.animation.beside import beside, simulated
@@ -61,7 +62,9 @@ def view(
 
     if out is not None and Path(out).suffix.lower() not in (".html", ".htm"):
         raise InputError(f"unknown ending {Path(out).suffix!r}", source=out, mend="use .html")
-    mechanism = one_degree(freed(load(system, physical=False, allow=allow)), "a view")
+    mechanism = load(system, physical=False, allow=allow)
+    check_attached(mechanism)
+    mechanism = one_degree(freed(mechanism), "a view")
     start = assignments(position, "--position", "position", mechanism)
     speed = assignments(velocity, "--velocity", "velocity", mechanism)
     told: tuple[str, ...] = ()
