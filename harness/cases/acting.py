@@ -154,12 +154,23 @@ def can_be_reached(system: System) -> bool:
     return any(_ends(joint) or (joint.mimic is not None and _limited(joint)) for joint in system.movable_joints)
 
 
+def without_room(system: System) -> tuple[str, ...]:
+    """One line for each joint whose limits are one position: as in MuJoCo they do not act."""
+    shut = (joint for joint in system.movable_joints if np.isfinite(joint.lower) and joint.lower == joint.upper)
+    return tuple(
+        f"joint {joint.name!r}: its limits leave no room ({joint.lower:g} … {joint.upper:g}) and do not act"
+        for joint in shut
+    )
+
+
 def reached(system: System, names: tuple[str, ...], time: Array, position: Array) -> tuple[str, ...]:
     """One line for each joint that a motion takes to its limits, and when; position (T, n), columns by ``names``."""
-    lines = []
+    lines: list[str] = []
     for joint in system.movable_joints:
         if _ends(joint) is not None:
             lines += _first_beyond(joint, time, position[:, names.index(joint.name)])
+    if not system.limits_act:
+        lines = [f"{line}, and runs through it: the file switches limits off" for line in lines]
     return tuple(lines)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.cases.acting import bounded, can_be_reached, driven, passed, reached
+from harness.cases.acting import bounded, can_be_reached, driven, passed, reached, without_room
 from harness.cases.case import NATIVE, Array
 from harness.cases.checks.trajectory import initial_state
 from harness.effects import input_chain, sensor_chain
@@ -188,11 +188,13 @@ def run_once(
     try:
         run = model.simulate(q0, qd0, time, tau=arriving, step=step)
         met: tuple[str, ...] = ()
+        if limits:
+            notes += without_room(system)
         if limits and can_be_reached(system):
             close = _closely(model, run, q0, qd0, arriving, step)
             met = reached(system, close.position_names, close.time, close.position)
-            if met:
-                notes += met
+            notes += met
+            if met and system.limits_act:
                 ends = realised(bounded(system))
                 reason = adapter.refuses(ends)
                 if reason is None:
@@ -225,7 +227,7 @@ def run_once(
                 f"{engine}: {name} stops being finite at {first:g} s", mend="a smaller --step, or a gentler start"
             )
     seen = {name: _through_sensors(system, name, values, time) for name, values in columns.items()}
-    change = None if system.drives or met else _energy_change(system, model, run, tau)
+    change = None if system.drives or (met and system.limits_act) else _energy_change(system, model, run, tau)
     return SingleRun(engine, version, seen, change, notes)
 
 

@@ -387,7 +387,8 @@ class System:
     better or worse, by ``kind@name`` (``armature@servo``).
     attachments: effects beyond the nominal physics.
     actuators: drives with feedback of their own as the file states them; drives: those that act, their command in their offset.
-    limits: how soft the joints' limits are where the file says so; stops: those that act.
+    limits: how soft the joints' limits are where the file says so; stops: those that act. limits_act: whether the file lets limits
+    act in single runs.
     keyframes: states that the file names, to start from.
     source: the file it was read from.
     notes: what reading the file left out or had to interpret, one line each.
@@ -406,6 +407,7 @@ class System:
     drives: tuple[Actuator, ...] = ()
     limits: tuple[Stops, ...] = ()
     stops: tuple[Stops, ...] = ()
+    limits_act: bool = True
     keyframes: tuple[Keyframe, ...] = ()
     source: Path | None = None
     notes: tuple[str, ...] = ()

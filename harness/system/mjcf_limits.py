@@ -13,20 +13,25 @@ from harness.system.soft_constraints import limit_law
 
 
 def ends(model: Any, k: int) -> tuple[float, float]:
-    """Where the limits of a joint of one degree of freedom begin to push [rad or m]; infinite where none acts.
+    """Where the limits of a joint of one degree of freedom begin to push [rad or m]; infinite where it has none.
 
     A margin shortens the range: MuJoCo pushes back to where the margin begins, not to the end of the range.
     """
-    if not model.jnt_limited[k] or disabled(model, "LIMIT") or disabled(model, "CONSTRAINT"):
+    if not model.jnt_limited[k]:
         return -np.inf, np.inf
     margin = float(model.jnt_margin[k])
     low, high = float(model.jnt_range[k, 0]) + margin, float(model.jnt_range[k, 1]) - margin
     return (low, high) if low < high else (-np.inf, np.inf)
 
 
+def act(model: Any) -> bool:
+    """Whether the file lets limits act at all."""
+    return not (disabled(model, "LIMIT") or disabled(model, "CONSTRAINT"))
+
+
 def stops(model: Any, joints: Sequence[str]) -> tuple[Stops, ...]:
-    """The limits of joints of one degree of freedom with their softness; names in MuJoCo's order."""
-    return tuple(_stops(model, joints))
+    """The limits of joints of one degree of freedom that act, with their softness; names in MuJoCo's order."""
+    return tuple(_stops(model, joints)) if act(model) else ()
 
 
 def _stops(model: Any, joints: Sequence[str]) -> Iterator[Stops]:

@@ -34,7 +34,7 @@ from harness.system.mjcf_equalities import mimics
 from harness.system.mjcf_files import Places, places, take_out_shapes, unique
 from harness.system.mjcf_keyframes import unusable, written
 from harness.system.mjcf_left_out import compensation, disabled, left_out, uniform_compensation
-from harness.system.mjcf_limits import ends, margins, stops
+from harness.system.mjcf_limits import act, ends, margins, stops
 from harness.system.mjcf_loops import loops
 from harness.system.mjcf_trial import GROWING, try_apart
 from harness.system.names import check_names
@@ -90,6 +90,7 @@ def read_mjcf(
         attachments=tuple(effects),
         actuators=drives,
         limits=stops(model, names),
+        limits_act=act(model),
         keyframes=_keyframes(model, names, meaningless),
         source=source,
         notes=tuple(notes),

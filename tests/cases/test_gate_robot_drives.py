@@ -27,6 +27,7 @@ CHANGES = [
     ('ctrl="0.1"', 'ctrl="0.2"', "command.servo of keyframe 'home': 0.1 → 0.2"),
     # 1/(d t² r²) for the time constant t = 0.02 s, the ratio r = 1 and MuJoCo's impedance d = 0.95; a quarter of it for twice t.
     ('solreflimit="0.02 1"', 'solreflimit="0.04 1"', "stiffness over inertia of stop 'h': 2631.58 → 657.895"),
+    ("<worldbody>", '<option><flag limit="disable"/></option><worldbody>', "limits act: True → False"),
     ('polycoef="0 1 0.5 0 0"', 'polycoef="0 1 0.4 0 0"', "coefficients of loop 'gear': [0, 1, 0.5, 0, 0] → [0, 1, 0.4, 0, 0]"),
 ]  # fmt: skip
 
@@ -57,7 +58,7 @@ def test_drives_stops_keyframes_and_loops_are_held(accepted, tmp_path, old, new,
 
 def test_a_reference_of_an_earlier_version_holds_without_them(accepted, tmp_path):
     held = read_accepted(accepted[1])
-    without = ("actuators", "stops", "keyframes", "loops")
+    without = ("actuators", "stops", "keyframes", "loops", "limits_act")
     robots = {name: {k: v for k, v in kept.items() if k not in without} for name, kept in held.robots.items()}
     reference = tmp_path / "arm.accepted.json"
     reference.write_text(replace(held, robots=robots).to_json(), encoding="utf-8")

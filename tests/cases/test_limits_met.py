@@ -80,7 +80,8 @@ def test_limits_act_where_mujoco_has_them_act(tmp_path: Path, joint: str, option
     assert expected.min() == pytest.approx(lowest, abs=0.06)
     found = run(loaded(tmp_path, text, "model.xml"))
     assert np.abs(found.columns["h.position"] - expected).max() < 1e-3
-    assert any("reaches its limit" in note for note in found.notes) == (lowest > -1.0)
+    (told,) = (note for note in found.notes if "reaches its limit" in note)
+    assert ("and runs through it: the file switches limits off" in told) == (lowest == -1.0)
 
 
 def test_a_margin_is_told_and_may_leave_no_range(tmp_path: Path) -> None:
@@ -130,3 +131,8 @@ def test_limits_of_a_joint_that_follows_are_told_not_to_act(tmp_path: Path) -> N
         "joint 'i' reaches its limit of -1.5 rad at 0 s, and runs through it: it follows joint 'h', whose limits alone act",
     )
     assert not run_once(system, TIME, {"h": 0.5}, {}, limits=True).notes
+
+
+def test_limits_of_one_position_are_told(tmp_path: Path) -> None:
+    found = run(loaded(tmp_path, TOML.format(limits="lower = 0.0, upper = 0.0"), "model.toml"))
+    assert found.notes == ("joint 'h': its limits leave no room (0 … 0) and do not act",)

@@ -132,12 +132,15 @@ def _leaves(label: str, a: Any, b: Any) -> Iterator[tuple[str, Any, Any]]:
 
 def _scene(bench: Bench, held: Mapping[str, Any], now: Mapping[str, Any]) -> Row:
     changes = []
-    for member in ("gravity", "base", "attachments", "coordinates"):
+    # Files of earlier versions do not say whether limits act, nor what there is beside.
+    for member in ("gravity", "base", "attachments", "coordinates", *({"limits_act"} & held.keys())):
         apart = _apart(held[member], now[member])
         if apart > SAME:
-            changes.append((apart, "", member, f"{member}: {_said(held[member])} → {_said(now[member])}"))
+            changes.append(
+                (apart, "", member, f"{member.replace('_', ' ')}: {_said(held[member])} → {_said(now[member])}")
+            )
     for member in BESIDE:
-        if member in held:  # files of earlier versions have none of it
+        if member in held:
             changes += _beside(member.removesuffix("s"), held[member], now[member])
     return _row(bench, "scene", "base", changes)
 

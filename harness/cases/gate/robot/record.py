@@ -55,6 +55,7 @@ def record(path: Path, *, allow: Sequence[Path] = ()) -> dict[str, Any]:
         "loops": {
             loop.name: _values(loop, (f.name for f in fields(loop) if f.name != "name")) for loop in system.loops
         },
+        "limits_act": system.limits_act,
         "coordinates": list(system.coordinate_names),
         "left_out": [],
     }
