@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +44,11 @@ class SingleRun:
     columns: Mapping[str, Array]
     energy: float | None
     notes: tuple[str, ...] = ()
+
+    def at(self, time: Array) -> SingleRun:
+        """The same at some of its sample times alone, shape (T,)."""
+        chosen = np.searchsorted(self.columns["time"], time)
+        return replace(self, columns={name: values[chosen] for name, values in self.columns.items()})
 
 
 def assignments(texts: Sequence[str], option: str, quantity: str, system: System) -> dict[str, float]:
@@ -102,23 +107,29 @@ def sample_times(duration: float, rate: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """Applied efforts at the sample times of a run, shape (T, n), and what there is to tell of the file they are from."""
+    """Applied efforts, shape (T, n), and what there is to tell of the file they are from.
 
+    time: [s], shape (T,): the sample times of the run, and between them those at which the file says something.
+    """
+
+    time: Array
     tau: Array
     notes: tuple[QualityNote, ...] = ()
 
 
 def drive_from(path: str | Path, time: Array, system: System, *, hold: str = "zero") -> Drive:
-    """Applied efforts at the sample times from a file's ``<joint>.effort`` columns, whose first sample is the run's time 0.
+    """Applied efforts from a file's ``<joint>.effort`` columns, whose first sample is the run's time 0; time: of the run's samples.
 
     hold: between the file's samples the last one holds ("zero"), as a controller's command does, or they are joined by straight
     lines ("linear"), as is right for a measured effort. After the last it is zero. Raises InputError for what cannot be used.
     """
     file = read_efforts(path, system)
-    tau = np.zeros((len(time), len(system.coordinate_names)))
     stamps = file.time
+    usual = float(np.median(np.diff(stamps)))
     # Stamps since 1970 are kept to a quarter of a microsecond only.
     slack = 1e-12 + 4.0 * np.finfo(np.float64).eps * abs(file.start)
+    time = _with_stamps(time, np.append(stamps, stamps[-1] + usual), slack)
+    tau = np.zeros((len(time), len(system.coordinate_names)))
     place = np.searchsorted(stamps, time * (1.0 + 1e-12) + slack, side="right") - 1
     inside = (place >= 0) & (time <= stamps[-1] * (1.0 + 1e-12) + slack)
     notes = list(file.notes)
@@ -129,10 +140,18 @@ def drive_from(path: str | Path, time: Array, system: System, *, hold: str = "ze
             first = float(stamps[np.flatnonzero(effort.values)[0]])
             what = f"is 0 until {first:.4g} s, after the run of {time[-1]:.4g} s has ended"
             notes.append(QualityNote("idle_effort", effort.name, what, "the joint is not driven"))
-    if stamps[-1] + 1.01 * float(np.median(np.diff(stamps))) < time[-1]:
+    if stamps[-1] + 1.01 * usual < time[-1]:
         what = f"the file ends at {stamps[-1]:.4g} s, the run at {time[-1]:.4g} s"
         notes.append(QualityNote("short_effort", "time", what, "no effort after that"))
-    return Drive(tau, tuple(notes))
+    return Drive(time, tau, tuple(notes))
+
+
+def _with_stamps(time: Array, stamps: Array, slack: float) -> Array:
+    """The run's sample times, and between them a file's stamps that are none of these but for rounding."""
+    slack = max(slack, 1e-9 * float(np.diff(time).min()))
+    near = np.clip(np.searchsorted(time, stamps), 1, len(time) - 1)
+    away = np.minimum(np.abs(stamps - time[near]), np.abs(stamps - time[near - 1])) > slack
+    return np.union1d(time, stamps[away & (stamps > time[0]) & (stamps < time[-1])])
 
 
 def run_once(

@@ -112,8 +112,17 @@ def simulate(
     command = (frame.command if keyframe else {}) if actuators else None
     mechanism = mechanism if actuators else idle(mechanism)
     run = run_once(
-        mechanism, time, start, speed, engine=engine, tau=tau, hold=hold, step=step, command=command, limits=limits
-    )
+        mechanism,
+        time if drive is None else drive.time,
+        start,
+        speed,
+        engine=engine,
+        tau=tau,
+        hold=hold,
+        step=step,
+        command=command,
+        limits=limits,
+    ).at(time)
     driving = () if drive is None else tuple(f"{effort}: {note.words()}" for note in drive.notes)
     begins = _where(keyframe, start, speed)
     notes = (*mechanism.notes, *driving, begins, *run.notes)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from harness.cases.single_run import drive_from, run_once
+from harness.cli.main import status_of
 from harness.errors import InputError
 from harness.system import Joint, JointType, Link, System
 from harness.system.description import constant
@@ -59,3 +60,24 @@ def test_what_cannot_be_used_is_refused(tmp_path):
         drive_from(write(tmp_path, 0.0, "time,nowhere.effort"), TIME, SLIDER)
     with pytest.raises(InputError, match=r"unit 'N\*m' does not fit an effort"):
         drive_from(write(tmp_path, 0.0, "time,rail.effort [N*m]"), TIME, SLIDER)
+
+
+@pytest.mark.parametrize("rate", [0.5, 1.0, 3.0, 7.0, 1000.0])
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_few_samples_of_a_run_leave_out_nothing_of_its_efforts(tmp_path, rate, hold):
+    """3 N from 0.5 to 1.5 s on 2 kg: 1.5 m/s then; 0.75 m by then, and 1.5 m at 2 s. Straight edges begin 10 ms earlier."""
+    early = 0.005 if hold == "linear" else 0.0  # [s] on the mean
+    force, end = write(tmp_path, 0.0), tmp_path / "run.csv"
+    model = tmp_path / "slider.toml"
+    model.write_text(
+        '[[joint]]\nname = "rail"\ntype = "prismatic"\nparent = "base"\nchild = "cart"\naxis = [1, 0, 0]\n'
+        '[[link]]\nname = "cart"\nmass = 2.0\ninertia = [0.01, 0.01, 0.01]\n'
+    )
+    assert status_of(
+        ["simulate", str(model), "--effort", str(force), "--hold", hold, "--duration", "2", "--rate", str(rate), "--out", str(end)]
+    ) == 0  # fmt: skip
+    run = np.genfromtxt(end, delimiter=",", names=True)
+    assert len(run) == int(2.0 * rate) + 1
+    last = run["time"][-1]
+    assert run["railvelocity"][-1] == pytest.approx(1.5, abs=1e-9)
+    assert run["railposition"][-1] == pytest.approx(1.5 - 1.5 * (2.0 - last) + 1.5 * early, abs=1e-9)
