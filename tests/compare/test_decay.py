@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq, curve_fit
 
 from harness.cases.paper.rig import flexible
-from harness.cases.pendulums import LENGTH, MASS, paper_inertia, paper_pendulum
+from harness.cases.pendulums import LENGTH, MASS, paper_inertia, paper_pendulum, paper_small_frequency
 from harness.cli.main import status_of
 from harness.compare.decay import estimate
 from harness.compare.decay.apart import apart
@@ -232,3 +232,14 @@ def test_what_cannot_be_done_is_one_line(recording, arguments, words, capsys):
     told = capsys.readouterr().err
     assert words in told
     assert told.count("\n") == 1
+
+
+def test_swings_that_hardly_decay_tell_the_restoring_force_by_their_shape():
+    """Their frequencies agree under any law: at 1.5 rad those of a pendulum are 0.86 of that of vanishing swings."""
+    found = estimate(*mujoco_decay(0.0, 0.0, 3, duration=12.0))
+    assert found.swings.sine and found.likelihood.laws == ()
+    assert found.likelihood.frequency == pytest.approx(paper_small_frequency(), rel=1e-4)
+    assert found.likelihood.rms == pytest.approx(NOISE, rel=0.05)
+    found = estimate(*closed_form_decay(0.0, 0.0, 3))
+    assert not found.swings.sine
+    assert found.likelihood.frequency == pytest.approx(1.3, rel=1e-4)

@@ -13,7 +13,7 @@ from harness.compare.decay.decrement import Decrement
 from harness.compare.decay.envelope import Envelope
 from harness.compare.decay.likelihood import Likelihood
 from harness.compare.decay.oscillator import LAWS, Array, amplitudes
-from harness.compare.decay.swings import ABOVE_NOISE, HalfSwings, half_swings
+from harness.compare.decay.swings import ABOVE_NOISE, HalfSwings, half_swings, restoring_told
 
 # A linear model has left the recording where its amplitude is this far off, relative.
 LEFT = 0.1
@@ -53,11 +53,13 @@ def estimate(time: Array, signal: Array, *, sine: bool | None = None) -> Decay:
     """Damping of a freely swinging signal.
 
     time [s], signal: (T,). sine: whether the restoring force goes with the sine of the signal (a pendulum's angle); None decides
-    by how the frequency goes with the amplitude. What comes before the signal has first fallen to nine tenths of its way is
-    left out: a held start is no motion.
+    by how the frequency goes with the amplitude, and where that does not tell, by which fits the motion better.
+    What comes before the signal has first fallen to nine tenths of its way is left out: a held start is no motion.
     Raises InputError if fewer than four half-swings stand out of the noise.
     """
     rough = half_swings(time, signal, sine=sine)
+    if sine is None and not restoring_told(rough):
+        return min((estimate(time, signal, sine=law) for law in (True, False)), key=lambda decay: decay.likelihood.bic)
     away = np.abs(signal - rough.rest)
     begun = int(np.argmax(away < 0.9 * float(away[: max(2, len(away) // 4)].max())))
     t, x = time[begun:], signal[begun:]

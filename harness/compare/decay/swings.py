@@ -13,6 +13,9 @@ from harness.errors import InputError
 # A half-swing this many deviations of the noise high can be told from it.
 ABOVE_NOISE = 4.0
 FEWEST = 4
+# By such a share must the frequencies scatter less by one law of restoring than by the other to tell: the noise of the amplitudes
+# is in that by the sine, so that where both agree they differ by a factor of three.
+TOLD_APART = 1.0 / 9.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,13 @@ def half_swings(time: Array, signal: Array, *, sine: bool | None = None, noise: 
         noise,
         chosen if scatter else laws[0],
     )
+
+
+def restoring_told(found: HalfSwings) -> bool:
+    """Whether the frequencies of the half-swings tell if the restoring force goes with sin q or q: not where none grows smaller."""
+    each = Swing(found.time, found.amplitude, found.frequency, found.std)
+    least, most = sorted(_small(each, law)[0] for law in (True, False))
+    return least < TOLD_APART * most
 
 
 def _small(found: Swing, sine: bool) -> tuple[float, float]:
