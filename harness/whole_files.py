@@ -10,6 +10,8 @@ from pathlib import Path
 
 from harness.errors import InputError, unwritable
 
+STREAMS = ("/dev", "/dev/fd", "/proc/self/fd")
+
 
 def write_whole(path: str | Path, content: str | bytes) -> Path:
     """Write a file so that a reader finds the old one or the new one, never a part; returns its path.
@@ -29,11 +31,43 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
 def staged(path: str | Path) -> Iterator[Path]:
     """A temporary name beside ``path`` that becomes ``path`` when the block ends well, and vanishes otherwise.
 
-    It keeps the ending of ``path``, for writers that choose their format by it.
+    It keeps the ending of ``path``, for writers that choose their format by it. Where ``path`` is a link, what it points to is
+    written; a device or a pipe (``/dev/null``, ``/dev/stdout``, a shell's ``>(…)``) is written to, and stays what it is.
     """
     path = Path(path)
     if path.is_dir():
         raise InputError("is a folder", source=path, mend="name a file")
+    if _is_stream(path):
+        with _poured(path) as temporary:
+            yield temporary
+        return
+    if path.is_symlink():
+        path = path.resolve()
+    with _beside(path) as temporary:
+        yield temporary
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether a file is no place to put another file at: a device, a pipe, or one of a process's own open files."""
+    return (path.exists() and not path.is_file()) or str(path.absolute().parent) in STREAMS
+
+
+@contextmanager
+def _poured(path: Path) -> Iterator[Path]:
+    """A temporary name elsewhere, of which the content goes into ``path`` when the block ends well."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            temporary = Path(folder) / path.name
+            yield temporary
+            # Not truncated: a standard output that is a file may hold something before.
+            with path.open("ab") as stream:
+                stream.write(temporary.read_bytes())
+    except OSError as error:
+        raise unwritable(path, error) from error
+
+
+@contextmanager
+def _beside(path: Path) -> Iterator[Path]:
     temporary: Path | None = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
