@@ -27,6 +27,18 @@ def swallowed() -> bool:
     return _lost.is_set()
 
 
+def of_interrupt(error: BaseException) -> bool:
+    """Whether a Ctrl-C is at the beginning of an error: a compiled module that it hits while it loads says that it cannot."""
+    seen: set[int] = set()
+    cause: BaseException | None = error
+    while cause is not None and id(cause) not in seen:
+        if isinstance(cause, KeyboardInterrupt):
+            return True
+        seen.add(id(cause))
+        cause = cause.__cause__ or cause.__context__
+    return False
+
+
 def hear_at_once() -> None:
     """Raise KeyboardInterrupt again where Python has to swallow it.
 

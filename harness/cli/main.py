@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 
 import click
 
-from harness.cli.interrupt import Interrupted, hear_at_once, swallowed
+from harness.cli.interrupt import Interrupted, hear_at_once, of_interrupt, swallowed
 from harness.errors import EngineUnavailableError, InputError, one_line, unforeseen
 
 # Verb to its one line of help; the verb's own module is imported when it is run.
@@ -122,7 +122,7 @@ def status_of(arguments: list[str] | None = None) -> int:
     except MemoryError:
         return _say("not enough memory (fewer samples or a smaller mechanism will do)", UNUSABLE)
     except Exception as error:
-        if swallowed():
+        if swallowed() or of_interrupt(error):
             return _say(STOPPED, INTERRUPTED)
         if os.environ.get("DENOC_TRACEBACK"):
             raise

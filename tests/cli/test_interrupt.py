@@ -80,3 +80,21 @@ def test_an_error_that_a_lost_interrupt_left_is_no_defect(number, status, said):
     assert child.returncode == status
     assert child.stderr.startswith(said)
     assert len(child.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "chained", ["raise ImportError('initialization failed') from interrupt", "raise ImportError('half')"]
+)
+def test_an_interrupt_inside_a_compiled_module_that_loads_is_one(chained, monkeypatch, capsys):
+    """Such a module says that it cannot be loaded, by an ImportError that comes of the interrupt."""
+    from harness.cli import main
+
+    def interrupted(**_options):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as interrupt:
+            exec(chained, {"interrupt": interrupt})
+
+    monkeypatch.setattr(main.denoc, "main", interrupted)
+    assert main.status_of(["doctor"]) == 130
+    assert capsys.readouterr().err == "denoc: stopped; nothing was written\n"
