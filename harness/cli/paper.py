@@ -57,12 +57,18 @@ def paper(
     """Compute what the paper shows, or leaves open.
 
     \b
-    figures   figures 6(a), 6(b), 7(a), 7(b) as the paper's sensors would have shown them; its numbers beside ours
-    equations what equation (10) as printed leaves out, asked of a recording made by finite elements
-    readings  four ways to read damping off a decay, on concealed truth: where they differ and by how much
-    departure when a linear model leaves recordings of five kinds of non-linear damping, by release
-    damping   its open question: which non-linear damping is it, how many seconds and which release it takes to know
-    links     arms of two and three links, rigid and flexible, native against finite elements
+    figures    figures 6(a), 6(b), 7(a), 7(b) as the paper's sensors would have
+               shown them; its numbers beside ours
+    equations  what equation (10) as printed leaves out, asked of a recording
+               made by finite elements
+    readings   four ways to read damping off a decay, on concealed truth: where
+               they differ and by how much
+    departure  when a linear model leaves recordings of five kinds of non-linear
+               damping, by release
+    damping    its open question: which non-linear damping is it, how many
+               seconds and which release it takes to know
+    links      arms of two and three links, rigid and flexible, native against
+               finite elements
 
     \b
     Examples:

@@ -79,8 +79,9 @@ def _is_toml(text: str) -> bool:
 
 
 def _is_xml(data: bytes) -> bool:
-    start = data[:64].removeprefix(codecs.BOM_UTF8).lstrip()
-    return start.startswith((b"<", codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data[:64].decode("utf-16", "ignore").lstrip().startswith("<")
+    return data[:64].removeprefix(codecs.BOM_UTF8).lstrip().startswith(b"<")
 
 
 def _read(source: Path) -> bytes:

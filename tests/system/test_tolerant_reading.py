@@ -181,3 +181,12 @@ def test_includes_stay_inside_unless_allowed(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="outside the model's folder"):
         read(tmp_path / "models", text, "model.xml")
     assert read(tmp_path / "models", text, "model.xml", allow=[shared]).joint_names == ("h",)
+
+
+def test_a_table_saved_as_utf_16_is_told_to_be_no_utf_8(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_bytes('name = "x"\n'.encode("utf-16"))
+    with pytest.raises(InputError, match="is not UTF-8 text"):
+        harness.load(path)
+    (tmp_path / "rig.urdf").write_bytes(('<?xml version="1.0" encoding="utf-16"?>' + urdf()).encode("utf-16"))
+    assert harness.load(tmp_path / "rig.urdf").joint_names == ("j",)
