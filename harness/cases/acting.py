@@ -18,6 +18,7 @@ from harness.system.suggest import did_you_mean
 
 # MuJoCo's defaults, solreflimit and solimplimit, for files that do not say how soft a limit is.
 _SOLREF, _SOLIMP = (0.02, 1.0), (0.9, 0.95)
+SAME_PLACE = 1e-6  # [rad or m], of what files round
 
 
 def keyframe(system: System, name: str) -> Keyframe:
@@ -26,7 +27,7 @@ def keyframe(system: System, name: str) -> Keyframe:
         if frame.name == name:
             check_start(system, frame.position, "", f"keyframe {name!r}", system.source)
             check_start(system, frame.velocity, "/s", f"keyframe {name!r}", system.source)
-            return frame
+            return _without_followers(system, frame)
     if name == "qpos0":
         return Keyframe(name, {}, {}, {})
     left_out = next((note for note in system.notes if note.startswith(f"keyframe {name!r} left out: ")), None)
@@ -36,6 +37,21 @@ def keyframe(system: System, name: str) -> Keyframe:
         )
     known = [frame.name for frame in system.keyframes] or ["qpos0"]
     raise InputError(f"no keyframe is named {name!r}", source=system.source, mend=did_you_mean(name, known))
+
+
+def _without_followers(system: System, frame: Keyframe) -> Keyframe:
+    """The keyframe of independent joints alone: those that follow others are where these have them."""
+    position, velocity, told = dict(frame.position), dict(frame.velocity), []
+    for joint in system.movable_joints:
+        if joint.mimic is None or joint.name not in position:
+            continue
+        leader, multiplier, offset = followed(system, joint)
+        stated, there = position.pop(joint.name), multiplier * frame.position.get(leader, 0.0) + offset
+        velocity.pop(joint.name, None)
+        if abs(stated - there) > SAME_PLACE:
+            where = f"keyframe {frame.name!r} has joint {joint.name!r} at {stated:.4g} {joint.position_unit}"
+            told.append(f"{where}; it follows joint {leader!r} and begins at {there:.4g}")
+    return replace(frame, position=position, velocity=velocity, notes=tuple(told))
 
 
 @dataclass(frozen=True)

@@ -125,7 +125,7 @@ def simulate(
     ).at(time)
     driving = () if drive is None else tuple(f"{effort}: {note.words()}" for note in drive.notes)
     begins = _where(keyframe, start, speed)
-    notes = (*mechanism.notes, *driving, begins, *run.notes)
+    notes = (*mechanism.notes, *driving, *(frame.notes if keyframe else ()), begins, *run.notes)
     screen = console(json_file)
     shapes = told_shapes(mechanism) if engine == NATIVE else ()
     if out is not None or plot is not None:

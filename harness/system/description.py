@@ -367,12 +367,16 @@ class Gimbal:
 
 @dataclass(frozen=True, eq=False)
 class Keyframe:
-    """A state that a model file names: by position name and velocity name [rad or m, …], commands by actuator."""
+    """A state that a model file names: by position name and velocity name [rad or m, …], commands by actuator.
+
+    notes: what of it a run does not begin with.
+    """
 
     name: str
     position: Mapping[str, float]
     velocity: Mapping[str, float]
     command: Mapping[str, float]
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -176,3 +176,30 @@ def test_the_verb_starts_where_the_file_says(tmp_path: Path) -> None:
 def test_qpos0_is_the_models_own_start(tmp_path: Path) -> None:
     system, _ = load(tmp_path, 'ref="0.4"')
     assert keyframe(system, "qpos0").position == {"h": 0.4}
+
+
+FOLLOWED = """<mujoco><compiler angle="radian"/><option timestep="2e-5"/><worldbody>
+<body name="p"><joint name="h" axis="0 1 0" damping=".05"/>
+<inertial pos="0 0 -.2" mass="1" diaginertia=".01 .01 .001"/><body name="q" pos="0 0 -.4"><joint name="i" axis="0 1 0"/>
+<inertial pos="0 0 -.2" mass="1" diaginertia=".01 .01 .001"/></body></body></worldbody><equality><joint joint1="i" joint2="h"
+polycoef="0.1 -1.5 0 0 0" solref="0.0005 1" solimp=".9999 .9999 .001"/></equality><keyframe><key name="on" qpos="0.4 -0.5"
+qvel="1 -1.5"/><key name="off" qpos="0.4 0.3"/></keyframe></mujoco>"""
+
+
+def test_a_run_begins_with_a_keyframe_of_joints_that_follow(tmp_path: Path) -> None:
+    """As MuJoCo's run from it does; one that does not keep to the equality is told where it begins."""
+    path, out = tmp_path / "model.xml", tmp_path / "run.csv"
+    path.write_text(FOLLOWED)
+    options = [str(path), "--duration", "1", "--rate", "10", "--out", str(out), "--keyframe"]
+    assert CliRunner().invoke(simulate, [*options, "on"]).exit_code == 0
+    run = np.genfromtxt(out, delimiter=",", names=True)
+    model = mujoco.MjModel.from_xml_string(FOLLOWED)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, nstep=50000)
+    assert run["hposition"][[0, -1]] == pytest.approx([0.4, data.qpos[0]], abs=2e-4)
+    assert run["iposition"][[0, -1]] == pytest.approx([-0.5, data.qpos[1]], abs=2e-4)
+    said = CliRunner().invoke(simulate, [*options, "off"])
+    assert said.exit_code == 0
+    assert "keyframe 'off' has joint 'i' at 0.3 rad; it follows joint 'h' and begins at -0.5" in said.output
+    assert CliRunner().invoke(simulate, [*options, "qpos0"]).exit_code == 0
