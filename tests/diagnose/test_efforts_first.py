@@ -72,11 +72,16 @@ def test_the_efforts_answer_stands_in_only_where_nothing_is_claimed(found, taken
     # Nor is anything established.
     assert [{**f, "grade": "established"} for f in told.findings] == by_effort.findings and not told.complete
     assert [f["grade"] for f in told.findings] == ["likely"]
-    assert UNRUN in told.not_tried
+    assert told.not_tried[-1].what.endswith(UNRUN.what)
     # Looked at from one side only, nothing is called explained.
     assert told.verdict == "partly_explained"
-    assert "efforts" in told.summary and UNRUN.what in told.summary
+    why = "no time to run the motion" if found is None else "the time was up before the motion claimed anything"
+    assert why in told.summary and UNRUN.what in told.summary
     assert instead(found, None) is found
+    # Of two answers that claim nothing the motion's own says what is left, and where.
+    for nothing in (answer("consistent"), answer("unexplained", "possible")):
+        instead_of_it = instead(found, nothing)
+        assert instead_of_it is found if found is not None else instead_of_it is not None
 
 
 def test_what_was_left_untried_is_told_in_one_sentence():
@@ -135,7 +140,7 @@ def test_of_two_joints_efforts_are_asked_last_and_only_where_the_motion_claims_n
     assert efforts.instead(claimed) is claimed
     assert not asked
     told = efforts.instead(answer("unexplained", "possible", not_tried=LEFT))
-    assert told is not None and UNRUN in told.not_tried
+    assert told is not None and told.not_tried[-1].what == f"further {UNRUN.what}"
     (part,) = asked
     assert not part.over
     # Once is enough, and after an interrupt nothing is begun.

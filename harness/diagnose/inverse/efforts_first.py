@@ -30,7 +30,8 @@ UNRUN = NotTried(
     "runs of the motion itself, and with them effects that have a memory or coordinates of their own",
     "what was found in the efforts may stand in for such an effect, such as play or a joint that gives",
 )
-BY_EFFORTS = "By the recorded efforts, since there was no time to run the motion:"
+UNFINISHED = replace(UNRUN, what=f"further {UNRUN.what}")
+BY_EFFORTS = "By the recorded efforts, since"
 # Nothing is called well, and nothing complete, that was looked at from one side only.
 WEAKER = {"consistent": "unexplained", "explained": "partly_explained"}
 
@@ -104,13 +105,19 @@ def _asked(ask: Callable[[Deadline], Diagnosis], deadline: Deadline) -> Diagnosi
 
 
 def instead(found: Diagnosis | None, by_effort: Diagnosis | None) -> Diagnosis | None:
-    """The answer by efforts where the motion's own was cut short (None: before it had any) with nothing claimed."""
-    if by_effort is None or (found is not None and (found.complete or _claims(found))):
+    """The answer by efforts where the motion's own was cut short (None: before it had any) with nothing claimed.
+
+    Where the efforts claim nothing either, the motion's own stays, which says what is left and where.
+    """
+    if by_effort is None or (found is not None and (found.complete or _claims(found) or not _claims(by_effort))):
         return found
-    not_tried = (*by_effort.not_tried, UNRUN)
+    why = (
+        "there was no time to run the motion" if found is None else "the time was up before the motion claimed anything"
+    )
+    not_tried = (*by_effort.not_tried, UNRUN if found is None else UNFINISHED)
     # The answer by efforts ends with what it left untried itself: all of it is told in one sentence.
     told = by_effort.summary.removesuffix(untried(by_effort.not_tried)).rstrip()
-    summary = f"{BY_EFFORTS} {told} {untried(not_tried)}"
+    summary = f"{BY_EFFORTS} {why}: {told} {untried(not_tried)}"
     findings = [
         {**finding, "grade": LIKELY} if finding.get("grade") == ESTABLISHED else finding
         for finding in by_effort.findings
