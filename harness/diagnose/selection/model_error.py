@@ -182,8 +182,12 @@ def under_model_error(
     asked = not early and instead is None
     if rows[0].force is None or (asked and not _shapeless(study, rows[0].value, structure, False)):
         return None
-    progress("a force that is left out")
     rough = study.likelihood.as_scattered
+    # Noise that was estimated with a jump in it has the jump's colour, and under that a jump is worth nothing.
+    coloured = any(colour.coloured > 0.0 for colour in study.likelihood.colours)
+    if asked and coloured and not _of_no_known_shape(study.unfitted(rough), rows[0].fitted, period, structure, False):
+        return None
+    progress("a force that is left out")
     taken, ranked = _left(rough, study, rows[0].fitted, rows[0].force), [row.fitted for row in rows]
     search = True
     for _ in range(WEIGHING_ROUNDS):
