@@ -14,8 +14,9 @@ What a nominal model may have left out, in the words that `denoc diagnose` uses.
 stands beside what the model states already.
 
 *Typical size* is where screening and fitting begin: a factor times sizes natural to the system and the recording
-(torque: largest gravity torque about the joint; inertia about its axis; frequency: √(torque/inertia) in rad/s; signal: half the
-channel's range; effort: the largest applied; duration; interval between samples; gravity; mass carried; length to the tip).
+(torque: the largest that gravity, or the joint's stated spring over its motion, makes there; inertia about the joint's axis;
+frequency: √((gravity's torque + stiffness)/inertia) in rad/s; signal: half the channel's range; effort: the largest applied;
+duration; interval between samples; gravity; mass carried; length to the tip).
 
 *Usually* says how large a number is as a rule, the scale of a Cauchy prior: of effects that recordings cannot part, the one that
 is plausible at its size is named first. It rules nothing out that recordings show.

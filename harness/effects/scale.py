@@ -24,9 +24,11 @@ POSITIONS = 14  # half a radian of the fastest joint apart
 class References:
     """Natural sizes at one site; every one is positive.
 
-    torque: largest gravity torque about the joint, all that hangs on it held straight [N·m or N].
+    torque: largest gravity torque about the joint, all that hangs on it held straight [N·m or N]; of a recording no less than what
+        the stated spring of the joint makes over half the range of its motion there, over 1 rad or 1 m where that is not read.
     inertia: about the joint axis, armature included [kg·m² or kg].
-    frequency: √((torque + stiffness of its own spring) / inertia), or one turn a second where nothing pulls it back [rad/s].
+    frequency: √((gravity's torque + stiffness of its own spring) / inertia), or one turn a second where nothing pulls it back
+        [rad/s].
     mass: carried by the joint [kg]; length: from the joint to the tip [m]; gravity [m/s²].
     signal: extent of the channel, half its range [channel unit]; effort: largest applied [N·m or N].
     duration: of the recording [s]; interval: median sampling interval [s].
@@ -94,19 +96,17 @@ def references(system: System, site: str, recording: Measured | None = None) -> 
     joint_name = _joint_of(system, owner)
     sizes = (_closed(system).get(site) if site in pins(system) else None) or _mechanical(system, joint_name)
     signal, effort, duration, interval = 1.0, 0.0, 10.0, 0.01
+    torque, inertia, frequency, mass, length, gravity = sizes
     if recording is not None:
+        torque = max(torque, _of_its_spring(system, site, joint_name, recording))
         time = np.asarray(recording.time)
         duration = float(time[-1] - time[0]) or duration
         interval = float(np.median(np.diff(time))) or interval
-        for channel in recording.channels:
-            if channel.name == site:
-                finite = channel.values[np.isfinite(channel.values)]
-                signal = float(np.ptp(finite)) / 2.0 if finite.size else 1.0
+        signal = _extent(recording, site)
         for channel in recording.efforts:
             if channel.site == joint_name:
                 finite = channel.values[np.isfinite(channel.values)]
                 effort = float(np.abs(finite).max()) if finite.size else 0.0
-    torque, inertia, frequency, mass, length, gravity = sizes
     return References(
         torque=torque,
         inertia=inertia,
@@ -114,11 +114,24 @@ def references(system: System, site: str, recording: Measured | None = None) -> 
         mass=mass,
         length=length,
         gravity=gravity,
-        signal=signal or 1.0,
+        signal=signal,
         effort=effort or torque,
         duration=duration,
         interval=interval,
     )
+
+
+def _extent(recording: Measured, name: str) -> float:
+    """Half the range of a channel [its unit]; 1 where it is not recorded, or stands still."""
+    read = [channel.values[np.isfinite(channel.values)] for channel in recording.channels if channel.name == name]
+    return (float(np.ptp(read[-1])) / 2.0 if read and read[-1].size else 1.0) or 1.0
+
+
+def _of_its_spring(system: System, site: str, joint_name: str, recording: Measured) -> float:
+    """What the stated spring of a joint makes over its motion [N·m or N]; nothing at the pins where a loop is cut."""
+    if not joint_name or site in pins(system):
+        return 0.0
+    return max(system.joint(joint_name).stiffness, 0.0) * _extent(recording, f"{joint_name}.position")
 
 
 def _joint_of(system: System, name: str) -> str:

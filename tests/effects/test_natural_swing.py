@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from harness.effects.scale import references, swing, swings
+from harness.recording import Channel, Recording
 from harness.system import Joint, JointType, Link, System
 
 INERTIA, MASS, LENGTH = 2e-3, 0.3, 0.2
@@ -43,3 +44,27 @@ def test_motion_is_counted_in_the_first_joint_that_anything_pulls_back() -> None
     assert swing(system) == pytest.approx(np.sqrt(stiffness / INERTIA))
     loose = System("hub", (hub,), (_disc("hub"),))
     assert swing(loose) == pytest.approx(2.0 * np.pi)
+
+
+@pytest.mark.parametrize(("read", "over"), [("wire.position", 1.4), ("wire.velocity", 1.0)])
+def test_a_joints_torques_are_counted_in_what_its_spring_makes_over_the_motion(read: str, over: float) -> None:
+    """Closed form: k · q, where that is more than the (2π)² J of a disc that nothing is known to pull back."""
+    stiffness = 5.0
+    system = System("wire", (_joint("wire", "base", (0.0, 0.0, 1.0), stiffness),), (_disc("wire"),))
+    time = np.linspace(0.0, 3.0, 301)
+    angle = Channel(read, *read.split("."), "rad", 0.3 + 1.4 * np.cos(2.0 * np.pi * time))
+    sizes = references(system, "wire", Recording("run", "run", time, (angle,), ()))
+    assert sizes.torque == pytest.approx(stiffness * over)
+    # The spring pulls the disc back once.
+    assert sizes.frequency == pytest.approx(np.sqrt(stiffness / INERTIA))
+    assert stiffness * over > INERTIA * (2.0 * np.pi) ** 2
+
+
+def test_a_weak_spring_counts_for_less_than_the_weight() -> None:
+    bob = Link("pivot_link", MASS, np.array([0.0, 0.0, -LENGTH]), np.zeros((3, 3)))
+    system = System("pendulum", (_joint("pivot", "base", (0.0, 1.0, 0.0), 0.4),), (bob,))
+    time = np.linspace(0.0, 3.0, 301)
+    run = Recording(
+        "run", "run", time, (Channel("pivot.position", "pivot", "position", "rad", 0.5 * np.cos(5.0 * time)),), ()
+    )
+    assert references(system, "pivot", run).torque == pytest.approx(MASS * 9.81 * LENGTH)
