@@ -107,12 +107,16 @@ def _band(residual: Array, interval: float, noise: float) -> tuple[float, float]
     taper = np.hanning(len(x) + 2)[1:-1]
     power = np.abs(np.fft.rfft(x * taper)) ** 2 / float(np.sum(taper**2))
     power = np.maximum(power - 2.0 * noise**2, 0.0)
-    frequency = np.fft.rfftfreq(len(x), interval)
+    return band_of(np.fft.rfftfreq(len(x), interval), power)
+
+
+def band_of(frequency: Array, power: Array) -> tuple[float, float]:
+    """Between which frequencies [Hz] nine tenths of a power lie, as they are told; all of them where there is none."""
     total = np.cumsum(power)
-    if total[-1] <= 0.0:
-        return (0.0, float(frequency[-1]))
-    low = int(np.searchsorted(total, 0.5 * (1.0 - LOCATED_BAND_SHARE) * total[-1]))
-    high = int(np.searchsorted(total, (1.0 - 0.5 * (1.0 - LOCATED_BAND_SHARE)) * total[-1]))
+    low, high = 0, len(total) - 1
+    if total[-1] > 0.0:
+        share = 0.5 * (1.0 - LOCATED_BAND_SHARE)
+        low, high = (int(np.searchsorted(total, part * total[-1])) for part in (share, 1.0 - share))
     return (round(float(frequency[low]), 4), round(float(frequency[min(high, len(frequency) - 1)]), 4))
 
 

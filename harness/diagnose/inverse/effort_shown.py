@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.diagnose.answer.curves import Curves, ForceMap, Residuals
 from harness.diagnose.criticism.constants import LOCATED_PIECES
+from harness.diagnose.criticism.locate import band_of
 from harness.diagnose.inverse.effort_fit import EffortFit
 from harness.diagnose.inverse.effort_search import EffortStudy
 from harness.diagnose.inverse.effort_tests import root_mean_square
@@ -47,15 +48,12 @@ def mismatch(system: System, study: EffortStudy, nominal: EffortFit, best: Effor
             continue
         step = float(study.data.model.runs[0].time[1])
         density = np.abs(np.fft.rfft(powers[0] * np.hanning(len(powers[0])))) ** 2
-        share = np.cumsum(density) / max(float(density.sum()), 1e-300)
-        frequency = np.fft.rfftfreq(len(powers[0]), step)
-        band = [float(frequency[np.searchsorted(share, part)]) for part in (0.05, 0.95)]
         positions, velocities = np.concatenate(q), np.concatenate(v)
         severity = root_mean_square(study.data, nominal, j) / floor
         out.append(
             {
                 "channel": channel(system, j), "side": side, "site": site, "time": [list(t) for t in _joined(times)],
-                "frequency_hz": band,
+                "frequency_hz": list(band_of(np.fft.rfftfreq(len(powers[0]), step), density)),
                 "region": {
                     "position": [float(positions.min()), float(positions.max())],
                     "velocity": [float(velocities.min()), float(velocities.max())],
