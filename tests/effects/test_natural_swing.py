@@ -52,7 +52,7 @@ def test_a_joints_torques_are_counted_in_what_its_spring_makes_over_the_motion(r
     stiffness = 5.0
     system = System("wire", (_joint("wire", "base", (0.0, 0.0, 1.0), stiffness),), (_disc("wire"),))
     time = np.linspace(0.0, 3.0, 301)
-    angle = Channel(read, *read.split("."), "rad", 0.3 + 1.4 * np.cos(2.0 * np.pi * time))
+    angle = Channel(read, "wire", read.removeprefix("wire."), "rad", 0.3 + 1.4 * np.cos(2.0 * np.pi * time))
     sizes = references(system, "wire", Recording("run", "run", time, (angle,), ()))
     assert sizes.torque == pytest.approx(stiffness * over)
     # The spring pulls the disc back once.

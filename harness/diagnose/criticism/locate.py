@@ -107,7 +107,7 @@ def _band(residual: Array, interval: float, noise: float) -> tuple[float, float]
     taper = np.hanning(len(x) + 2)[1:-1]
     power = np.abs(np.fft.rfft(x * taper)) ** 2 / float(np.sum(taper**2))
     power = np.maximum(power - 2.0 * noise**2, 0.0)
-    return band_of(np.fft.rfftfreq(len(x), interval), power)
+    return band_of(np.asarray(np.fft.rfftfreq(len(x), interval), dtype=np.float64), power)
 
 
 def band_of(frequency: Array, power: Array) -> tuple[float, float]:

@@ -53,7 +53,7 @@ def mismatch(system: System, study: EffortStudy, nominal: EffortFit, best: Effor
         out.append(
             {
                 "channel": channel(system, j), "side": side, "site": site, "time": [list(t) for t in _joined(times)],
-                "frequency_hz": list(band_of(np.fft.rfftfreq(len(powers[0]), step), density)),
+                "frequency_hz": list(band_of(np.asarray(np.fft.rfftfreq(len(powers[0]), step), dtype=np.float64), density)),
                 "region": {
                     "position": [float(positions.min()), float(positions.max())],
                     "velocity": [float(velocities.min()), float(velocities.max())],
