@@ -40,6 +40,7 @@ from harness.effects.catalogue import register
 from harness.effects.effect import Effect
 from harness.effects.scale import swing
 from harness.effects.user import load_user_effects
+from harness.engines.attached import check_attached
 from harness.errors import InputError, UnsupportedError, not_of_the_input
 from harness.parallel import one_blas_thread
 from harness.recording import Recording, read_recordings
@@ -135,6 +136,8 @@ def diagnose(
     tell("reading")
     further = [e for item in effects for e in ([item] if isinstance(item, Effect) else load_user_effects(item))]
     register(further)
+    for mechanism in stated:
+        check_attached(mechanism)
     second = links_apart(system, read, held, second)
     if fit_effort:
         rigid, last = as_of_one_body(system, read, held, second)
