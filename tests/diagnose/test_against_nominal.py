@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from harness.diagnose.answer.against_nominal import beside_findings, nothing_added, worse_than_nominal
+from harness.diagnose.answer.against_nominal import (
+    astray,
+    beside_findings,
+    nothing_added,
+    within_tolerances,
+    worse_than_nominal,
+)
 from harness.diagnose.answer.explain import foretelling
 from harness.diagnose.problem.hypothesis import Nominal
 
@@ -114,3 +121,36 @@ def test_nothing_is_said_of_what_is_the_nominal_model_or_as_good(z: np.ndarray) 
     assert nothing_added(QUANTITIES, z, _rows(nominal=0.02, augmented=0.0201), beside=False) == ""
     assert nothing_added(QUANTITIES, z, [], beside=False) == ""
     assert nothing_added((), np.zeros(0), [], beside=True) == ""
+
+
+@pytest.mark.parametrize(
+    ("train", "held", "flies"),
+    [(0.9, 0.9, False), (1.5, 0.9, True), (0.9, 59.0, True), (np.nan, np.nan, False)],
+)
+@pytest.mark.parametrize("still", [False, True])
+def test_a_free_run_that_leaves_more_than_recordings_vary_is_astray(
+    train: float, held: float, flies: bool, still: bool
+) -> None:
+    """Closed form: a swing of 1 rad has a standard deviation of 1 / √2 rad, and two that are unrelated lie 1 rad apart (RMS)."""
+    swing = np.sin(np.linspace(0.0, 40.0 * np.pi, 4000, endpoint=False))
+    values = np.stack([swing, np.full(4000, 0.3)])
+    values[0, 5] = np.nan
+    window = SimpleNamespace(run=0, first=0, last=4000)
+    outcome: Any = SimpleNamespace(
+        nominal=SimpleNamespace(windows=[window]), held_windows=[window],
+        problem=SimpleNamespace(runs=[SimpleNamespace(values=values)]),
+    )  # fmt: skip
+    # A joint that stands still is left by more than it varies by any model that is not exact.
+    rows = [{"unit": "rad", "nominal": {"train_rmse": 0.0, "heldout_rmse": 0.0}} for _ in range(2)]
+    rows[int(still)] = {"unit": "rad", "nominal": {"train_rmse": train, "heldout_rmse": held}}
+    assert astray(outcome, rows) == flies
+
+
+@pytest.mark.parametrize(("bend", "inside"), [(2.9, True), (-3.1, False)])
+def test_quantities_are_within_their_tolerances_up_to_three_deviations(bend: float, inside: bool) -> None:
+    windows = ("all",)
+    empty = SimpleNamespace(x=np.array([0.1, bend]), windows=windows)
+    outcome: Any = SimpleNamespace(
+        empty=empty, training=SimpleNamespace(windows=windows), predictor=SimpleNamespace(nominal=QUANTITIES)
+    )
+    assert within_tolerances(outcome) == inside

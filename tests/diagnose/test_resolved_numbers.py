@@ -109,5 +109,8 @@ def test_digits_are_written_out_up_to_a_thousand_million() -> None:
 
 
 def test_all_of_a_mismatch_is_never_said_to_be_removed_where_something_is_left() -> None:
-    assert [percent(share) for share in (0.83, 0.9978, 0.9999678, 1.0)] == ["83 %", "99.8 %", "99.997 %", "100 %"]
+    assert [percent(share) for share in (0.83, 0.9978, 1.0)] == ["83 %", "99.8 %", "100 %"]
+    # What a free run that flies off leaves has no size, so that further digits would say nothing.
+    assert [percent(share) for share in (0.9996, 0.99999999995)] == ["more than 99.9 %"] * 2
+    assert percent(0.9994) == "99.9 %"
     assert [percent(share) for share in (1.285, -1365.0)] == ["130 %", "-140,000 %"]

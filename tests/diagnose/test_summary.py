@@ -12,6 +12,7 @@ from harness.diagnose.answer.explain import Foretold, left_in_words, summary
 from harness.diagnose.answer.left_out import AtJoint, LeftOut
 from harness.diagnose.claims.conclude import Conclusion
 from harness.diagnose.claims.cut_short import UNCRITICISED, UNJUDGED
+from harness.diagnose.criticism.left_force import Place
 from harness.diagnose.criticism.remainder import Remains
 from harness.diagnose.problem.hypothesis import Hypothesis
 
@@ -198,3 +199,36 @@ def test_a_force_larger_than_what_acts_there_is_told_in_times_of_it() -> None:
     large = LeftOut((AtJoint("servo", 3.5, "N*m", 1.285, 0.056),), None)
     (told,) = left_in_words(large, Foretold(), "the noise")
     assert "3.5 N·m at servo, 1.3 times the largest that gravity or inertia make there" in told
+
+
+@pytest.mark.parametrize(("left", "noise"), [(None, "the noise"), (LEFT, "the sensors' noise")])
+def test_what_the_tolerances_allow_is_told_where_nothing_else_is(left: LeftOut | None, noise: str) -> None:
+    nothing, friction = _conclusion("unexplained"), ["dry friction at servo"]
+    within = (
+        f"leaves the recordings by 17.8 times {noise} (within its tolerances it leaves 1.1 times {noise}), and nothing"
+    )
+    assert within in summary(nothing, 17.8, [], [], Foretold(1.1), None, left, within=1.09)
+    assert "tolerances" not in summary(nothing, 17.8, [], [], Foretold(1.1), None, left, within=9.0)
+    told = summary(_conclusion("partly_explained"), 17.8, friction, [], Foretold(1.1), None, left, within=1.09)
+    assert "tolerances" not in told
+
+
+@pytest.mark.parametrize("left", [None, LEFT])
+def test_a_model_that_flies_off_is_said_not_to_follow_the_recordings(left: LeftOut | None) -> None:
+    """How far it has got by the end is no size of anything."""
+    friction = ["dry friction at gear"]
+    text = summary(
+        _conclusion("partly_explained"), 1.16e6, friction, [], Foretold(1500.0), 0.99999995, left, astray=True
+    )
+    assert text.startswith(
+        "The nominal model does not follow the recordings, which it leaves by more than they vary; dry friction at gear holds up "
+    )
+    assert "1,160,000" not in text and "99.99" not in text
+    assert ("removes more than 99.9 % of the mismatch there" in text) == (left is not None)
+
+
+def test_most_of_what_is_left_begins_a_sentence() -> None:
+    left = LeftOut(LEFT.joints, Place("pivot", "moving forwards", 0.9998, 0.33))
+    assert left_in_words(left, Foretold(), "the noise")[-1] == (
+        "More than 99.9 % of it lies at pivot moving forwards, in 33 % of the time."
+    )

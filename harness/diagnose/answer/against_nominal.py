@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from harness.diagnose.answer.constants import (
+    ASTRAY_RATIO,
     BENT_BESIDE_FINDINGS,
     BETTER_NOMINAL_ERROR,
     MOST_BENT_NAMED,
@@ -15,6 +16,7 @@ from harness.diagnose.answer.constants import (
     TOLD_BEND,
 )
 from harness.diagnose.problem.hypothesis import Array, Nominal, bent_by
+from harness.diagnose.selection.outcome import Outcome, trained
 from harness.recording.units import written
 
 Row = Mapping[str, Any]
@@ -30,6 +32,29 @@ def worse_than_nominal(rows: Sequence[Row], model: str, better: float) -> Row | 
     if not nominal < better * own:
         return None
     return max(rows, key=lambda r: (r[model]["heldout_rmse"] - r["nominal"]["heldout_rmse"]) / r["noise_floor"])
+
+
+def within_tolerances(outcome: Outcome) -> bool:
+    """Whether the nominal model's quantities, fitted by themselves, stay where their tolerances let them."""
+    z = trained(outcome, outcome.empty).x[: len(outcome.predictor.nominal)]
+    return bool(np.all(np.abs(z) <= OUTSIDE_TOLERANCE))
+
+
+def astray(outcome: Outcome, rows: Sequence[Row]) -> bool:
+    """Whether the nominal model, of the recordings that are fitted or held out, leaves more of a channel than these vary.
+
+    rows: of ``fit``, in the order of the channels. A joint may be held still: variation is the most of all channels of a unit.
+    """
+    for windows, error in ((outcome.nominal.windows, "train_rmse"), (outcome.held_windows, "heldout_rmse")):
+        varies: dict[str, float] = {}
+        for c, row in enumerate(rows):
+            read = np.concatenate([outcome.problem.runs[w.run].values[c, w.first : w.last] for w in windows])
+            read = read[np.isfinite(read)]
+            if len(read):
+                varies[row["unit"]] = max(varies.get(row["unit"], 0.0), float(np.std(read)))
+        if any(row["nominal"][error] > ASTRAY_RATIO * varies.get(row["unit"], np.inf) for row in rows):
+            return True
+    return False
 
 
 def beyond_nominal(row: Row, model: str) -> str:

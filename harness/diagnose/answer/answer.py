@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.diagnose.answer.against_nominal import beside_findings, nothing_added
+from harness.diagnose.answer.against_nominal import astray, beside_findings, nothing_added, within_tolerances
 from harness.diagnose.answer.augmented import augmented
 from harness.diagnose.answer.claims_as_data import finding_rows, plainer_rivals, rivals_as_data, units_of
 from harness.diagnose.answer.constants import INTERVALS_SHARE, PREDICTING_SHARE, REPLAY_TIME
@@ -193,7 +193,10 @@ def _summary(
     rows: Sequence[dict[str, Any]], grades: dict[str, str], left: LeftOut | None,
 ) -> str:  # fmt: skip
     """The answer in plain words; rows: of every channel, how well it is fitted and foretold."""
-    severity = max((row["nominal"]["train_rmse"] / row["noise_floor"] for row in rows), default=np.nan)
+    severity, refitted = (
+        max((row[model]["train_rmse"] / row["noise_floor"] for row in rows), default=np.nan)
+        for model in ("nominal", "refitted")
+    )
     titles = [
         (
             c.candidate,
@@ -221,7 +224,8 @@ def _summary(
     ]
     return summary(
         conclusion, severity, firm, rivals, Foretold.worst(rows), explained_share(rows), left, possible,
-        beside=len(firm) < len(titles),
+        beside=len(firm) < len(titles), within=refitted if rows and within_tolerances(outcome) else None,
+        astray=astray(outcome, rows),
     )  # fmt: skip
 
 

@@ -20,6 +20,13 @@ PLAINLY_BETTER_ERROR = 0.9
 # of the error on data held out; from there on the nominal model is told to predict better than what is told as augmented; chosen:
 # a tenth more is not passed over in silence where a table shows it
 BETTER_NOMINAL_ERROR = 0.95
+# of the nominal model's error; that it must leave at most with its quantities fitted within their tolerances to be told of; chosen
+WITHIN_TOLERANCES_SHARE = 0.5
+# of a channel's standard deviation (RMS); from which on a model does not follow it: an error of the same size that has nothing to
+# do with it leaves so much; closed form: √(1 + 1)
+ASTRAY_RATIO = 2.0**0.5
+# of what was to be explained; above which no more digits are told: what a model that goes astray leaves has no size; chosen
+NEARLY_ALL_SHARE = 0.9995
 # standard deviations of its tolerance; beyond which a nominal quantity is not said to be adjusted as that allows; closed form: of
 # 370 quantities of a model whose tolerances are right one lies farther
 OUTSIDE_TOLERANCE = 3.0

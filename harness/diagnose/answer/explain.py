@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import floor, log10
 from typing import Any, NamedTuple
 
 from harness.diagnose.answer.against_nominal import beyond_nominal, worse_than_nominal
-from harness.diagnose.answer.constants import PLAINLY_BETTER_ERROR, POSSIBLY_EXPLAINED_SHARE, TELLING_GAIN_SHARE
+from harness.diagnose.answer.constants import (
+    NEARLY_ALL_SHARE,
+    PLAINLY_BETTER_ERROR,
+    POSSIBLY_EXPLAINED_SHARE,
+    TELLING_GAIN_SHARE,
+    WITHIN_TOLERANCES_SHARE,
+)
 from harness.diagnose.answer.left_out import LeftOut
 from harness.diagnose.answer.significant_digits import estimate
 from harness.diagnose.answer.taken_away import none_left
@@ -22,14 +27,12 @@ from harness.recording.units import written
 VERDICTS = {
     "consistent": "The model and the recordings agree: what is left is at the level of the noise, and no effect of the catalogue "
     "earns a place.",
-    "explained": "The nominal model leaves the recordings {severity}; with {names} the residual is at the noise floor, {held}.",
-    "partly_explained": "The nominal model leaves the recordings {severity}; {names} {hold} up on data held out, but {rest}.",
-    "unexplained": "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place.",
+    "explained": "The nominal model {leaves}; with {names} the residual is at the noise floor, {held}.",
+    "partly_explained": "The nominal model {leaves}; {names} {hold} up on data held out, but {rest}.",
+    "unexplained": "The nominal model {leaves}, and nothing in the catalogue earns its place.",
 }
-NONE_FOR_CERTAIN = (
-    "The nominal model leaves the recordings {severity}, and nothing in the catalogue earns its place for certain."
-)
-NONE_SO_FAR = "The nominal model leaves the recordings {severity}, and nothing has earned its place so far."
+NONE_FOR_CERTAIN = "The nominal model {leaves}, and nothing in the catalogue earns its place for certain."
+NONE_SO_FAR = "The nominal model {leaves}, and nothing has earned its place so far."
 POSSIBLY = "Possibly it is {names}: that would remove {share} of the mismatch on data held out, but {doubt}."
 UNNAMED_COULD = "a force over position and speed that nobody has named could do the same"
 UNWEIGHED = "what else could do the same has not been gone through"
@@ -39,7 +42,7 @@ UNSURE = "that it is this, and not something that does nearly the same, is not s
 # The same where the time was up before that could be said.
 CUT_SHORT = {
     UNSEARCHED: "Nothing significant has been found missing so far, but not all was tried: that does not prove the model right.",
-    UNJUDGED: "The nominal model leaves the recordings {severity}. {best}; {judged}, so nothing is claimed.",
+    UNJUDGED: "The nominal model {leaves}. {best}; {judged}, so nothing is claimed.",
 }
 
 
@@ -89,20 +92,24 @@ class Foretold(NamedTuple):
 def summary(
     conclusion: Conclusion, severity: float, findings: Sequence[str], rivals: Sequence[str], foretold: Foretold,
     explained: float | None = None, left: LeftOut | None = None, possible: Sequence[str] = (), *, beside: bool = False,
+    within: float | None = None, astray: bool = False,
 ) -> str:  # fmt: skip
     """The paragraph.
 
     severity: greatest error of the nominal model over all channels [standard deviations of noise]; foretold: on data held out.
     explained: share of the mismatch there that all in the table removes. left: the force that it leaves out. possible: plain laws
     that may be told where nothing is found for certain. beside: whether the table has what is only possible beside the findings.
+    within: ``severity`` once the nominal model's quantities are fitted within their tolerances. astray: whether it leaves the
+    recordings by more than they vary.
     """
+    noise = "the noise" if left is None else "the sensors' noise"
+    leaves = _leaves(severity, noise, None if findings else within, astray=astray)
     if left is not None:
         return " ".join(
-            [*_beside_a_force(conclusion, severity, findings, foretold, explained, left, possible, beside), *rivals]
+            [*_beside_a_force(conclusion, leaves, findings, foretold, explained, left, possible, beside), *rivals]
         )
-    size = _by(severity, "the noise")
-    if severity <= 1.05:
-        size = "by less than the noise, but significantly"
+    if severity <= 1.05 and not astray:
+        leaves = "leaves the recordings by less than the noise, but significantly"
     rest = "a significant remainder stays"
     if not conclusion.remains.significant and not conclusion.doubted:
         rest = f"these are not yet predicted down to the noise ({times(conclusion.level, 2)} times it)"
@@ -114,8 +121,8 @@ def summary(
         alone = f"their likeliest values alone predict those to {times(foretold.times, 2)} times the noise"
         held = f"also on data held out, as far as the training recordings fix the numbers; {alone}"
     elif foretold.times > COMPLETE_RESIDUAL_RATIO:
-        within = f"they are predicted to {times(foretold.times, 2)} times the noise"
-        held = f"on data held out if fitted to them too; without that, {within}"
+        without = f"they are predicted to {times(foretold.times, 2)} times the noise"
+        held = f"on data held out if fitted to them too; without that, {without}"
     if conclusion.cut_short == UNCRITICISED:
         rest = "what is left has not been examined to the end"
     names = " and ".join(findings)
@@ -126,7 +133,7 @@ def summary(
         text = _nothing_for_certain(conclusion, possible, explained, UNWEIGHED if conclusion.hurried else UNSURE)
     elif conclusion.hurried and text == VERDICTS["unexplained"]:
         text = NONE_SO_FAR
-    text = text.format(**_so_far(conclusion, explained), severity=size, names=names, hold=hold, rest=rest, held=held)
+    text = text.format(**_so_far(conclusion, explained), leaves=leaves, names=names, hold=hold, rest=rest, held=held)
     if rivals:
         text += " " + " ".join(rivals)
     if conclusion.only_held:
@@ -149,18 +156,17 @@ def summary(
 
 
 def _beside_a_force(
-    conclusion: Conclusion, severity: float, findings: Sequence[str], foretold: Foretold, explained: float | None, left: LeftOut,
+    conclusion: Conclusion, leaves: str, findings: Sequence[str], foretold: Foretold, explained: float | None, left: LeftOut,
     possible: Sequence[str], beside: bool,
 ) -> list[str]:  # fmt: skip
     """Sentences where the model leaves a force out that is more than noise: what is explained, what is left, where that lies."""
-    size = _by(severity, "the sensors' noise")
     if findings:
-        text = f"The nominal model leaves the recordings {size}; {holding_up(findings, explained, beside=beside)}."
+        text = f"The nominal model {leaves}; {holding_up(findings, explained, beside=beside)}."
     elif conclusion.cut_short == UNJUDGED:
-        text = CUT_SHORT[UNJUDGED].format(**_so_far(conclusion, explained, beside=True), severity=size)
+        text = CUT_SHORT[UNJUDGED].format(**_so_far(conclusion, explained, beside=True), leaves=leaves)
     else:
         doubt = UNWEIGHED if conclusion.cut_short else UNNAMED_COULD
-        text = _nothing_for_certain(conclusion, possible, explained, doubt).format(severity=size)
+        text = _nothing_for_certain(conclusion, possible, explained, doubt).format(leaves=leaves)
     sentences = [text, *left_in_words(left, foretold, "the sensors' noise")]
     differing = [f"{one.between:.2g} {written(one.unit)} at {one.joint}" for one in left.joints if one.between > 0.0]
     if differing:
@@ -211,9 +217,19 @@ def _possibly(possible: Sequence[str], explained: float | None, doubt: str) -> s
     return " " + POSSIBLY.format(names=" and ".join(possible), share=percent(explained), doubt=doubt)
 
 
-def _by(severity: float, noise: str) -> str:
-    """By how much a model leaves recordings; nan where time was up before errors were worked out."""
-    return f"by {times(severity)} times {noise}" if severity >= 0.0 else "to an extent that has not been worked out"
+def _leaves(severity: float, noise: str, within: float | None, *, astray: bool) -> str:
+    """By how much the nominal model leaves recordings; ``severity`` is nan where time was up before errors were worked out.
+
+    Of one that goes astray, a number would only tell how far it has got. What its tolerances allow is told where they allow most.
+    """
+    text = "leaves the recordings to an extent that has not been worked out"
+    if astray:
+        text = "does not follow the recordings, which it leaves by more than they vary"
+    elif severity >= 0.0:
+        text = f"leaves the recordings by {times(severity)} times {noise}"
+    if within is not None and within < WITHIN_TOLERANCES_SHARE * severity:
+        text += f" (within its tolerances it leaves {times(within, 2)} times {noise})"
+    return text
 
 
 def holding_up(findings: Sequence[str], explained: float | None, *, beside: bool = False) -> str:
@@ -251,8 +267,9 @@ def left_in_words(left: LeftOut, foretold: Foretold, noise: str) -> list[str]:
             f"Against what else acts at a joint, most is left at {force.joint}: {size}, {share}, {kept}.",
         ]
     if left.place is not None:
+        share = percent(left.place.share)
         sentences.append(
-            f"{percent(left.place.share)} of it lies at {left.place.joint} {left.place.where}, in "
+            f"{share[:1].upper()}{share[1:]} of it lies at {left.place.joint} {left.place.where}, in "
             f"{percent(left.place.of_time)} of the time."
         )
     return sentences
@@ -313,9 +330,9 @@ def listed(words: Sequence[str]) -> str:
 
 def percent(share: float) -> str:
     """A share in per cent; what is more than all of it is told as such, and all never where something is left."""
-    if share < 0.995 or share >= 1.0:
-        return f"{float(f'{100.0 * share:.2g}'):,.12g} %"
-    return f"{100.0 * share:.{-floor(log10(100.0 * (1.0 - share)))}f} %"
+    if NEARLY_ALL_SHARE < share < 1.0:
+        return "more than 99.9 %"
+    return f"{100.0 * share:.1f} %" if 0.995 <= share < 1.0 else f"{float(f'{100.0 * share:.2g}'):,.12g} %"
 
 
 def untried(not_tried: Sequence[NotTried]) -> str:
